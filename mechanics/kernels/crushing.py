@@ -3,16 +3,14 @@
 A fibre of the bed at s is pressed in by p = −w. It bears at most the strength σ; what it is pressed in beyond σ/k
 stays:
 
-    f = min(σ, k⟨p − r⟩)      r(s) = max(0, q₁(s), q₂(s))      q = p − σ/k when an end was pressed in the most
+    f = min(σ, k⟨p − r⟩)      r(s) = max(0, q₁(s), q₂(s), q₃(s))      q = p − σ/k when a place was pressed in the most
 
-A line q is remembered for either end: that of the moment at which the end was pressed in the farthest. Loads that grow
-find the bed that they left, and one that has been let go touches where it is left. Where r has a kink the bed is
-divided; on each part f is the difference of two beds without strength, k⟨p − r⟩ − k⟨p − r − σ/k⟩.
+A line q is remembered for either end and for the middle: that of the moment at which it was pressed in the farthest.
+Loads that grow find the bed that they left, and one that has been let go touches where it is left. Where r has a kink
+the bed is divided; on each part f is the difference of two beds without strength, k⟨p − r⟩ − k⟨p − r − σ/k⟩.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
@@ -24,61 +22,65 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
 
-PARTS = 4  # of a bed, at most
+LINES = 3  # that are remembered: of both ends and of the middle
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements under given forces, and halvings of one
 UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
 @compiled
-def _zero(first: float, second: float, half: float) -> float:
-    """Where a line with these values at the ends of a bed is zero; its second end if it is nowhere within."""
-    return half * (first + second) / (first - second) if first * second < 0.0 else half
+def _line(number: int, half: float, left: Array) -> tuple[float, float]:
+    """A line q in the middle of a bed, m, and its slope; behind those that are remembered, zero."""
+    if number == LINES:
+        return 0.0, 0.0
+    first, second = left[2 * number], left[2 * number + 1]
+    return 0.5 * (first + second), 0.5 * (second - first) / half
 
 
 @compiled
-def divide(half: float, left: Array) -> tuple[float, float, float]:
-    """Where r has its kinks, in order; `left` (4,) m: q₁ at both ends, then q₂."""
-    a, b = _zero(left[0], left[1], half), _zero(left[2], left[3], half)
-    c = _zero(left[0] - left[2], left[1] - left[3], half)
-    low, high = min(a, b), max(a, b)
-    return min(low, c), max(low, min(high, c)), max(high, c)
+def highest(s: float, half: float, left: Array) -> int:
+    """Which line is r at s; the steepest one of several."""
+    found, most, steepest = LINES, 0.0, 0.0
+    for number in range(LINES):
+        middle, slope = _line(number, half, left)
+        there = middle + slope * s
+        if there > most or (there == most and slope > steepest):
+            found, most, steepest = number, there, slope
+    return found
 
 
 @compiled
-def remains(s: float, half: float, left: Array) -> tuple[float, float]:
-    """What is left at s, r, and its slope there."""
-    residual, slope = 0.0, 0.0
-    for line in range(0, 4, 2):
-        along = 0.5 * (left[line + 1] - left[line]) / half
-        there = 0.5 * (left[line] + left[line + 1]) + along * s
-        if there > residual:
-            residual, slope = there, along
-    return residual, slope
-
-
-@compiled
-def part(number: int, half: float, kinks: Any, left: Array) -> tuple[float, float, float, float]:
-    """Middle and half-length of a part of a bed, r in its middle and its slope there."""
-    low = -half if number == 0 else kinks[number - 1]
-    high = half if number == PARTS - 1 else kinks[number]
-    middle = 0.5 * (low + high)
-    residual, slope = remains(middle, half, left)
-    return middle, 0.5 * (high - low), residual, slope
+def following(line: int, half: float, left: Array) -> tuple[float, int]:
+    """Where a line ceases to be r, m, and the line that is r from there on; the end of the bed if none is."""
+    middle, slope = _line(line, half, left)
+    end, found, steepest = half, line, slope
+    for number in range(LINES + 1):
+        other, along = _line(number, half, left)
+        if along > slope:
+            s = (middle - other) / (along - slope)
+            if s < end or (s == end and found != line and along > steepest):
+                end, found, steepest = s, number, along
+    return max(end, -half), found
 
 
 @compiled
 def crushed(
     u: float, phi: float, half: float, stiffness: float, strength: float, left: Array
 ) -> tuple[float, float, float, float, float]:
-    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a bed that bears at most the `strength`, kN/m; `left` (4,): see divide."""
-    yields, kinks = strength / stiffness, divide(half, left)
+    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a bed that bears at most the `strength`, kN/m.
+
+    `left` (6,) m: each line q at both ends of the bed.
+    """
+    yields, low, line = strength / stiffness, -half, highest(-half, half, left)
     n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
-    for number in range(PARTS):
-        s, h, residual, slope = part(number, half, kinks, left)
+    while low < half:
+        middle, slope = _line(line, half, left)
+        high, line = following(line, half, left)
+        s, h = 0.5 * (low + high), 0.5 * (high - low)
+        low = high
         if h <= 0.0:
             continue
-        w, turn = u + phi * s + residual, phi + slope
+        w, turn = u + phi * s + middle + slope * s, phi + slope
         less, more = stiffened(w, turn, h, stiffness), stiffened(w + yields, turn, h, stiffness)
         pn, pm, p0, p1, p2 = (
             less[0] - more[0], less[1] - more[1], less[2] - more[2], less[3] - more[3], less[4] - more[4],
@@ -94,23 +96,28 @@ def worked(u: float, phi: float, half: float, stiffness: float, strength: float,
 
     Where no fibre is pressed in beyond r + σ/k it is stored.
     """
-    yields, kinks, total = strength / stiffness, divide(half, left), 0.0
-    for number in range(PARTS):
-        s, h, residual, slope = part(number, half, kinks, left)
+    yields, low, line, total = strength / stiffness, -half, highest(-half, half, left), 0.0
+    while low < half:
+        middle, slope = _line(line, half, left)
+        high, line = following(line, half, left)
+        s, h = 0.5 * (low + high), 0.5 * (high - low)
+        low = high
         if h > 0.0:
-            w, turn = u + phi * s + residual, phi + slope
+            w, turn = u + phi * s + middle + slope * s, phi + slope
             total += stored(w, turn, h, stiffness) - stored(w + yields, turn, h, stiffness)
     return total
 
 
 @compiled
 def leave(u: float, phi: float, half: float, stiffness: float, strength: float, left: Array) -> None:
-    """Remember in `left` (4,) that the bed has been pressed to gaps u + φs, for ends that never were so far."""
+    """Remember in `left` (6,) that the bed has been pressed to gaps u + φs, for places that never were so far."""
     q1, q2 = half * phi - u - strength / stiffness, -half * phi - u - strength / stiffness
     if q1 > left[0]:
         left[0], left[1] = q1, q2
     if q2 > left[3]:
         left[2], left[3] = q1, q2
+    if q1 + q2 > max(left[4] + left[5], 0.0):
+        left[4], left[5] = q1, q2
 
 
 @compiled
@@ -121,8 +128,8 @@ def under(
     n, m = n1 + n2, half * (n2 - n1)
     w1, w2 = closures(n1, n2, 1.0 / (2.0 * half * stiffness))
     u, phi = 0.5 * (w1 + w2), 0.5 * (w2 - w1) / half
-    residual, slope = remains(m / n, half, left)  # as if all of it were on the line there
-    u, phi = u - (residual - slope * m / n), phi - slope
+    middle, slope = _line(highest(m / n, half, left), half, left)  # as if that were r everywhere
+    u, phi = u - middle, phi - slope
     for _ in range(NEWTON):
         f, p, c0, c1, c2 = crushed(u, phi, half, stiffness, strength, left)
         rn, rp = f - n, (p - m) / half

@@ -4,5 +4,5 @@
 # strength, kN/m (inf: none); segments of a bed of points (0: exact); lines, m, that a bed of finite
 # strength remembers of having been crushed, two values each (crushing)
 FRICTION, SHEAR, BED, SLID, STRENGTH, SEGMENTS, LEFT = range(7)
-LAW = 10
+LAW = 12
 CRUSHED = 0.99  # of the strength: the force of a joint that is crushed, of a tie that yields

@@ -35,7 +35,7 @@ class State:
     `velocities` (b, 3): m/s and rad/s. `shear` (j,): tangential forces (kN) in the springs of the drawn joints; `met`
     (k, 3): the same for faces that came into contact, by their two edges. `carrying` (j,): which drawn joints carry in
     the equilibrium of this state; rigid ones count as closed whatever gap dilatant sliding has left. None: the state is
-    not from an equilibrium. `lengthened` (t,): by how much each tie has yielded, m; None: not at all. `beds` (k, 7):
+    not from an equilibrium. `lengthened` (t,): by how much each tie has yielded, m; None: not at all. `beds` (k, 9):
     what elastic contacts remember of a motion, by their two edges (kernels.dynamics.motion: SUNK and REMAINS).
     """
 

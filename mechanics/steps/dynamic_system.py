@@ -197,7 +197,7 @@ class DynamicSystem:
         )
 
     def remembered(self, motion: Motion) -> Array:
-        """Return what the beds remember at the end of a motion, as the `beds` (k, 7) of a state."""
+        """Return what the beds remember at the end of a motion, as the `beds` (k, 9) of a state."""
         return np.column_stack([self.contacts.edges, motion.joints[:, BEDS]])
 
     def _recall(self, beds: Array, places: Array, joints: Array) -> None:

@@ -37,7 +37,7 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, TIED, H, U, V, place
-from mechanics.kernels.law import BED, FRICTION, LEFT, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, FRICTION, LAW, LEFT, SHEAR, SLID, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -89,7 +89,10 @@ def _begins(
     low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
     first, second = 1.0, 1.0  # factors of the gaps of the ends
     left = joint[REMAINS:]
-    bare_low, bare_high = low + max(left[0], left[2], 0.0), high + max(left[1], left[3], 0.0)
+    bare_low, bare_high = (
+        low + max(left[0], left[2], left[4], 0.0),
+        high + max(left[1], left[3], left[5], 0.0),
+    )
     if min(bare_low, bare_high) < 0.0:
         first, second = closed, closed
         side = 1.0 if bare_high > bare_low else -1.0
@@ -98,7 +101,7 @@ def _begins(
             first, second = (1.0, closed) if bare_high < bare_low else (closed, 1.0)
         low, high = first * low, second * high
         p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / p[H]
-    for line in range(0, 4, 2):
+    for line in range(0, LAW - LEFT, 2):
         law[LEFT + line], law[LEFT + line + 1] = first * left[line], second * left[line + 1]
 
 

@@ -11,7 +11,7 @@ from mechanics.kernels.crushing import crushed, leave, softness, under, worked
 from tests.mechanics.kernels.test_bed import displacements, ends_of, halves, stiffnesses, turns
 
 STRENGTH, FIBRES = 1.0, 20_000
-NONE = np.zeros(4)
+NONE = np.zeros(6)
 pressings = st.lists(st.tuples(st.floats(0.1, 4.0), turns), max_size=3)
 
 
@@ -60,6 +60,25 @@ def test_forces_are_those_of_fibres_that_yield(half, k, turn, over, before):
 
 
 @settings(deadline=None, max_examples=60)
+@given(
+    half=halves,
+    k=stiffnesses,
+    turn=turns,
+    over=st.floats(0.05, 5.0),
+    lines=st.lists(st.floats(-4.0, 4.0), min_size=6, max_size=6),
+)
+def test_forces_beside_any_three_lines(half, k, turn, over, lines):
+    fibres, left = Fibres(half, k), np.array(lines) * STRENGTH / k
+    for first, second in left.reshape(3, 2):
+        line = 0.5 * (first + second) + 0.5 * (second - first) * fibres.s / half
+        fibres.residual = np.maximum(fibres.residual, line)
+    u, phi = pressed_to(half, k, over, turn)
+    n, p = fibres.press(u, phi)
+    found = crushed(u, phi, half, k, STRENGTH, left)
+    assert found[:2] == (pytest.approx(n, abs=1e-5 * half), pytest.approx(p, abs=1e-5 * half**2))
+
+
+@settings(deadline=None, max_examples=60)
 @given(half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 5.0), before=pressings)
 def test_forces_are_minus_the_gradient_of_the_work(half, k, turn, over, before):
     left = NONE.copy()
@@ -88,12 +107,12 @@ def test_a_bed_stays_as_it_has_been_pressed(half, k, turn, over):
     assert crushed(u + STRENGTH / k, phi, half, k, STRENGTH, left)[0] == pytest.approx(0.0, abs=1e-9 * half)
 
 
-def test_each_end_keeps_the_line_of_its_deepest_pressing():
-    """Pressed at one end, then at the other, then less at the first: both stay."""
+def test_ends_and_middle_keep_the_lines_of_their_deepest_pressings():
+    """Pressed at one end, then at the other, then flat, and less at the first: all three stay."""
     half, k, left = 0.5, 1e3, NONE.copy()
-    for u, phi in ((-2e-3, -8e-3), (-2e-3, 8e-3), (-1.5e-3, -8e-3)):
+    for u, phi in ((-2e-3, -8e-3), (-2e-3, 8e-3), (-4e-3, 0.0), (-3.5e-3, -3e-3)):
         leave(u, phi, half, k, STRENGTH, left)
-    assert left == pytest.approx([5e-3, -3e-3, -3e-3, 5e-3])
+    assert left == pytest.approx([5e-3, -3e-3, -3e-3, 5e-3, 3e-3, 3e-3])
 
 
 @settings(deadline=None, max_examples=60)
@@ -127,10 +146,12 @@ def test_gaps_are_those_that_the_forces_need(half, k, eccentricity, used, before
 
 @pytest.mark.parametrize(("eccentricity", "used"), [(0.994, 0.985), (-0.995, 0.83), (-0.97, 0.97)])
 def test_gaps_are_found_beside_what_is_crushed_deep(eccentricity, used):
-    """Between lines of hundreds of σ/k, near the bound: a search that began on both ends' lines ended in their middle."""
+    """By lines of hundreds of σ/k, near the bound: a search that began on both ends' lines ended in their middle."""
     half, k = 1.5, 1e6
     yields = STRENGTH / k
-    left = yields * np.array([10.0, 2.0, -320.0, 503.0] if eccentricity > 0.0 else [503.0, -320.0, 2.0, 10.0])
+    left = yields * np.array([10.0, 2.0, -320.0, 503.0, 0.0, 0.0])
+    if eccentricity < 0.0:
+        left[:4] = left[3::-1].copy()
     n1, n2 = ends_of(eccentricity, used * 2.0 * half * STRENGTH * (1.0 - abs(eccentricity)))
     n, p = crushed(*displacements(half, under(n1, n2, half, k, STRENGTH, left)), half, k, STRENGTH, left)[:2]
     assert n == pytest.approx(n1 + n2, rel=1e-9)

@@ -14,6 +14,7 @@ from mechanics import Assembly, Block, Material
 from mechanics.kernels.bed import pressed, stored
 from mechanics.kernels.crushing import crushed
 from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, CURVED, MU, MV, PHI, H, U, V, curvature
+from mechanics.kernels.law import LAW, LEFT
 from mechanics.model.contacts import Contacts, deformation, end_gaps, end_points, rows
 from mechanics.steps.static_step import lay_shear
 from mechanics.types import Array
@@ -159,7 +160,7 @@ def test_forces_on_blocks_are_the_gradient_of_the_energy_and_stiffness_the_secon
         spring[[0, -1]] *= 0.5
         c = [spring @ s**power for power in range(3)]
     else:
-        n, p, *c = crushed(u, phi, half, k, min(strength, 1e3 * k), np.zeros(4))
+        n, p, *c = crushed(u, phi, half, k, min(strength, 1e3 * k), np.zeros(LAW - LEFT))
     forces = np.array([n, p, -K_SHEAR * v])
     size = abs(forces).max() + k * 1e-6
     assert -derivative(energy, 1e-6) == pytest.approx(forces @ joint.rows, abs=1e-5 * size)
