@@ -244,11 +244,13 @@ BENCHMARKS: dict[str, Benchmark[Any]] = {
     ),
     "sliding": Benchmark(
         "capacity curves of rigid joints by both laws of sliding: α_0, and where they end by twelve variants that may "
-        "not matter: five increments, corners moved by rounding, other units of length and weight, another origin.",
+        "not matter: five increments, corners moved by rounding, other units of length and weight, another origin; "
+        "then by multiples of the increment, four each, whose corners are moved by rounding.",
         sliding.sliding,
         plain(
             CASE,
             ("law", "sliding", str),
+            ("factor", "increment", lambda value: f"× {value:g}"),
             ("alpha", "α_0", lambda value: f"{value:.5f}"),
             ("least_m", "least end, m", lambda value: f"{value:.5f}"),
             ("median_m", "median", lambda value: f"{value:.5f}"),

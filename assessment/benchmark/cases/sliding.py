@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,6 +18,7 @@ from mechanics.steps.static_system import Sliding
 
 LAWS: tuple[Sliding, ...] = ("associative", "coulomb")
 FACTORS = tuple(np.linspace(*ENSEMBLE.increments, 5))  # of the increment
+COARSENESS = (0.5, 0.7, 1.0, 1.4, 2.0)  # times the increment: cost and scatter at each
 SEEDS = range(3)  # of moved corners
 
 
@@ -58,9 +59,13 @@ def cases(quick: bool) -> list[Case]:
 
 @dataclass(frozen=True, kw_only=True)
 class Ends(Row):
-    """α_0 under a law of sliding, and least, median and largest end (m) of the curves of all variants solved."""
+    """α_0 under a law of sliding, and least, median and largest end (m) of the curves of all variants solved.
+
+    `factor`: of the increment, with corners moved by rounding; None: all variants.
+    """
 
     law: Sliding
+    factor: float | None = None
     blocks: int
     alpha: float
     least_m: float = np.nan
@@ -72,10 +77,16 @@ class Ends(Row):
 
 
 def sliding(quick: bool) -> Iterator[Ends]:
-    """A row for each case and law: α_0, where the curve ends over its variants, and time a curve."""
+    """A row for each case and law: α_0, where the curve ends over its variants, and time a curve.
+
+    Then one for each coarseness of the increment, whose variants are corners moved by rounding.
+    """
     for case in cases(quick):
         for law in LAWS:
-            yield measured(case, law)
+            yield measured(case, law, variants(case))
+            for factor in COARSENESS:
+                some = rounded(replace(case, increment=factor * case.increment))
+                yield replace(measured(case, law, some), factor=factor)
 
 
 def variants(case: Case) -> list[tuple[float, Case]]:
@@ -97,18 +108,22 @@ def variants(case: Case) -> list[tuple[float, Case]]:
     return [
         (1.0, case),
         *((1.0, replace(case, increment=factor * case.increment)) for factor in FACTORS if factor != 1.0),
-        *((1.0, replace(case, model=shaken_corners(case.model, seed))) for seed in SEEDS),
+        *rounded(case)[1:],
         framed(1000.0, (0.0, 0.0), 1.0),
         framed(1.0, (137.3, -41.9), 1.0),
         framed(1.0, (0.0, 0.0), 37.0),
     ]
 
 
-def measured(case: Case, law: Sliding) -> Ends:
+def rounded(case: Case) -> list[tuple[float, Case]]:
+    """The case itself, and with corners moved by rounding, as variants are given."""
+    return [(1.0, case), *((1.0, replace(case, model=shaken_corners(case.model, seed))) for seed in SEEDS)]
+
+
+def measured(case: Case, law: Sliding, tried: Sequence[tuple[float, Case]]) -> Ends:
     """A row of the table: least, median and largest end (m) of the curves of all variants that are solved."""
     alpha = limit_analysis(case.model, sliding=law).alpha
     ends, seconds, failed = [], [], 0
-    tried = variants(case)
     for length, variant in tried:
         try:
             taken, curve = seconds_of(partial(variant.run, law))
