@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
 from mechanics.model.contacts import end_gaps
@@ -301,6 +302,45 @@ def test_energy_of_many_rigid_joints_is_kept_between_impacts() -> None:
         spent.append(abs(energy.dissipated).max() / energy.turnover)
     assert spent[0] < 1e-3
     assert spent[1] < 0.2 * spent[0]
+
+
+def test_moreau_jean_is_of_second_order_while_elastic_joints_stay_closed() -> None:
+    """θ = ½. A column that swings gently about the middle of its bed, ω² = (k d B³/12 − W H/2)/(m (B² + 4 H²)/12)."""
+    (width, height), stiffness, speed, duration = (0.5, 2.0), 2e6, 5e-3, 0.16
+    model = block_on_base(width, height, friction=2.0, stiffness=stiffness)
+    inertia = model.weight / 9.80665 * (width**2 + 4.0 * height**2) / 12.0
+    omega = np.sqrt((stiffness * width**3 / 12.0 - 0.5 * model.weight * height) / inertia)
+    velocities = np.zeros((2, 3))
+    velocities[1] = -0.5 * height * speed, 0.0, speed
+    start = State(time_history(model, np.zeros(2), 1e-3, "elastic").start.positions, velocities)
+    error = []
+    for step in (0.002, 0.001, 0.0005):
+        wave = np.zeros(round(duration / step) + 1)
+        motion = time_history(model, wave, step, "elastic", start, "moreau-jean")
+        turned = motion.positions[-1, 1, 2] - motion.positions[0, 1, 2]
+        error.append(abs(turned * omega / speed - np.sin(omega * duration)))
+    assert error[0] > 0.01
+    assert np.log2(np.divide(error[:-1], error[1:])) == pytest.approx(2.0, abs=0.15)
+
+
+def test_moreau_jean_between_impacts_of_a_rigid_block_is_of_nearly_second_order() -> None:
+    """θ'' = −p² sin(α − θ) about a corner. Shorter than 10 ms, where 3 · 10⁻⁶ rad are left, errors fall as the step."""
+    (width, height), speed, lean, duration = (0.6, 4.2), 0.15, 0.03, 0.48
+    model = block_on_base(width, height, friction=2.0)
+    alpha, p_squared = np.arctan(width / height), 1.5 * 9.80665 / np.hypot(width, height)
+    exact = solve_ivp(
+        lambda _, y: [y[1], -p_squared * np.sin(alpha - y[0])], (0.0, duration), [lean, speed], rtol=1e-10
+    ).y[0, -1]
+    positions, velocities = model.rotated(1, (width, 0.0), -lean).positions, np.zeros((2, 3))
+    arm = positions[1, :2] - (width, 0.0)
+    velocities[1] = -speed * np.array([-arm[1], arm[0], 1.0])
+    error = []
+    for step in (0.04, 0.01):
+        wave = np.zeros(round(duration / step) + 1)
+        motion = time_history(model, wave, step, "rigid", State(positions, velocities), "moreau-jean")
+        error.append(abs(motion.positions[-1, 1, 2] + exact))
+    assert 1e-5 < error[0] < 1e-4
+    assert np.log(error[0] / error[1]) / np.log(4.0) > 1.6
 
 
 def test_energy_balance_of_impacts_by_the_dozen() -> None:
