@@ -81,7 +81,10 @@ def sliding_spread(friction: float) -> float:
 
 @pytest.mark.parametrize("friction", [0.12, 0.15, 0.2, 0.3, 0.5])
 def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction):
-    """A corner on a flat floor is pushed by the floor's normal: points pushed it along the tilted leg's as well."""
+    """A corner on a flat floor is pushed by the floor's normal: points pushed it along the tilted leg's as well.
+
+    The spreads are by the closed form of these legs, not of other A-frames that are published.
+    """
     path = pushdown(a_frame(friction), "right", (0.02, 0.0), increment=0.02, to_collapse=True)
     feet = np.concatenate(
         [abs(step.forces[:, 2]) / np.maximum(step.forces[:, 0], 1e-9) for step in path.steps]
