@@ -136,6 +136,8 @@ SECONDS: Column = ("seconds", "processor time, s", number)
 CHAIN_COLUMNS: tuple[Column, ...] = (
     CASE,
     ("steps", "steps", str),
+    ("attempts", "attempts", str),
+    ("unsolved", "unsolved", str),
     SECONDS,
     RATIO,
     ("elapsed_s", "elapsed, s", number),
@@ -220,7 +222,8 @@ BENCHMARKS: dict[str, Benchmark[Any]] = {
     ),
     "chain": Benchmark(
         "pushdown and pushover, rigid and elastic, both states and directions, on one processor, then on all, "
-        "as whole commands are. Each analysis is in the CSV.",
+        "as whole commands are. Attempts at a step, and those that were not solved: the step was halved then. Each "
+        "analysis is in the CSV.",
         chain.chain,
         lambda rows: listed([row for row in rows if row.whole], CHAIN_COLUMNS),
     ),

@@ -7,11 +7,15 @@ import os
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
+from unittest.mock import patch
 
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.structures import assembly, template
@@ -21,8 +25,9 @@ from assessment.project.structure.model import build_model
 from assessment.runtime.processes.garbage import collect_rarely
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run
-from mechanics import pushdown, pushover
+from mechanics import ConvergenceError, pushdown, pushover
 from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures import step_control
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
@@ -33,10 +38,15 @@ CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
 
 @dataclass(frozen=True, kw_only=True)
 class Analysis(Row):
-    """An analysis, or `whole` chains and commands: processor time and time elapsed (s)."""
+    """An analysis, or `whole` chains and commands: processor time and time elapsed (s).
+
+    Of the `attempts` at a step so many were `unsolved`: the step was halved then.
+    """
 
     whole: bool = False
     steps: int | None = None
+    attempts: int | None = None
+    unsolved: int | None = None
     seconds: float = math.nan
     ratio: float = math.nan
     elapsed_s: float = math.nan
@@ -91,6 +101,8 @@ def analyses(name: str) -> Iterator[Analysis]:
         case=f"{spoken}, static chain",
         whole=True,
         steps=sum(row.steps or 0 for row in solved),
+        attempts=sum(row.attempts or 0 for row in rows),
+        unsolved=sum(row.unsolved or 0 for row in rows),
         seconds=total,
         ratio=total / baseline,
         failed=f"{failed} of {len(rows)}, and what depends on them" if failed else None,
@@ -99,13 +111,43 @@ def analyses(name: str) -> Iterator[Analysis]:
 
 def _row(case: str, work: Callable[[], object]) -> tuple[Analysis, object]:
     """A row, and what the work returns."""
+    count = Counter[str]()
     try:
-        path = work()
+        with counting(count):
+            path = work()
     except FAILURES as error:
-        return Analysis(case=case, failed=str(error)), None
+        return Analysis(
+            case=case, failed=str(error), attempts=count["attempts"], unsolved=count["unsolved"]
+        ), None
     assert isinstance(path, Pushdown | Pushover)
     seconds, ratio = once_a_step(work, path)
-    return Analysis(case=case, steps=len(path.steps), seconds=seconds, ratio=ratio), path
+    row = Analysis(
+        case=case,
+        steps=len(path.steps),
+        attempts=count["attempts"],
+        unsolved=count["unsolved"],
+        seconds=seconds,
+        ratio=ratio,
+    )
+    return row, path
+
+
+@contextmanager
+def counting(count: Counter[str]) -> Iterator[None]:
+    """Count the attempts at a step of what is analysed meanwhile, and those that are not solved, into `count`."""
+    find: Callable[..., Any] = vars(step_control)["find_equilibrium"]
+    count.update(attempts=0, unsolved=0)
+
+    def watched(*arguments: Any) -> Any:
+        count["attempts"] += 1
+        try:
+            return find(*arguments)
+        except ConvergenceError:
+            count["unsolved"] += 1
+            raise
+
+    with patch.object(step_control, "find_equilibrium", watched):
+        yield
 
 
 def side_by_side(name: str) -> Analysis:

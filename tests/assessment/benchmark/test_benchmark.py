@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
+from collections import Counter
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
@@ -21,6 +22,7 @@ from assessment.cli.main import main
 from assessment.runtime.tasks import Workers
 from assessment.studies.campaign.search import Combination, Judged
 from mechanics import ConvergenceError, pushover, time_history
+from mechanics.procedures import step_control
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.time_history import HistoryTolerances
 from mechanics.program import certify
@@ -351,6 +353,22 @@ def test_a_value_that_a_row_lacks_is_empty():
     ]
     columns = (("case", "case", str), ("steps", "steps", table.number))
     assert table.listed(rows, columns).splitlines()[2:] == ["| a |  |", "| b | 2.0 |"]
+
+
+def test_attempts_at_a_step_that_are_not_solved_are_counted(monkeypatch):
+    find, calls = step_control.find_equilibrium, iter(range(1000))
+
+    def once(*arguments):
+        if next(calls) == 1:
+            raise ConvergenceError("not solved")
+        return find(*arguments)
+
+    monkeypatch.setattr(step_control, "find_equilibrium", once)
+    count = Counter()
+    with chain.counting(count):
+        curve = pushover(block_on_base(), (0.2, 1.0), increment=0.05)
+    assert count["unsolved"] == 1 and count["attempts"] == next(calls) > 2
+    assert curve.displacement[-1] == pytest.approx(np.sin(np.arctan(0.2)))
 
 
 def test_the_table_of_the_chain_shows_what_is_whole():
