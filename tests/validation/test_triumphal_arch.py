@@ -1,20 +1,45 @@
-"""The triumphal arch of Portioli et al., §7, its geometry assumed: what was not fitted, as drawn, against Table 1.
+"""The triumphal arch of Portioli et al., §7, its geometry assumed: what was not fitted against Table 1.
 
-The template's dimensions were searched for so that α0 = 0.074 and d_0 = 380 mm come out; e* and Γ* of the mechanism at
-α0 were left free. The paper prints 0.75 and 0.66.
+The template's dimensions were searched for so that, as drawn, α0 = 0.074 and d_0 = 380 mm come out; e* and Γ* of the
+mechanism at α0 were left free. The paper prints 0.75 and 0.66. Settled nothing was fitted: what comes out is a
+prediction for an arch like the paper's, for which the paper prints α0 = 0.067 and d_0 = 313 mm. It is of one member of
+the ensemble, in the project's own increments, by the sliding with dilation that is the paper's.
 """
+
+from functools import cache
 
 import pytest
 
 from assessment.ntc.capacity.curve import mechanism_participation
-from mechanics import limit_analysis
+from mechanics import limit_analysis, pushdown, pushover
 from tests.support.drawn_projects import drawn, tables
+
+
+@cache
+def onset():
+    return limit_analysis(drawn("triumphal_arch"))
+
+
+def control():
+    """The top outer edge of the right wall, which is pushed towards +x."""
+    return next(p["point_m"] for p in tables("triumphal_arch")["control"] if p["name"] == "C1")
+
+
+@cache
+def settled(until: float = 0.0):
+    """α0 and d_0 (m) after the movement of the right support, towards +x, rigid joints; down to `until` of the peak."""
+    model, (movement,) = drawn("triumphal_arch"), tables("triumphal_arch")["settlements"]
+    moved = pushdown(
+        model, movement["support"], movement["displacement_m"], increment=movement["increment_m"]
+    )
+    push = tables("triumphal_arch")["pushover"]
+    curve = pushover(model, control(), "+x", "rigid", push["increment_m"], moved.final, until)
+    return float(curve.multiplier.max()), float(curve.displacement[-1])
 
 
 def participation():
     """e* and Γ* of the mechanism at α0, as drawn, towards +x."""
-    model, found = drawn("triumphal_arch"), limit_analysis(drawn("triumphal_arch"))
-    point = next(p["point_m"] for p in tables("triumphal_arch")["control"] if p["name"] == "C1")
+    model, found, point = drawn("triumphal_arch"), onset(), control()
     block = model.block_at(point)
     u, _, turned = found.mechanism[block]
     control_dx = u - turned * (point[1] - model.blocks[block].centroid[1])
@@ -29,4 +54,14 @@ def test_participation_is_near_the_papers():
 
 
 def test_the_onset_is_the_one_that_was_fitted():
-    assert limit_analysis(drawn("triumphal_arch")).alpha == pytest.approx(0.074, abs=0.0005)
+    assert onset().alpha == pytest.approx(0.074, abs=0.0005)
+
+
+def test_the_onset_settled_is_near_the_papers():
+    """0.0674, as a prediction; the paper prints 0.067."""
+    assert settled()[0] == pytest.approx(0.0674, rel=0.01)
+
+
+def test_the_end_settled_is_below_the_papers():
+    """The paper prints 0.313 m, 5 % more. Joints slide: corners moved by rounding give 0.293 to 0.301 m."""
+    assert settled()[1] == pytest.approx(0.297, rel=0.02)
