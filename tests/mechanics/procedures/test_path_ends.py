@@ -108,6 +108,20 @@ def test_an_arch_that_falls_does_so_at_the_same_displacement(increment):
     assert curve.multiplier[-1] == pytest.approx(0.1426, rel=0.02)
 
 
+@pytest.mark.parametrize("sliding", ["associative", "coulomb"])
+def test_a_control_point_that_stands_still_is_no_collapse(sliding):
+    """Of a wall, until a smooth block has slid to it: as little as it goes back is rounding, not a part that falls."""
+    smooth = replace(STONE, friction=0.1)
+    base = Block(rectangle(-3.0, -0.3, 5.0, 0.0), 1.0, STONE, support="base")
+    wall = Block(rectangle(0.0, 0.0, 0.3, 1.0), 1.0, STONE)
+    loose = Block(rectangle(-0.55, 0.0, -0.05, 0.3), 1.0, smooth)
+    curve = pushover(Assembly([base, wall, loose]), (0.3, 1.0), increment=0.002, sliding=sliding)
+    still = curve.displacement < 1e-6
+    assert still.sum() > 10 and curve.multiplier[still].max() == pytest.approx(0.1, rel=1e-6)
+    assert not curve.lost and curve.reached_zero
+    assert curve.displacement[-1] > 0.25
+
+
 def test_a_path_cut_short_is_neither():
     few = PushoverTolerances(points=5)
     cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001, tolerances=few)
