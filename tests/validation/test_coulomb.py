@@ -27,17 +27,22 @@ def wedge(friction: float) -> Assembly:
     )
 
 
+def opened(friction: float, increment: float) -> tuple[float, float]:
+    """How far the wedge goes down, of the 20 mm by which its right support opens, and H/W at the end."""
+    model = wedge(friction)
+    path = pushdown(model, "right", (0.02, 0.0), increment=increment, sliding="coulomb")
+    down = model.initial.positions[0, 1] - path.states[-1].positions[0, 1]
+    return down / 0.02, abs(path.reaction[-1, 0]) / model.weight
+
+
 @pytest.mark.parametrize("increment", [0.001, 0.005])
 @pytest.mark.parametrize("friction", [0.1, 0.3])
 def test_a_wedge_goes_down_along_its_faces(friction: float, increment: float) -> None:
     """dz = −δ/(2 tan φ), H/W = (cos φ − μ sin φ)/(2 (sin φ + μ cos φ))."""
-    model = wedge(friction)
-    path = pushdown(model, "right", (0.02, 0.0), increment=increment, sliding="coulomb")
-    down = path.states[-1].positions[0, 1] - model.initial.positions[0, 1]
-    assert down == pytest.approx(-0.02 / (2.0 * np.tan(SLOPE)), rel=3e-4)
+    down, thrust = opened(friction, increment)
+    assert down == pytest.approx(1.0 / (2.0 * np.tan(SLOPE)), rel=3e-4)
     sin, cos = np.sin(SLOPE), np.cos(SLOPE)
-    thrust = (cos - friction * sin) / (2.0 * (sin + friction * cos))
-    assert abs(path.reaction[-1, 0]) / model.weight == pytest.approx(thrust, rel=1e-6)
+    assert thrust == pytest.approx((cos - friction * sin) / (2.0 * (sin + friction * cos)), rel=1e-6)
 
 
 FALL, GRIP = float(np.tan(np.radians(20.0))), 0.5  # of the incline; friction of its block on both faces

@@ -10,14 +10,17 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from mechanics import limit_analysis, pushover, time_history
+from mechanics import limit_analysis, pushdown, pushover, time_history
+from tests.support.drawn_projects import drawn
 from tests.support.structures import block_on_base, running_bond
+from tests.validation import test_buttressed_arch as buttressed
+from tests.validation import test_coulomb as coulomb
 from tests.validation import test_paper_table_1 as paper
 from tests.validation import test_rocking as rocking
 from tests.validation import test_ties as ties
+from tests.validation import test_triumphal_arch as triumphal
 from tests.validation.test_rectangular_block import BREADTH, HEIGHT
 from tests.validation.test_semicircular_arch import least_thickness, thrust
-from tests.validation.test_triumphal_arch import participation
 
 CASES = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
 
@@ -45,6 +48,31 @@ def tied_wall():
     return [curve.multiplier[0], float(CubicSpline(turns, curve.multiplier)(1.0 / 30.0))]
 
 
+def walls_of_ferris_and_tin_loi():
+    """Wall 2 with dilation, then walls 1 and 2 without."""
+    walls = running_bond(), running_bond(5, 10)
+    return [limit_analysis(walls[1]).alpha] + [limit_analysis(w, sliding="coulomb").alpha for w in walls]
+
+
+def buttressed_ends():
+    """mm, as drawn and settled."""
+    model, control = drawn("buttressed_arch"), buttressed.control("+x")
+    moved = pushdown(model, "destro", buttressed.SETTLEMENT, increment=0.001).final
+    curves = [pushover(model, control, "+x", "rigid", 0.001, state) for state in (None, moved)]
+    return [1000.0 * curve.displacement[-1] for curve in curves]
+
+
+def buttressed_peaks():
+    """Elastic and settled, towards +x and −x."""
+    model = drawn("buttressed_arch")
+    moved = pushdown(model, "destro", buttressed.SETTLEMENT, increment=0.002, contacts="elastic").final
+    curves = [
+        pushover(model, buttressed.control(direction), direction, "elastic", 0.00025, moved, until=0.9)
+        for direction in ("+x", "-x")
+    ]
+    return [curve.multiplier.max() for curve in curves]
+
+
 COMPUTED = {
     "block_onset": lambda: [limit_analysis(block_on_base(BREADTH, HEIGHT)).alpha],
     "block_curve": block_curve,
@@ -52,9 +80,14 @@ COMPUTED = {
     "block_sliding": lambda: [limit_analysis(block_on_base(BREADTH, HEIGHT, friction=0.15)).alpha],
     "leaf": lambda: [limit_analysis(block_on_base(0.5, 3.9, friction=0.58)).alpha],
     "wall": lambda: [limit_analysis(running_bond()).alpha],
+    "walls_coulomb": walls_of_ferris_and_tin_loi,
+    "wedge": lambda: coulomb.opened(0.3, 0.001),
+    "incline": lambda: coulomb.drawn_away(0.001),
     "arch_thickness": lambda: [least_thickness(7), least_thickness(27)],
     "arch_friction": lambda: [least_thickness(27, friction) for friction in (0.40, 0.38, 0.35)],
     "arch_thrust": lambda: [thrust(0.15, 1e-4), thrust(0.15, -1e-4)],
+    "buttressed_arch": buttressed_ends,
+    "buttressed_arch_elastic": buttressed_peaks,
     "paper_periods": lambda: [paper._capacity(column).T_0 for column in paper.COLUMNS.values()],
     "paper_displacements": lambda: [
         1000.0 * paper._check(paper._capacity(column), paper.NTC).d_star for column in paper.COLUMNS.values()
@@ -63,7 +96,8 @@ COMPUTED = {
         paper._check(paper._capacity(column), paper.NTC).T for column in paper.COLUMNS.values()
     ],
     "paper_a_g_NC": list,  # not computed: the record is not distributed
-    "triumphal_arch": participation,
+    "triumphal_arch": triumphal.participation,
+    "triumphal_arch_settled": lambda: [triumphal.settled(until=0.9)[0]],
     "rocking": rocking_peaks,
     "tied_wall": tied_wall,
 }
