@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from assessment.benchmark.cases.dynamics import Case, shaking
+from assessment.benchmark.cases.dynamics import DAMPING, Case, shaking
+from assessment.benchmark.cases.steps import STEP, strong_record
 from assessment.benchmark.cases.structures import assembly, running_bond, template
 from assessment.benchmark.measure import history_programs, piqp
 from assessment.benchmark.table import Precision, number, percent, pivoted
-from mechanics import ConvergenceError, TimeHistory
+from mechanics import Assembly, ConvergenceError, TimeHistory
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.types import Array
 
-AMPLITUDES = np.linspace(0.99, 1.01, 9)
-QUICK = AMPLITUDES[::4]
+NINE, FIVE = np.linspace(0.99, 1.01, 9), np.linspace(0.99, 1.01, 5)  # of the amplitude
+QUICK = NINE[::4]
 # two branches of motions: the median of nine members may be on either, that of these is known to some per cent
-MANY = np.linspace(0.99, 1.01, 45)
+MANY, FIFTEEN = np.linspace(0.99, 1.01, 45), np.linspace(0.99, 1.01, 15)
 CONFIDENCE = 0.95
-STEPS, QUICK_STEPS = (0.01, 0.005, 0.0025, 0.00125), (0.005,)  # s
 FINE = 0.0003125  # s: of the resolved ensemble
+STEPS = (0.02, 0.01, 0.005, 0.0025, 0.00125)  # s
+ALL_STEPS, QUICK_STEPS = (*STEPS, 0.000625, FINE), (0.005,)
 DEFAULT_STEP = 0.005
 SAMPLES = 5  # programs of an ensemble that PIQP solves
+STIFF = (1e7, 1e8)  # kN/m³, of joints on which the arch falls
+MOVED, FELL = "largest displacement, mm", "time of collapse, s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,34 +50,54 @@ class Way:
         return self.integrator if self.levels is None else f"{self.integrator}, {self.levels} levels"
 
 
-DEFAULT = Way("moreau-jean", HISTORY.resolved.levels)
-WAYS = (
+EULER, DEFAULT, SECOND = (
     Way("implicit-euler"),
-    *(Way("moreau-jean", levels) for levels in (0, 2, 4, HISTORY.resolved.levels, 8)),
+    Way("moreau-jean", HISTORY.resolved.levels),
     Way("second-order"),
 )
-QUICK_WAYS = (WAYS[0], DEFAULT)
+UNHALVED = Way("moreau-jean", 0)
+OTHERS = tuple(Way("moreau-jean", levels) for levels in (2, 4, 8))
+
+
+@dataclass(frozen=True, eq=False)
+class Shaken:
+    """A case, what is measured of it, and its `ways`: each with its time steps (s) and factors of the amplitude.
+
+    `resolved`: time step and factors of the members of which the median counts.
+    """
+
+    case: Case
+    ways: Mapping[Way, tuple[tuple[float, ...], Array]]
+    resolved: tuple[float, Array]
+    measure: str = MOVED
+
+    def sizes(self, motions: Sequence[TimeHistory]) -> Array:
+        """Largest displacements (mm) of motions, or times of collapse (s) of those that fall."""
+        if self.measure == FELL:
+            return np.array([m.time_of_collapse for m in motions if m.collapsed], dtype=float)
+        return np.array([1e3 * self.case.peak(motion)[0] for motion in motions])
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point(Precision):
-    """Least, median and largest displacement (m) of an ensemble, and the `resolved` median, known between two bounds.
+    """Least, median and largest of what is measured of an ensemble, and the `resolved` median, between two bounds.
 
     Of `members` so many `collapsed`, others were `not_solved`; `seconds` of all, `step_ms` of one step.
     """
 
+    measure: str
     way: str
     integrator: Integrator
     levels: int | None
-    resolved_m: float
-    resolved_low_m: float
-    resolved_high_m: float
+    resolved: float
+    resolved_low: float
+    resolved_high: float
     resolved_members: int
     members: int = 0
     not_solved: int = 0
-    least_m: float = np.nan
-    median_m: float = np.nan
-    most_m: float = np.nan
+    least: float = np.nan
+    median: float = np.nan
+    most: float = np.nan
     collapsed: int | None = None
     steps: int | None = None
     step_ms: float = np.nan
@@ -84,29 +108,74 @@ class Point(Precision):
 
 def ensembles(quick: bool) -> Iterator[Point]:
     """A row for every case, way and time step: median, range, distance from the resolved median, and cost."""
-    for case in cases(quick):
-        factors = QUICK if quick else AMPLITUDES
-        resolved = peaks(case, members(case, DEFAULT, _finest(quick), AMPLITUDES if quick else MANY))
-        for way in QUICK_WAYS if quick else WAYS:
-            for step in QUICK_STEPS if quick else STEPS:
-                yield measured(case, way, step, factors, resolved)
+    for shaken in cases(quick):
+        resolved = shaken.sizes(members(shaken.case, DEFAULT, *shaken.resolved))
+        for way, (steps, factors) in shaken.ways.items():
+            for step in steps:
+                yield measured(shaken, way, step, factors, resolved)
 
 
-def cases(quick: bool) -> list[Case]:
-    """Rigid structures of many impacts; quick: one."""
+def cases(quick: bool) -> list[Shaken]:
+    """Structures of many impacts, and stiff elastic ones that fall; quick: one.
+
+    Second order has fewer members, and the triumphal arch only the time steps that take seconds.
+    """
     springing = template("buttressed-arch").pushover_control("+x").point_m
     arch = Case(
         "buttressed arch, shaken, rigid", assembly("buttressed-arch"), "rigid", springing, 3.0, shaking(0.12)
     )
+    if quick:
+        few = QUICK_STEPS, QUICK
+        return [Shaken(arch, {EULER: few, DEFAULT: few}, (4.0 * FINE, NINE))]
     wall = Case(
         "Ferris and Tin-Loi's wall 1, shaken, rigid", running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0,
         shaking(0.5),
     )  # fmt: skip
-    return [arch] if quick else [arch, wall]
+    soft = replace(
+        wall, name="Ferris and Tin-Loi's wall 1, shaken, elastic", contacts="elastic", damping=DAMPING
+    )
+    every, most = (ALL_STEPS, NINE), (STEPS, NINE)
+    ways = {
+        EULER: every,
+        UNHALVED: every,
+        **dict.fromkeys(OTHERS, most),
+        DEFAULT: every,
+        SECOND: (STEPS, FIVE),
+    }
+    three = {EULER: every, DEFAULT: every, SECOND: every}
+    return [
+        Shaken(arch, ways, (FINE, MANY)),
+        Shaken(
+            wall,
+            {EULER: most, UNHALVED: most, DEFAULT: most, SECOND: (STEPS[:3], FIVE)},
+            (FINE, FIFTEEN),
+        ),
+        Shaken(soft, {EULER: most, DEFAULT: most, SECOND: most}, (FINE, FIFTEEN)),
+        *(Shaken(stiff(arch, stiffness), three, (FINE, FIFTEEN), FELL) for stiffness in STIFF),
+        triumphal(),
+    ]
 
 
-def _finest(quick: bool) -> float:
-    return 4.0 * FINE if quick else FINE
+def stiff(case: Case, stiffness: float) -> Case:
+    """The case with elastic joints (kN/m³)."""
+    blocks = [
+        replace(block, material=replace(block.material, normal_stiffness=stiffness))
+        for block in case.model.blocks
+    ]
+    name = case.name.replace("rigid", f"k = {stiffness:.0e}".replace("e+0", "e"))
+    return replace(case, name=name, model=Assembly(blocks), contacts="elastic", damping=DAMPING)
+
+
+def triumphal() -> Shaken:
+    """The triumphal arch in the first 0.75 s of a strong motion at 0.2 g."""
+    record = 0.2 * strong_record((4.0, 5.0))
+    at = STEP * np.arange(len(record))
+    case = Case(
+        "triumphal arch, shaken, rigid", assembly("triumphal-arch"), "rigid",
+        template("triumphal-arch").pushover_control("+x").point_m, 0.75, lambda times: np.interp(times, at, record),
+    )  # fmt: skip
+    few = (0.01, 0.005, 0.0025), FIVE
+    return Shaken(case, {EULER: few, UNHALVED: few, OTHERS[0]: few, DEFAULT: few}, (0.00125, NINE))
 
 
 def members(case: Case, way: Way, step: float, factors: Array) -> list[TimeHistory]:
@@ -116,11 +185,6 @@ def members(case: Case, way: Way, step: float, factors: Array) -> list[TimeHisto
         with suppress(ConvergenceError):
             found.append(scaled(case, float(factor)).run(step, way.integrator, way.tolerances))
     return found
-
-
-def peaks(case: Case, motions: Sequence[TimeHistory]) -> Array:
-    """Largest displacements (m) of motions."""
-    return np.array([case.peak(motion)[0] for motion in motions])
 
 
 def scaled(case: Case, factor: float) -> Case:
@@ -145,8 +209,9 @@ def median_between(values: Array) -> tuple[float, float]:
     return float(ordered[below - 1]), float(ordered[count - below])
 
 
-def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array) -> Point:
-    """A row of ensembles; `resolved` (k,) m: peaks of members at a time step that resolves the impacts."""
+def measured(shaken: Shaken, way: Way, step: float, factors: Array, resolved: Array) -> Point:
+    """A row of ensembles; `resolved` (k,): what is measured of members at a time step that resolves the impacts."""
+    case = shaken.case
     low, high = median_between(resolved)
     middle = float(np.median(resolved))
     began = time.process_time()
@@ -157,33 +222,28 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array)
         parameter="time step",
         value=step,
         default=step == DEFAULT_STEP and way == DEFAULT,
+        measure=shaken.measure,
         way=str(way),
         integrator=way.integrator,
         levels=way.levels,
-        resolved_m=middle,
-        resolved_low_m=low,
-        resolved_high_m=high,
+        resolved=middle,
+        resolved_low=low,
+        resolved_high=high,
         resolved_members=len(resolved),
         members=len(motions),
         not_solved=len(factors) - len(motions),
+        collapsed=sum(m.collapsed for m in motions),
     )
     if len(motions) <= row.not_solved:
         return replace(row, failed="most members are not solved")
-    found = peaks(case, motions)
     steps = sum(len(m.time) - 1 for m in motions)
     some = motions[len(motions) // 2]
     programs = history_programs(
         case.model, case.contacts, some, case.acceleration(step), max(len(some.time) // SAMPLES, 1)
     )
     each = float(np.mean([min(piqp(program) for _ in range(3)) for program in programs]))
-    median = float(np.median(found))
-    return replace(
+    row = replace(
         row,
-        least_m=float(found.min()),
-        median_m=median,
-        most_m=float(found.max()),
-        error=abs(median / middle - 1.0),
-        collapsed=sum(m.collapsed for m in motions),
         steps=steps,
         seconds=seconds,
         step_ms=1e3 * seconds / steps,
@@ -192,25 +252,42 @@ def measured(case: Case, way: Way, step: float, factors: Array, resolved: Array)
         integrator_share=float(np.median([m.energy.integrator_share for m in motions])),
         imbalance=max(m.energy.imbalance for m in motions),
     )
+    found = shaken.sizes(motions)
+    if not len(found):
+        return replace(row, failed="no member collapses")
+    median = float(np.median(found))
+    return replace(
+        row,
+        least=float(found.min()),
+        median=median,
+        most=float(found.max()),
+        error=abs(median / middle - 1.0),
+    )
 
 
-def millimetres(rows: Sequence[Point]) -> str:
-    """A table of ensembles: least, median and largest displacement in mm, and ms a step; then the resolved medians."""
+def summed_up(rows: Sequence[Point]) -> str:
+    """Tables of ensembles: least, median and largest of what is measured, and ms a step; then the resolved medians."""
 
     def cell(row: Point) -> str:
         if row.failed is not None:
-            return "fails"
-        three = " – ".join(f"{1e3 * size:.1f}" for size in (row.least_m, row.median_m, row.most_m))
+            return row.failed
+        digits = 1 if row.measure == MOVED else 2
+        three = " – ".join(f"{size:.{digits}f}" for size in (row.least, row.median, row.most))
         text = f"{three}; {number(row.step_ms)} ms"
+        if row.collapsed:
+            text += f"; {row.collapsed} of {row.members} collapse"
         if row.not_solved:
             text += f"; {row.not_solved} not solved"
         return f"**{text}**" if row.default else text
 
-    lines = [pivoted(rows, ["case", "way"], ["value"], lambda row: f"{1e3 * row.value:g} ms", cell)]
-    for row in {row.case: row for row in rows}.values():
-        middle, low, high = (1e3 * m for m in (row.resolved_m, row.resolved_low_m, row.resolved_high_m))
-        lines.append(
-            f"{row.case}: resolved, the median is {middle:.1f} mm of {row.resolved_members} members, with "
-            f"{percent(CONFIDENCE)} confidence between {low:.1f} and {high:.1f} mm."
-        )
+    lines = []
+    for measure in dict.fromkeys(row.measure for row in rows):
+        some = [row for row in rows if row.measure == measure]
+        table = pivoted(some, ["case", "way"], ["value"], lambda row: f"{1e3 * row.value:.2g} ms", cell)
+        lines.append(f"{measure}:\n\n{table}")
+    lines += [
+        f"{row.case}: resolved, the median {row.measure} is {row.resolved:.3g} of {row.resolved_members} members, "
+        f"with {percent(CONFIDENCE)} confidence between {row.resolved_low:.3g} and {row.resolved_high:.3g}."
+        for row in {row.case: row for row in rows}.values()
+    ]
     return "\n\n".join(lines)

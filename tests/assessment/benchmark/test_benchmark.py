@@ -163,7 +163,8 @@ def test_beds_of_the_settled_arch_go_through_its_movement_themselves():
 @pytest.fixture
 def overturning():
     """A block that overturns where its pulse is a little stronger."""
-    return Case("block", block_on_base(), "rigid", (0.2, 1.0), 1.0, pulse(0.3, 0.5))
+    case = Case("block", block_on_base(), "rigid", (0.2, 1.0), 1.0, pulse(0.3, 0.5))
+    return ensembles.Shaken(case, {}, (0.01, np.ones(1)))
 
 
 def test_the_stack_is_followed_until_it_lies():
@@ -174,7 +175,7 @@ def test_the_stack_is_followed_until_it_lies():
     assert fallen == [False, True]
 
 
-RESOLVED_PEAKS = np.array([0.1, 0.18, 0.19, 0.2, 0.21, 0.22, 0.4])  # m
+RESOLVED_PEAKS = np.array([100.0, 180.0, 190.0, 200.0, 210.0, 220.0, 400.0])  # mm
 
 
 def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
@@ -189,16 +190,26 @@ def test_members_of_an_ensemble_are_scaled_and_halved(overturning, monkeypatch):
     row = ensembles.measured(overturning, way, 0.01, np.array([0.5, 1.0, 1.2]), RESOLVED_PEAKS)
     assert [levels for _, levels in seen] == [2, 2, 2]
     assert [size for size, _ in seen] == pytest.approx([0.15, 0.3, 0.36])
-    assert row.least_m <= row.median_m <= row.most_m and row.not_solved == 0
-    assert row.error == pytest.approx(abs(row.median_m / 0.2 - 1.0))
+    assert row.least <= row.median <= row.most and row.not_solved == 0
+    assert row.error == pytest.approx(abs(row.median / 200.0 - 1.0))
     assert ensembles.Way("moreau-jean").tolerances.resolved.levels == ensembles.DEFAULT.levels
 
 
 def test_the_table_says_how_sure_the_resolved_median_is(overturning):
     row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, np.array([0.5]), RESOLVED_PEAKS)
-    assert "the median is 200.0 mm of 7 members, with 95 % confidence between 100.0 and 400.0 mm" in (
-        ensembles.millimetres([row])
+    assert "displacement, mm is 200 of 7 members, with 95 % confidence between 100 and 400." in (
+        ensembles.summed_up([row])
     )
+
+
+def test_of_what_falls_the_time_is_measured(overturning):
+    falling = replace(overturning, measure=ensembles.FELL, case=replace(overturning.case, duration=3.0))
+    times = np.linspace(0.5, 0.8, 7)
+    row = ensembles.measured(falling, ensembles.DEFAULT, 0.01, np.array([0.1, 1.4, 1.5]), times)
+    assert (row.members, row.collapsed) == (3, 2) and 0.3 < row.least <= row.most < 3.0
+    assert "2 of 3 collapse" in ensembles.summed_up([row])
+    row = ensembles.measured(falling, ensembles.DEFAULT, 0.01, np.array([0.1]), times)
+    assert "no member collapses" in ensembles.summed_up([row])
 
 
 def test_the_median_is_within_its_bounds_as_often_as_they_say():
@@ -221,10 +232,10 @@ def test_an_ensemble_counts_members_that_are_not_solved(overturning, monkeypatch
     limit = 0.29
     row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, RESOLVED_PEAKS)
     assert (row.members, row.not_solved) == (2, 1)
-    assert "1 not solved" in ensembles.millimetres([row])
+    assert "1 not solved" in ensembles.summed_up([row])
     limit = 0.17
     row = ensembles.measured(overturning, ensembles.DEFAULT, 0.01, factors, RESOLVED_PEAKS)
-    assert "fails" in ensembles.millimetres([row]) and np.isnan(row.median_m)
+    assert "not solved" in ensembles.summed_up([row]) and np.isnan(row.median)
 
 
 def test_a_case_that_fails_says_so_in_its_rows():
