@@ -13,7 +13,8 @@ from mechanics.steps.static_system import Sliding
 from tests.stress.harness import Case
 from tests.support.structures import in_frame, running_bond
 
-COUNT, SHORT = 50, 1  # walls; the one of which the short tests ask, of few bricks
+COUNT = 50  # walls
+SHORT = (8, 19, 21, 41, 42)  # those of which the short tests ask: all their paths end, and soon
 INCREMENT = 0.1  # of the block size
 FRAMES = {  # length, origin (m), weight
     "as drawn": (1.0, (0.0, 0.0), 1.0),
@@ -75,5 +76,5 @@ def cases() -> Iterator[Case]:
                 "ranges",
                 f"wall {number}, {columns} × {courses}, {sliding}",
                 partial(same_ranges, number, wall, order, sliding),
-                long=number != SHORT,
+                long=number not in SHORT,
             )
