@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
 from mechanics.errors import ControlError, NoEquilibriumError, UnstableError
 from tests.mechanics.procedures.test_statics_properties import random_path
 from tests.mechanics.solvers.test_program import same_elastic_step, same_multiplier, same_time_step
-from tests.stress.beds import same_peak
+from tests.stress.beds import counted, same_peak
 from tests.stress.corpus import assemblies
 
 COUNT = 200
@@ -36,6 +38,16 @@ def test_time_steps(behaviour):
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_random_paths_keep_within_friction(seed):
     random_path(seed, ("rigid", "elastic")[seed % 2])
+
+
+def test_exact_beds_need_no_points():
+    """A path in a hundred at most is not solved, and a step in a hundred has to be tried again in shorter ones."""
+    found = Counter[str]()
+    for _, model in assemblies(12):
+        found += counted(model)
+    assert found["paths"] == 36
+    assert found["not solved"] <= 0.01 * found["paths"]
+    assert found["attempts failed"] <= 0.01 * found["steps"]
 
 
 def test_peaks_of_points_lie_above_those_of_the_exact_bed():
