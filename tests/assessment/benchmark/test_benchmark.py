@@ -13,7 +13,17 @@ import numpy as np
 import pytest
 
 from assessment.benchmark import command, table
-from assessment.benchmark.cases import campaigns, chain, ensembles, skips, sliding, statics, steps, walls
+from assessment.benchmark.cases import (
+    campaigns,
+    chain,
+    dynamics,
+    ensembles,
+    skips,
+    sliding,
+    statics,
+    steps,
+    walls,
+)
 from assessment.benchmark.cases.dynamics import Case, pulse, rocking_freely, sine, stack, swinging_column
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import history_programs, path_programs
@@ -173,6 +183,24 @@ def test_the_stack_is_followed_until_it_lies():
         replace(stack(), record=sine(size)).run(0.01, "second-order").collapsed for size in (0.55, 0.62)
     ]
     assert fallen == [False, True]
+
+
+def test_members_of_an_arch_collapse_at_their_own_amplitudes(monkeypatch):
+    """Made up: every member falls where its own amplitude passes 0.1 g."""
+
+    def run(case, *_):
+        return SimpleNamespace(collapsed=abs(case.record(at)).max() > limit)
+
+    at = np.linspace(0.0, 3.0, 301)
+    limit = abs(dynamics.shaking(0.1)(at)).max()
+    monkeypatch.setattr(Case, "run", run)
+    row = next(dynamics.collapse((0.01,)))
+    assert row.stands_g < row.first_g <= row.collapse_g <= row.all_g
+    assert row.first_g == pytest.approx(0.1 / 1.01, rel=0.02) and row.all_g == pytest.approx(
+        0.1 / 0.99, rel=0.02
+    )
+    assert row.members == 5 and row.share >= 0.6
+    assert "of 5" in BENCHMARKS["collapse"].show([row])
 
 
 RESOLVED_PEAKS = np.array([100.0, 180.0, 190.0, 200.0, 210.0, 220.0, 400.0])  # mm
