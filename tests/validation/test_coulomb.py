@@ -1,6 +1,6 @@
 """Friction that does not dilate: a wedge between two supports, a block on an incline, walls of Ferris and Tin-Loi.
 
-Closed forms of issue 20 of the project: each voussoir and block slides on both of its faces.
+Closed forms: each voussoir and block slides on both of its faces.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Columns on exact elastic beds: the largest multiplier.
 
-Values from issue 18 of the project, computed there by an independent code in closed form over one no-tension bed a
-joint:
+Values of an independent code, in closed form over one no-tension bed a joint:
 b × h in m, unit weight 20 kN/m³, k in kN/m³; they do not depend on friction while nothing slides.
 """
 

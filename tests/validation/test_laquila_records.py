@@ -1,8 +1,8 @@
 """Records of L'Aquila, 6 April 2009 (ITACA): peaks, steps, significant durations, and a motion under one of them.
 
-Peaks and durations are those of the project's list of benchmarks; the peaks are also those that the files state
-themselves, in m/s². The motion is of issue 18: the buttressed arch on exact elastic beds with 5 % damping under
-16833_H1 at 0.03 g, 1.494 mm as drawn and 4.48 mm settled by a trial written apart. Which part of the record that trial
+Peaks and durations were computed apart; the peaks are also those that the files state themselves, in m/s². The motion:
+the buttressed arch on exact elastic beds with 5 % damping under 16833_H1 at 0.03 g, 1.494 mm as drawn and 4.48 mm
+settled by a program written apart. Which part of the record that program
 took is not known. Skipped where the records are absent.
 """
 

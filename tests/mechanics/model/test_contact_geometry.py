@@ -83,7 +83,7 @@ def sliding_spread(friction: float) -> float:
 def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction):
     """A corner on a flat floor is pushed by the floor's normal: points pushed it along the tilted leg's as well.
 
-    The spreads are by the closed form of these legs: those of issue 18, 0.18 to 3.07 m, are of others, not known.
+    The spreads are by the closed form of these legs.
     """
     path = pushdown(a_frame(friction), "right", (0.02, 0.0), increment=0.02, to_collapse=True)
     feet = np.concatenate(

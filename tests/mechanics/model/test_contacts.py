@@ -340,7 +340,7 @@ def test_one_stone_without_stiffness_refuses_elastic_contacts():
 
 
 def test_beds_are_exact_by_default():
-    """Python's default of one segment was 2.3 times too strong on a soft column (issue 18)."""
+    """Python's default of one segment was 2.3 times too strong on a soft column."""
     assert (running_bond().contacts.segments == 0).all()
     assert Assembly(running_bond().blocks).segments_per_joint is None
 

@@ -162,7 +162,7 @@ def test_the_length_that_presses_and_its_edge_pressure_balance_what_acts(
 
 
 def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
-    """Two blocks 50 mm apart: the slender one comes to lean on the stout one, and both balance (issue 18, 3)."""
+    """Two blocks 50 mm apart: the slender one comes to lean on the stout one, and both balance."""
     stone = Material(20.0, 0.6)
     base = Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, stone, support="base")
     slender = Block(rectangle(0.0, 0.0, 0.3, 3.0), 1.0, stone)
