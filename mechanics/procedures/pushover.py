@@ -196,8 +196,8 @@ class _Curve:
         """Add the next point, about a length (m) further on; return whether the blocks have jumped.
 
         `shortest`: whether no shorter step is tried after this one. Where an elastic curve ends, go on if the structure
-        snaps through. Raises RunawayError where a part or the
-        structure falls, NoEquilibriumError or ConvergenceError where no point is found.
+        snaps through. Raises RunawayError where a part or the structure falls, NoEquilibriumError or ConvergenceError
+        where no point is found.
         """
         jumps = len(self.crossed)
         self._next(length, shortest)
@@ -259,8 +259,10 @@ class _Curve:
         """Return the step to α = 0 on the way to an equilibrium beyond it (false position, Illinois rule).
 
         The result has the arguments of `_append`. If the multiplier jumps below zero it is the last step found before
-        the jump, or None.
+        the jump, or None; None too from a point at α = 0, as elastic joints go on from where they rest again.
         """
+        if self.multiplier[-1] <= 0.0:
+            return None
         low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
         tolerance, least = self.tolerances.zero * max(self.multiplier), PATH.shortest(work)
         last: tuple[float, Equilibrium, bool] | None = None
@@ -285,14 +287,15 @@ class _Curve:
     def _overturns(self) -> bool:
         """Return whether the structure falls at α = 0, wherever it comes to rest: as drawn, if the control point moves.
 
-        What falls without it may be a loose block; in a settled state a hinge of the settlement may close.
+        What falls without it may be a loose block, which lets elastic joints go back; in a settled state a hinge of the
+        settlement may close.
         """
-        return self.drawn and self._moved()
+        return self.drawn and self._takes_part_by(self.displacement[-1])
 
-    def _moved(self) -> bool:
-        """Return whether the control point takes part in what has moved."""
+    def _takes_part_by(self, displacement: float) -> bool:
+        """Return whether the control point takes part in what has moved if that is its displacement (m)."""
         moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
-        return max(self.displacement) >= self.tolerances.still * moved
+        return displacement >= self.tolerances.still * moved
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
         """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
@@ -411,7 +414,7 @@ class _Curve:
         assert self.end is not None
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.end)
-        if len(self.states) == 1 or not self._moved():
+        if len(self.states) == 1 or not self._takes_part_by(max(self.displacement)):
             raise ControlError(
                 message(
                     "control = {point} takes no part in the mechanism along {direction}, "

@@ -142,6 +142,21 @@ def test_an_increment_wider_than_the_settlement_is_no_reason_to_give_up(contacts
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_loose_block_that_falls_against_a_stop_is_not_the_end_of_a_wall(contacts):
+    """On soft joints the wall leant until the block fell, and took part in that: its α0 was 0.077, not 0.27."""
+    stone = Material(20.0, 0.7, 1e6)
+    base = Block(rectangle(-2.0, -0.3, 5.0, 0.0), 1.0, stone, support="base")
+    wall = Block(rectangle(0.0, 0.0, 0.6, 2.0), 1.0, stone)
+    loose, stop = (
+        Block(rectangle(left, 0.0, right, 1.0), 1.0, stone) for left, right in ((2.0, 2.1), (2.3, 3.5))
+    )
+    expected = pushover(Assembly([base, wall]), (0.0, 2.0), "+x", contacts, 0.01)
+    found = pushover(Assembly([base, wall, loose, stop]), (0.0, 2.0), "+x", contacts, 0.01)
+    assert found.multiplier.max() == pytest.approx(expected.multiplier.max(), rel=1e-2)
+    assert found.displacement[-1] == pytest.approx(expected.displacement[-1], rel=1e-2)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_a_wall_that_overturns_onto_its_neighbour_has_spent_its_capacity(contacts):
     """It fell by half a metre, rested on the other wall, and the push that moves both, 0.7, was taken for its α0."""
     stone = Material(20.0, 0.7, 1e6)
