@@ -1,7 +1,7 @@
 """The buttressed arch of the paper at 1:10 (projects/buttressed_arch): rigid, elastic, settled, with finite strength.
 
-Values computed independently. Rigid joints: equilibrium ends (α = 0) at 34.35 mm as drawn, at 26.18 mm
-settled. Exact beds, by a trial written apart: α_u 0.0476 as drawn, 0.02494 and 0.01388 settled. Rigid joints that
+Rigid joints: the curve ends (α = 0) at 34.35 mm as drawn and at 26.18 mm settled, by an earlier version with contact
+points. Exact beds, by a trial written apart: α_u 0.0476 as drawn, 0.02494 and 0.01388 settled. Rigid joints that
 crush: α_0 of independent linear programs with tangent cuts. The last three of these were given for strengths rounded to
 41.5, 24.9 and 16.6 kPa; at exactly those the same programs (tests/mechanics/solvers/test_program.py) give 0.07992,
 0.04748 and 0.00665.
