@@ -14,6 +14,11 @@ from assessment.benchmark.table import Precision
 from assessment.report.figures.style import DASHES, MM, WIDTH_MM
 
 COLUMNS, HEIGHT_MM = 3, 58.0
+BESIDE = (
+    (3, 2),
+    (3, -6),
+    (-3, 4),
+)  # where a line has its values, points: those of two lines that meet are legible
 EXACT = 1e-12  # an error that is none, for a logarithmic axis
 
 
@@ -35,13 +40,14 @@ def work_precision(rows: Sequence[Precision], series: str) -> Figure:
 
 
 def _panel(axes: Axes, case: str, rows: Sequence[Precision], series: str) -> None:
-    for dashes, name in zip(cycle(DASHES), dict.fromkeys(getattr(row, series) for row in rows), strict=False):
+    names = dict.fromkeys(getattr(row, series) for row in rows)
+    for dashes, beside, name in zip(cycle(DASHES), cycle(BESIDE), names, strict=False):
         line = [row for row in rows if getattr(row, series) == name]
         seconds, errors = [row.seconds for row in line], [max(row.error, EXACT) for row in line]
         axes.plot(seconds, errors, color="0.0", linestyle=dashes, linewidth=0.8, label=name)
         for row, x, y in zip(line, seconds, errors, strict=True):
             axes.plot(x, y, "o", markersize=3.5, color="0.0", fillstyle="full" if row.default else "none")
-            axes.annotate(shown(row.value), (x, y), (3, 2), textcoords="offset points", fontsize=5)
+            axes.annotate(shown(row.value), (x, y), beside, textcoords="offset points", fontsize=5)
     where, _, what = case.partition(", ")
     axes.set(xscale="log", yscale="log", title=f"{where}\n{what}")
     axes.set(
