@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from assessment.benchmark.cases.dynamics import DAMPING, Case, shaking
-from assessment.benchmark.cases.steps import STEP, strong_record
+from assessment.benchmark.cases.steps import STEP, WINDOW, strong_record
 from assessment.benchmark.cases.structures import assembly, running_bond, template
 from assessment.benchmark.measure import history_programs, piqp
 from assessment.benchmark.table import Precision, number, percent, pivoted
@@ -167,8 +167,8 @@ def stiff(case: Case, stiffness: float) -> Case:
 
 
 def triumphal() -> Shaken:
-    """The triumphal arch in the first 0.75 s of a strong motion at 0.2 g."""
-    record = 0.2 * strong_record((4.0, 5.0))
+    """The triumphal arch in the first 0.75 s of a strong motion of 0.2 g."""
+    record = 0.2 * strong_record(WINDOW)
     at = STEP * np.arange(len(record))
     case = Case(
         "triumphal arch, shaken, rigid", assembly("triumphal-arch"), "rigid",
