@@ -283,7 +283,7 @@ def summed_up(rows: Sequence[Point]) -> str:
     lines = []
     for measure in dict.fromkeys(row.measure for row in rows):
         some = [row for row in rows if row.measure == measure]
-        table = pivoted(some, ["case", "way"], ["value"], lambda row: f"{1e3 * row.value:.2g} ms", cell)
+        table = pivoted(some, ["case", "way"], ["value"], lambda row: f"{1e3 * row.value:.3g} ms", cell)
         lines.append(f"{measure}:\n\n{table}")
     lines += [
         f"{row.case}: resolved, the median {row.measure} is {row.resolved:.3g} of {row.resolved_members} members, "
