@@ -147,7 +147,7 @@ def cases(quick: bool) -> list[Shaken]:
         Shaken(arch, ways, (FINE, MANY)),
         Shaken(
             wall,
-            {EULER: most, UNHALVED: most, DEFAULT: most, SECOND: (STEPS[:3], FIVE)},
+            {EULER: most, UNHALVED: most, DEFAULT: most, SECOND: (STEPS[:2], FIVE)},
             (FINE, FIFTEEN),
         ),
         Shaken(soft, {EULER: most, DEFAULT: most, SECOND: most}, (FINE, FIFTEEN)),
