@@ -243,6 +243,8 @@ def measured(
     programs = history_programs(case.model, case.contacts, motion, case.acceleration(step), _every(motion))
     seconds, each = beside_piqp(run, programs)
     size, at = found = case.peak(motion)
+    if case.timed and at <= case.after:
+        return replace(row, failed="no peak where it is looked for: its time is farther off")
     count = len(motion.time) - 1
     return replace(
         row,
