@@ -14,7 +14,7 @@ from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, end_forces
-from mechanics.solvers import interior, solve
+from mechanics.solvers import check_balance, interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import over_all, spread, spring_forces, state_at_rest
@@ -153,8 +153,8 @@ def solve_program(
 
     The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
     with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.
-    Raises NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if no iterate solves
-    it.
+    Raises NoEquilibriumError if the structure is unstable, no load moves it or no forces balance the loads,
+    ConvergenceError if no iterate solves it.
     """
     unstable, solves = False, 0
     held = interior.frozen(program)
@@ -174,9 +174,9 @@ def solve_program(
         raise NoEquilibriumError(
             message("loss of stability: the stiffness of the structure is no longer positive")
         )
-    if not (
-        program.law[:, BED] < np.inf
-    ).any():  # rigid: other solvers are tried; with elastic joints they take seconds in vain
+    if (program.law[:, BED] < np.inf).any():  # where other solvers take seconds in vain
+        check_balance(program, layout)
+    else:
         _, iterate = solve(program, layout)  # raises if there is no equilibrium
         if iterate is not None:
             return iterate, solves + 1

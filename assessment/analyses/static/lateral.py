@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from assessment.analyses.static.curve_numbers import LIFTED, elastic_push, rigid_push
 from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, crossings, turns_on_rounding
@@ -28,6 +30,8 @@ from mechanics.steps import Sliding
 
 if TYPE_CHECKING:
     from assessment.project.schema import ControlTable
+
+MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises where blocks meet others
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,7 @@ def add_curve(
         result.activated = path.states[path.peak]
         curve = rigid_push(model, control, setting.sliding, direction, path)
         result.found = Pushovers(control=control.name, rigid=curve)
-        result.warnings += [headed(title, note) for note in _rigid_notes(curve, path)]
+        result.warnings += [headed(title, note) for note in _rigid_notes(model, curve, path)]
     else:
         elastic = elastic_push(model, setting.sliding, direction, path)
         result.found = Pushovers(control=control.name, elastic=elastic)
@@ -160,8 +164,18 @@ def add_curve(
         result.warnings.append(headed(title, end))
 
 
-def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
-    """Yield what to know about a rigid curve: the other law of friction, local losses, where the mechanism is from."""
+def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[Message]:
+    """Yield what to know about a rigid curve: its onset, the other law of friction, local losses, its mechanism."""
+    drawn = np.array_equal(path.states[0].positions, model.initial.positions)
+    if drawn and curve.alpha_onset < (1.0 - MEETS) * curve.alpha_0:
+        yield message(
+            "blocks move from α = {onset:.4g} on and meet others by d = {displacement:.3g} m: α0 = {multiplier:.4g} is "
+            "that of what moves together then; what activates the first mechanism, as a linear check asks, is the "
+            "former",
+            onset=curve.alpha_onset,
+            displacement=float(path.displacement[path.peak]),
+            multiplier=curve.alpha_0,
+        )
     if curve.alpha_0_coulomb is not None:
         yield message(
             "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}; "

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
+from assessment.report.chapters.judgement import ORIGINAL
 from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.structure.cracks import PRINTED, SEEN, cracks_of
 from assessment.report.text.language import Words, direction_name
@@ -117,9 +118,12 @@ def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def onsets(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement."""
+    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement.
+
+    As drawn there are none; blocks that meet others are a warning.
+    """
     for name, direction, rigid in sorted(mechanisms(results), key=lambda each: each[1]):
-        if rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
+        if name != ORIGINAL and rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
             alpha = rigid.curve.multiplier
             peak = alpha.index(max(alpha))
             place = words.rounded(1000.0 * abs(rigid.curve.displacement_m[peak]), PLACES)

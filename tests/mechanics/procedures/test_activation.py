@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks.capacity import along_push
-from assessment.analyses.static.lateral import PushSetting, add_curve
+from assessment.analyses.static.lateral import PushSetting, add_curve, push
 from assessment.analyses.static.paths import PathResult
-from assessment.benchmark.cases.structures import assembly, template
+from assessment.benchmark.cases.structures import assembly, rectangle, template
 from assessment.ntc.capacity.curve import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.curves import draw_pushover
@@ -23,7 +23,7 @@ from assessment.results.configurations.outlines import field, outlines, place
 from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.plain import plain
 from assessment.results.table import sense
-from mechanics import pushdown, pushover
+from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.procedures.mechanism import virtual_work_multiplier
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
@@ -131,6 +131,27 @@ def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_th
     results = analysed()
     results["states"]["original"]["pushover"]["+x"] = plain(result.found)
     assert mechanisms(typed(results)).rows[0]["mechanism_alpha"] == pytest.approx(alpha)
+
+
+def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
+    """A panel of 4.2 × 0.6 m turns at α = t/h = 1/7, and after the 20 mm to its neighbour both have to turn."""
+    stone = Material(18.0, 0.7)
+    base, wall, neighbour = (
+        Block(rectangle(x0, z0, x1, z1), 1.0, stone, support=support)
+        for x0, z0, x1, z1, support in (
+            (-1.0, -0.3, 4.0, 0.0, "base"), (0.0, 0.0, 0.6, 4.2, None), (0.62, 0.0, 2.02, 4.2, None),
+        )
+    )  # fmt: skip
+    model, control = Assembly([base, wall, neighbour]), ControlTable(name="top", point_m=(0.6, 4.2))
+    setting = PushSetting("rigid", "associative", increment=0.005)
+    [pushed] = push(model, "original", None, setting, ("+x",), ((control,),))
+    curve = pushed.found.rigid
+    assert curve.alpha_onset == pytest.approx(1.0 / 7.0, rel=1e-6) and curve.alpha_0 > 1.5 / 7.0
+    [warning] = [each for each in pushed.warnings if "meet others" in each]
+    assert "blocks move from α = 0.1429 on and meet others by d = 0.0203 m" in warning
+    assert "da α = 0,1429 in poi" in in_italian(warning)
+    [alone] = push(Assembly([base, wall]), "original", None, setting, ("+x",), ((control,),))
+    assert not any("meet others" in each for each in alone.warnings)
 
 
 @pytest.mark.parametrize(("state", "direction"), PUSHED)
