@@ -28,6 +28,22 @@ Direction = Literal["+x", "-x"]
 
 
 @dataclass(frozen=True, eq=False)
+class MotionMemory:
+    """What a motion of `rigid` or elastic joints goes on from, beside positions and velocities.
+
+    `accelerations` (b, 3): mean ones of the last step, m/s² and rad/s²; `joints` (k, 2 + JOINT): the two edges of each
+    contact and what is known of it (kernels.dynamics.motion); `largest` kinetic energy so far, kNm; `halved`: how often
+    the last step was.
+    """
+
+    rigid: bool
+    accelerations: Array
+    joints: Array
+    largest: float
+    halved: int
+
+
+@dataclass(frozen=True, eq=False)
 class State:
     """Positions and velocities of the blocks, and the forces that their joints remember.
 
@@ -35,8 +51,8 @@ class State:
     `velocities` (b, 3): m/s and rad/s. `shear` (j,): tangential forces (kN) in the springs of the drawn joints; `met`
     (k, 3): the same for faces that came into contact, by their two edges. `carrying` (j,): which drawn joints carry in
     the equilibrium of this state; rigid ones count as closed whatever gap dilatant sliding has left. None: the state is
-    not from an equilibrium. `lengthened` (t,): by how much each tie has yielded, m; None: not at all. `beds` (k, 9):
-    what elastic contacts remember of a motion, by their two edges (kernels.dynamics.motion: SUNK and REMAINS).
+    not from an equilibrium. `lengthened` (t,): by how much each tie has yielded, m; None: not at all. `motion`: of
+    the state at the end of a motion, None: the next one begins anew.
     """
 
     positions: Array
@@ -45,7 +61,7 @@ class State:
     met: Array | None = None
     carrying: Mask | None = None
     lengthened: Array | None = None
-    beds: Array | None = None
+    motion: MotionMemory | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -294,7 +294,7 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             check_self_weight(model, state)
     except (UnstableError, NoEquilibriumError, ConvergenceError):
         return state, None
-    return replace(step.state, beds=None), step.forces
+    return replace(step.state, motion=None), step.forces
 
 
 def _history(
@@ -317,7 +317,8 @@ def _history(
     final = State(x[-1], v[-1], lengthened=lengthened)
     if not system.system.rigid:
         final = with_springs(system.contacts, final, drawn, motion.shear)
-        final = replace(final, beds=system.remembered(motion))
+    if not reason:  # at collapse the last steps are left out of the record
+        final = replace(final, motion=system.remembered(motion))
     programs, iterations, halvings, cold = (int(value) for value in system.counts[:4])
     time: Array = time_step * np.arange(len(x), dtype=float)
     return TimeHistory(

@@ -18,8 +18,8 @@ from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
     JOINT,
+    LARGEST,
     LONGER,
-    REMAINS,
     SPRING,
     SUNK,
     remember,
@@ -30,7 +30,7 @@ from mechanics.kernels.law import BED, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import message
-from mechanics.model.assembly import Assembly, State
+from mechanics.model.assembly import Assembly, MotionMemory, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
@@ -39,7 +39,6 @@ from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
-BEDS = [SUNK, *range(REMAINS, JOINT)]  # columns of what a bed remembers
 AHEAD = 0.05  # of the block size: how far a corner may move before contacts are looked for again
 
 
@@ -48,12 +47,13 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `blocks` (3, b, 3): positions, velocities and mean accelerations of the last step, 0 after an impact; `joints`
-    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.dynamics.motion.
+    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.dynamics.motion; `halved`: how often the last step was.
     """
 
     blocks: Array
     joints: Array
     energy: Array
+    halved: int = 0
 
     @property
     def shear(self) -> Array:
@@ -153,11 +153,8 @@ class DynamicSystem:
             found.__dict__["layout"] = self.layout
         kept = moved_over(np.ones((len(before), 1)), before, system.contacts)[:, 0] > 0.0
         motion.joints = moved_over(motion.joints, before, system.contacts)
-        if (
-            not self.system.rigid
-        ):  # a contact found for the first time carries nothing, however deep its faces penetrate
-            deep = end_gaps(system.contacts.places(motion.blocks[0])).min(axis=1).clip(max=0.0)
-            motion.joints[~kept, SUNK] = deep[~kept]
+        if not self.system.rigid:
+            motion.joints[~kept, SUNK] = _deep(system.contacts.places(motion.blocks[0]))[~kept]
         return found
 
     @cached_property
@@ -170,43 +167,49 @@ class DynamicSystem:
     def begun(self, start: State, forces: Array | None, lifted: Array) -> Motion:
         """Return the motion that begins in a state, with joint forces (j, 3) N, P and T where they are known.
 
-        `lifted` (j,) m: gaps at the beginning that count as closed.
+        `lifted` (j,) m: gaps at the beginning that count as closed. A motion before goes on as if it had not ended.
         """
-        places, joints, energy = (
-            self.system.places(start.positions, start),
-            np.zeros((len(self.contacts), JOINT)),
-            np.zeros(ENERGIES),
-        )
+        places, rigid = self.system.places(start.positions, start), self.system.rigid
+        blocks = np.stack([start.positions, start.velocities, np.zeros_like(start.positions)])
+        motion = Motion(blocks, np.zeros((len(self.contacts), JOINT)), np.zeros(ENERGIES))
+        joints = motion.joints
         joints[:, SUNK] = lifted
-        if start.beds is not None and not self.system.rigid:
-            self._recall(start.beds, places, joints)
         if self.model.ties:
             joints[self.system.ties, LONGER] = -self.system.stretched
             if start.lengthened is not None:
                 joints[self.system.ties, LONGER] += start.lengthened
         if forces is not None:
             joints[:, :2], joints[:, 2] = end_forces(forces, places[:, H]), forces[:, 2]
-        if not self.system.rigid:
+        if not rigid:
             joints[:, SPRING] = spring_forces(self.contacts, start)
+        if start.motion is not None and start.motion.rigid == rigid:
+            self._recall(start.motion, places, motion)
+        elif not rigid:
             remember(places, self.system.law, joints, self.model.size)
+        if not rigid:
             felt = places.copy()
             felt[:, U] -= joints[:, SUNK]
-            energy[ELASTIC] = strain_energy(felt, self.system.law, joints, self.model.size)
-        return Motion(
-            np.stack([start.positions, start.velocities, np.zeros_like(start.positions)]), joints, energy
+            motion.energy[ELASTIC] = strain_energy(felt, self.system.law, joints, self.model.size)
+        return motion
+
+    def remembered(self, motion: Motion) -> MotionMemory:
+        """Return what a motion goes on from."""
+        joints = np.column_stack([self.contacts.edges, motion.joints])
+        return MotionMemory(
+            self.system.rigid, motion.blocks[2].copy(), joints, float(motion.energy[LARGEST]), motion.halved
         )
 
-    def remembered(self, motion: Motion) -> Array:
-        """Return what the beds remember at the end of a motion, as the `beds` (k, 9) of a state."""
-        return np.column_stack([self.contacts.edges, motion.joints[:, BEDS]])
-
-    def _recall(self, beds: Array, places: Array, joints: Array) -> None:
-        """Set what the beds of `joints` (j, JOINT) at places (j, PLACE) remember of a motion before; new ones sink."""
-        joints[:, SUNK] = end_gaps(places).min(axis=1).clip(max=0.0)
-        known = {(int(e), int(f)): row for e, f, *row in beds}
+    def _recall(self, memory: MotionMemory, places: Array, motion: Motion) -> None:
+        """Go on from what a motion remembers; contacts at places (j, PLACE) that it does not know are new."""
+        motion.blocks[2], motion.energy[LARGEST], motion.halved = (
+            memory.accelerations, memory.largest, memory.halved,
+        )  # fmt: skip
+        if not self.system.rigid:
+            motion.joints[:, SUNK] = _deep(places)
+        known = {(int(e), int(f)): row for e, f, *row in memory.joints}
         for k, (e, f) in enumerate(self.contacts.edges.tolist()):
             if (e, f) in known:
-                joints[k, BEDS] = known[e, f]
+                motion.joints[k] = known[e, f]
 
     @one_thread()
     def march(self, motion: Motion, base: Array, step: float) -> Recorded:
@@ -220,17 +223,24 @@ class DynamicSystem:
         xs, vs = (np.empty((steps + 1, len(model.blocks), 3)) for _ in range(2))
         fs, es = np.zeros((steps + 1, count, 3)), np.empty((steps + 1, ENERGIES))
         xs[0], vs[0], es[0] = motion.blocks[0], motion.blocks[1], motion.energy
-        done, reason = march(
+        done, reason, motion.halved = march(
             c.a, c.b, c.faces, self.system.law, self.layout.row, self.first, model.mass, model.dead_load,
             base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
             (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin,
-            model.radius, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space, self.layout.packed,
+            model.radius, motion.halved, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space,
+            self.layout.packed,
         )  # fmt: skip
         if reason == 2:
             raise ConvergenceError(
                 message("a step of the motion was not solved, {count} steps on", count=int(done))
             )
         return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1])
+
+
+def _deep(places: Array) -> Array:
+    """Return how deep (j,) m, negative, faces penetrate: a contact found for the first time carries nothing there."""
+    deep: Array = end_gaps(places).min(axis=1).clip(max=0.0)
+    return deep
 
 
 def contact_period(model: Assembly) -> float:

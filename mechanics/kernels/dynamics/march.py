@@ -18,20 +18,20 @@ compiled = compiler("contract", "reassoc")
 def march(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, dead: Array,
     base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
-    sizes: Any, halving: Any, margin: float, radius: Array, begun: Array, xs: Array, vs: Array, fs: Array, es: Array,
-    counts: Any, stored_matrix: Array, packed: Any,
-) -> tuple[int, int]:  # fmt: skip
+    sizes: Any, halving: Any, margin: float, radius: Array, halved: int, begun: Array, xs: Array, vs: Array, fs: Array,
+    es: Array, counts: Any, stored_matrix: Array, packed: Any,
+) -> tuple[int, int, int]:  # fmt: skip
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
     `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
     halved where it takes, or leaves unsure, more than a share of the largest kinetic energy so far, that share, levels
     where it is not solved, the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
     rest, and whether the first share is of the kinetic energy of the moment; a part is as long as the one before unless
-    that took little; `margin` (m): how far a corner may go from
-    where it has `begun` (b, 3) before contacts are looked for anew, `radius` (b,) of blocks; `counts` (6,): programs,
+    that took little; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked
+    for anew, `radius` (b,) of blocks; `halved`: how often the last step before was; `counts` (6,): programs,
     iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy (kNm) that errors
-    of velocities may have. Returns the number of steps done and why the march ends:
-    0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved (the motion is as before it).
+    of velocities may have. Returns the number of steps done; why the march ends, 0: all steps are done, 1: a corner has
+    moved by the margin, 2: a program is not solved (the motion is as before it); how often the last step was halved.
     """
     # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
@@ -39,7 +39,7 @@ def march(
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = not elastic_beds(basic)
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
-    whole, deep = 1 << most, 0  # so many of the shortest steps are one; how often the next one is halved
+    whole, deep = 1 << most, halved  # so many of the shortest steps are one; how often the next one is halved
     for k in range(steps):
         first_blocks, first_joints, first_energy = blocks.copy(), joints.copy(), energy.copy()
         gone, once, deep = 0, True, max(deep - 1, 0)
@@ -89,7 +89,7 @@ def march(
             if not found:
                 blocks[:], joints[:], energy[:] = first_blocks, first_joints, first_energy
                 if not once:
-                    return k, 2
+                    return k, 2, deep
                 # once more, halved only where it is not solved
                 gone, once, deep = 0, False, 0
                 continue
@@ -106,5 +106,5 @@ def march(
             way = np.hypot(blocks[0, i, 0] - begun[i, 0], blocks[0, i, 1] - begun[i, 1])
             far = max(far, way + radius[i] * abs(blocks[0, i, 2] - begun[i, 2]))
         if far > margin:
-            return k + 1, 1
-    return steps, 0
+            return k + 1, 1, deep
+    return steps, 0, deep

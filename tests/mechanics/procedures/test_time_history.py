@@ -258,7 +258,7 @@ def test_control_point_past_its_ultimate_and_coming_back_is_no_collapse() -> Non
 
 
 def test_a_step_that_cannot_be_solved_is_no_collapse(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dynamic_system, "march", lambda *_: (3, 2))
+    monkeypatch.setattr(dynamic_system, "march", lambda *_: (3, 2, 0))
     with pytest.raises(ConvergenceError, match="not solved, 3 steps on"):
         time_history(block_on_base(), burst(0.5, 20), STEP, "rigid", integrator="implicit-euler")
 
@@ -371,22 +371,35 @@ def test_bounces_shorter_than_a_step_are_rest() -> None:
     assert abs(motion.velocities[-1]).max() < 1e-3
 
 
-@pytest.mark.parametrize(("integrator", "near"), [("second-order", 0.02), ("moreau-jean", 0.003)])
-def test_an_elastic_motion_goes_on_from_its_final_state(integrator: Integrator, near: float) -> None:
-    """Beds had forgotten how far their faces had come closer than they were pressed: they threw the blocks.
+@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: Integrator) -> None:
+    """What is measured by the past goes on: how far beds were pressed, gaps that count as closed, halved steps.
 
-    The arch went on with 400 times the energy that its joints had stored, and was 0.6 m away 0.2 s later; others fell
-    in the free motion after a record. Integrators halve steps by the largest energy so far: they halve others.
+    Elastic beds had forgotten how far faces had come closer than they were pressed, and threw the blocks: the arch went
+    on with 400 times the energy that its joints had stored. Rigid ones forgot the gaps that a settlement leaves.
     """
-    model, step = arch_on_piers(stiffness=1e6), 0.01
-    time = np.arange(200) * step
-    record = np.where(time < 1.0, 0.05 * np.sin(4.0 * np.pi * time), 0.0)
-    whole = time_history(model, np.append(record, np.zeros(20)), step, "elastic", integrator=integrator)
-    first = time_history(model, record, step, "elastic", integrator=integrator)
-    after = time_history(model, np.zeros(21), step, "elastic", first.final, integrator)
-    assert not first.collapsed and abs(first.final.velocities).max() > 0.0
-    assert after.energy.elastic[0] == pytest.approx(first.energy.elastic[-1], rel=1e-6)
-    assert abs(after.positions - whole.positions[199:]).max() < near
+    model = arch_on_piers(stiffness=1e6)
+    state = pushdown(model, "right", (0.01, -0.01), increment=0.005, contacts=contacts).final
+    record, cut = 0.15 * np.sin(4.0 * np.pi * STEP * np.arange(161)), 83
+    whole, first = (
+        time_history(model, part, STEP, contacts, state, integrator) for part in (record, record[: cut + 1])
+    )
+    after = time_history(model, record[cut:], STEP, contacts, first.final, integrator)
+    assert not whole.collapsed and abs(first.final.velocities).max() > 0.01
+    assert after.energy.elastic[0] == pytest.approx(first.energy.elastic[-1], rel=1e-9)
+    assert (first.programs + after.programs, first.halvings + after.halvings) == (
+        whole.programs,
+        whole.halvings,
+    )
+    assert abs(after.positions - whole.positions[cut:]).max() < 1e-9
+
+
+def test_a_motion_does_not_go_on_with_joints_of_another_kind() -> None:
+    model = block_on_base()
+    first = time_history(model, burst(0.3), STEP, "rigid")
+    begun = [replace(first.final, motion=None), first.final]
+    one, other = (time_history(model, np.zeros(20), STEP, "elastic", state) for state in begun)
+    assert np.array_equal(one.positions, other.positions)
 
 
 @pytest.mark.parametrize(
