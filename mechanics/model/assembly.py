@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from mechanics.errors import ArgumentError, array_of, is_number, is_whole, require
 from mechanics.kernels.bed import MOST_SEGMENTS
+from mechanics.kernels.joint import H
 from mechanics.model.block import Block
 from mechanics.model.contacts import Contacts, drawn_contacts
 from mechanics.model.joints import Joints, default_tolerance, find_joints
@@ -22,6 +23,8 @@ from mechanics.types import GRAVITY, Array, Index, Mask
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
+
+RESOLVED = 2e-6  # of a block's weight: what the rounding of positions may change elastic forces by
 
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
@@ -191,10 +194,28 @@ class Assembly:
         require(isinstance(model, Assembly), "model", type(model).__name__, "an Assembly")
 
     def check_behaviour(self, behaviour: Behaviour) -> None:
-        """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness."""
+        """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness, or with too much."""
         require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
-        if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
+        if behaviour == "rigid":
+            return
+        if np.isnan(self.contacts.bed).any():
             raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
+        if self.rounding > RESOLVED:
+            raise ArgumentError(
+                f"normal_stiffness: joints are so stiff that the rounding of positions changes their forces by "
+                f"{self.rounding:.1g} of a block's weight; make it {RESOLVED / self.rounding:.1g} times as large, use "
+                "rigid contacts, or move the structure nearer to the origin"
+            )
+
+    @cached_property
+    def rounding(self) -> float:
+        """The most by which the last digit of a position changes an elastic joint's force, per weight of a block."""
+        positions, contacts = self.initial.positions, self.contacts.take(np.flatnonzero(~self.contacts.ties))
+        if len(contacts) == 0:
+            return 0.0
+        stiffness = contacts.bed * 2.0 * contacts.places(positions)[:, H]
+        place = np.spacing(abs(positions[:, :2]).max())
+        return float(place * stiffness.max() * self.movable.sum() / self.weight)
 
     @property
     def crushes(self) -> bool:
