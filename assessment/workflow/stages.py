@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from assessment.analyses.checks.capacity import (
@@ -131,7 +130,7 @@ def _ensembles(
 ) -> Mapping[str, Ensemble]:
     """Repeat the states whose paths scatter, in the increments at which they converged; by state, by member."""
     requests = [
-        replace(request, project=refined(project, converged.halvings.get(request.state, 0)))
+        request.within(refined(project, converged.halvings.get(request.state, 0)))
         for request in _requests(project, states)
     ]
     return members(requests, converged.stages, workers)

@@ -103,8 +103,7 @@ def _follow(
     }
     varied = [
         replace(
-            request,
-            project=in_increments(request.project, float(factors[number])),
+            request.within(in_increments(request.project, float(factors[number]))),
             model=request.model.varied(shaken[request.model.settling, number]),
         )
         for number in numbers

@@ -6,7 +6,7 @@ A strengthening has the settlement of the state that it strengthens: its ties ar
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.static.lateral import PushSetting, push
@@ -41,6 +41,10 @@ class Request:
     settlement: SettlementTable | None
     behaviour: Behaviour
     what: str = ""
+
+    def within(self, project: Project) -> Request:
+        """Return the request for a state of the project in a project of other increments, the settlement's too."""
+        return replace(self, project=project, settlement=project.settlement_of(self.state))
 
     @property
     def state(self) -> str:

@@ -9,6 +9,7 @@ import pytest
 
 from assessment.analyses.checks.capacity import Assessed
 from assessment.analyses.checks.ranges import Paths, with_ranges
+from assessment.analyses.static import ensemble
 from assessment.analyses.static.ensemble import (
     ENSEMBLE,
     EnsembleTolerances,
@@ -17,7 +18,7 @@ from assessment.analyses.static.ensemble import (
     shaken_corners,
 )
 from assessment.analyses.static.paths import turns_on_rounding
-from assessment.analyses.static.states import Request, analyse_states
+from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.schema import State
@@ -26,7 +27,7 @@ from assessment.results.schema.model import Line
 from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush
 from assessment.runtime.tasks import Workers
 from mechanics import pushover
-from tests.support.block_project import block, read_results, run, write_block
+from tests.support.block_project import TURNED, block, read_results, run, write_block
 from tests.support.structures import block_on_base, running_bond
 from tests.support.typed import filled, made
 
@@ -68,6 +69,27 @@ def test_where_a_member_differs_all_are_run(request_of):
     alphas = {member[0].pushover["+x"].rigid.alpha_0 for member in others}
     assert len(alphas) == len(others), "each member has corners of its own"
     assert max(alphas) - min(alphas) < 1e-5
+
+
+def test_members_settle_and_push_in_increments_of_their_own(tmp_path, monkeypatch):
+    """They pushed in increments of their own, and settled in those of the project."""
+    project = load_project(write_block(tmp_path, block() + PUSHOVER + TURNED))
+    name = project.settlements[0].name
+    asked = Request(project, build_model(project).states[name], project.settlement_of(name), "rigid")
+    given = []
+
+    def kept(requests, workers, study):
+        given.extend(requests)
+        return [StateResult(request.state, request.behaviour) for request in requests]
+
+    monkeypatch.setattr(ensemble, "analyse_states", kept)
+    found = StateResult(name, "rigid", scatters=True)
+    monkeypatch.setattr(ensemble, "apart", lambda *_: True)
+    members([asked], [found], Workers())
+    factors = np.geomspace(*ENSEMBLE.increments, project.scatter - 1)
+    settled = [request.settling.settlement.increment_rad / asked.settlement.increment_rad for request in given]
+    pushed = [request.project.pushover.increment_m / project.pushover.increment_m for request in given]
+    assert settled == pytest.approx(factors) and pushed == pytest.approx(factors)
 
 
 def test_members_differ_by_their_increments_and_by_the_last_digits_of_corners(request_of):
