@@ -42,21 +42,40 @@ class Mirror:
             return None
         if not _same(model.dead_load[block], model.dead_load * TURNED):
             return None
+        if not _same(model.mass[block], model.mass):
+            return None
         if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
             return None
         contacts = model.contacts
-        # joints of different pairs of blocks are shifted apart: only those of the same pair can match
-        apart = 10.0 * extent
+        apart = (
+            10.0 * extent
+        )  # what belongs to other blocks is shifted so far: only what is of the same can match
+        corner = np.concatenate([block.polygon for block in model.blocks])
+        of = np.repeat(np.arange(len(model.blocks)), [len(block.polygon) for block in model.blocks])
+        flipped = [2.0 * axis, 0.0] + corner * [-1.0, 1.0]
+        shapes = _matched(
+            np.column_stack([apart * of, corner]),
+            np.column_stack([apart * block[of], flipped]),
+            EXACT * apart,
+        )
         ties = np.array([tie.points for tie in model.ties]).reshape(-1, 2, 2)
         ends = np.concatenate([model.joints.ends, ties])
-        middle, length = ends.mean(axis=1), np.hypot(*(ends[:, 1] - ends[:, 0]).T)
         owner = np.sort(np.stack([contacts.a, contacts.b], axis=1), axis=1)
-        image_owner = np.sort(block[owner], axis=1)
-        here = np.column_stack([apart * owner, middle, length, apart * contacts.ties])
-        image = np.column_stack(
-            [apart * image_owner, [2.0 * axis, 0.0] + middle * [-1.0, 1.0], length, apart * contacts.ties]
+        middle, along = ends.mean(axis=1), _along(ends)
+        joint = _matched(
+            np.column_stack([apart * owner, middle, along, apart * contacts.ties]),
+            np.column_stack(
+                [
+                    apart * np.sort(block[owner], axis=1),
+                    [2.0 * axis, 0.0] + middle * [-1.0, 1.0],
+                    along * [1.0, 1.0, -1.0],
+                    apart * contacts.ties,
+                ]
+            ),
+            EXACT * apart,
         )
-        joint = _matched(here, image, EXACT * apart)
+        if shapes is None:
+            return None
         if joint is None or not _same(contacts.friction[joint], contacts.friction):
             return None
         if not _same(contacts.strength[joint], contacts.strength):
@@ -155,6 +174,13 @@ class Mirror:
         places = system.places(state.positions, state)
         forces = self._forces(step.forces[: len(contacts)])
         return replace(step, state=state, system=system, places=places, forces=forces, iterate=None)
+
+
+def _along(ends: Array) -> Array:
+    """Return dx²/l, dz²/l and dx dz/l (k, 3), m, of lines between two points (k, 2, 2): the same from either end."""
+    d = ends[:, 1] - ends[:, 0]
+    length = np.hypot(*d.T)
+    return np.asarray(np.column_stack([d * d, d[:, 0] * d[:, 1]]) / length[:, None])
 
 
 def _matched(points: Array, images: Array, tolerance: float) -> Index | None:

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, pushover
+from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from mechanics.messages import message
+from mechanics.model.tie import Tie
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
 from mechanics.steps.static_step import StepProblem
@@ -61,6 +62,37 @@ def test_ties_are_mirrored_and_one_that_has_no_image_breaks_the_symmetry():
     found, expected = (path.states[-2].lengthened for path in (image, other))
     assert expected == pytest.approx(found, abs=1e-6)
     assert expected[0] > 0.005
+
+
+def test_a_diagonal_has_the_middle_the_length_and_the_blocks_of_its_image_and_is_not_it():
+    """Both directions had the multiplier of +x, 0.35, where −x has 0.25 (limit analysis)."""
+    stone = Material(20.0, 0.6)
+    shapes = [
+        ((-2.3, -0.4, -1.1, 0.0), "left"), ((1.1, -0.4, 2.3, 0.0), "right"), ((-2.0, 0.0, -1.4, 2.4), None),
+        ((1.4, 0.0, 2.0, 2.4), None), ((-2.0, 2.4, 2.0, 2.9), None),
+    ]  # fmt: skip
+    portal = Assembly(
+        [Block(rectangle(*corners), 0.8, stone, support=support) for corners, support in shapes]
+    )
+    tied = portal.tied([Tie("diagonal", (-1.7, 0.6), (1.7, 2.2), 20.0)])
+    assert Mirror.of(portal, "rigid") is not None and Mirror.of(tied, "rigid") is None
+    assert limit_analysis(tied, "+x").alpha > 1.3 * limit_analysis(tied, "-x").alpha
+    level = portal.tied([Tie("chain", (-1.7, 2.2), (1.7, 2.2), 20.0)])
+    assert Mirror.of(level, "rigid") is not None
+
+
+def test_outlines_and_masses_have_to_be_each_others_image():
+    """A parallelogram has the centroid, the area and the joints of its image, and leans the other way."""
+    stone = Material(20.0, 0.6)
+    base = Block(rectangle(-2.0, -0.4, 2.0, 0.0), 1.0, stone, support="base")
+    leaning = [[-0.6, 0.0], [0.4, 0.0], [0.6, 0.0], [0.6, 1.0], [-0.4, 1.2], [-0.6, 1.0]]
+    upright = [[-0.6, 0.0], [0.6, 0.0], [0.6, 1.0], [0.4, 1.2], [-0.4, 1.2], [-0.6, 1.0]]
+    for outline, symmetrical in ((leaning, False), (upright, True)):
+        model = Assembly([base, Block(outline, 1.0, stone)])
+        shifted = Block(
+            np.array(outline) - [np.mean([b.centroid[0] for b in model.blocks[1:]]), 0.0], 1.0, stone
+        )
+        assert (Mirror.of(Assembly([base, shifted]), "rigid") is not None) is symmetrical
 
 
 def test_control_points_have_to_be_each_others_image():
