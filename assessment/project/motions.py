@@ -155,11 +155,19 @@ def _vertical(
     if missing > horizontal.time_step:
         text = f"{path.name} ends {missing:.3g} s before the horizontal motion; give a longer record or a window_s"
         raise ProjectError(f"{project.source}: {key}.vertical_record: {text}")
-    cut = whole.windowed(start, min(start + horizontal.duration, whole.duration))
-    vertical = np.zeros(horizontal.acceleration.size)
-    found = cut.resampled(horizontal.time_step).acceleration[: vertical.size]
-    vertical[: found.size] = found
-    return vertical
+    time: Array = start + horizontal.time
+    if horizontal.time_step > (1.0 + SAME_TIME) * whole.time_step:  # what the step cannot carry is damped
+        count = int(np.ceil(horizontal.duration / whole.time_step - SAME_TIME)) + 1
+        begun = _at(whole, start + whole.time_step * np.arange(count, dtype=float))
+        found = replace(whole, acceleration=begun).resampled(horizontal.time_step).acceleration
+        return found[: time.size]
+    return _at(whole, time)
+
+
+def _at(record: Record, time: Array) -> Array:
+    """Return the accelerations (k,) g of the broken line at `time` (k,) s; zero beyond the record's end."""
+    beyond = time > record.duration + SAME_TIME * record.time_step
+    return np.where(beyond, 0.0, np.interp(time, record.time, record.acceleration))
 
 
 def _renamed(motion: BaseMotion, name: str) -> BaseMotion:

@@ -281,6 +281,40 @@ def test_the_window_scale_and_step_of_a_motion(tmp_path):
     np.testing.assert_allclose(motion.vertical, motion.record.acceleration, atol=1e-12)
 
 
+def _vertical_motion(folder, time, acceleration, extra=""):
+    """The motion of the wave with a vertical record beside it."""
+    _project(folder)
+    np.savetxt(folder / "up.csv", np.column_stack([time, acceleration]), delimiter=",")
+    path, table = folder / "project.toml", TAIL.format(scale=2.0) + 'vertical_record = "up.csv"\n' + extra
+    path.write_text(path.read_text(encoding="utf-8") + table, encoding="utf-8")
+    (motion,) = history_motions(load_project(folder))
+    return motion
+
+
+@pytest.mark.parametrize(
+    ("step", "vertical_step"),
+    [(0.02, 0.04), (0.02, 0.008), (0.02, 0.03), (0.01, 0.04), (0.02, 0.02)],
+    ids=["coarser", "finer", "no multiple", "a finer analysis", "the same"],
+)
+def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, step, vertical_step):
+    """v = 0.1 g/s t is its own broken line at any step, and its own least-squares line: at 1.5 s + t it is known.
+
+    1.5 s is no multiple of 0.04 s or 0.008 s: cut at the first sample inside the window v would be that of 20 or 4 ms
+    later.
+    """
+    time = vertical_step * np.arange(round(2.4 / vertical_step) + 1)
+    window = f"window_s = [1.5, 1.9]\ntime_step_s = {step}\n"
+    motion = _vertical_motion(tmp_path / "block", time, 0.1 * time, window)
+    assert motion.vertical.size == motion.record.acceleration.size
+    np.testing.assert_allclose(motion.vertical, 2.0 * 0.1 * (1.5 + motion.record.time), atol=1e-9)
+
+
+def test_a_vertical_record_that_ends_within_a_step_of_the_horizontal_one_is_zero_beyond(tmp_path):
+    time = 0.0205 * np.arange(98)  # up to 1.9885 s, the horizontal one to 2 s
+    motion = _vertical_motion(tmp_path / "block", time, 0.1 + 0.1 * time)
+    np.testing.assert_allclose(motion.vertical, [*(0.2 + 0.2 * TIME[:-1]), 0.0], atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("extra", "named"),
     [
