@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from assessment.analyses.checks.capacity import assess, capacities
 from assessment.analyses.dynamic.inputs import ultimates, why_not_reached
 from assessment.analyses.dynamic.time_history import Start
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
-from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
 from assessment.project.schema import ORIGINAL
 from assessment.results.table import compared
 from assessment.studies.increments import finest
@@ -19,6 +18,7 @@ from assessment.studies.variants import (
     Statics,
     Study,
     capacities_of,
+    directions,
     quantity,
     quoted_limit_state,
 )
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
     from assessment.project.structure.state_models import StateModel
-    from assessment.results.schema.checks import Direction
+    from assessment.results.schema.checks import Capacity, Direction
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 class Moved:
     """A share of a movement: its largest component (m), assembly, state at rest or why there is none, static capacity.
 
-    `static`: PGA at the surface (g), or α where there is no assessment, of the weaker direction; `ultimate` (m):
+    `static`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction; `ultimate` (m):
     control displacement at which the static capacity vanishes. None: not known.
     """
 
@@ -176,17 +176,15 @@ def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list
     if "elastic" not in project.pushover.contacts:
         pushed = {direction: each.replace(elastic=None) for direction, each in pushed.items()}
     stages = [stage for stage in state.stages if stage.behaviour in project.pushover.contacts]
-    checks = capacities(assess(project, state.model, pushed, demands, warnings)) if project.assessment else {}
-    found = []
-    for each in capacities_of(project, stages, pushed, checks).values():
-        value = compared(each, quantity(project))
+    if project.assessment:
+        checks = capacities(assess(project, state.model, pushed, demands, warnings))
         limit_state = quoted_limit_state(project)
-        if value is not None and limit_state is not None:
-            value = surface_pga(demands.spectra[limit_state], value)
-        if value is None:
-            return None
-        found.append(value)
-    return min(found)
+        values = [_surface_pga(checks.get(each), limit_state) for each in directions(project)]
+    else:
+        found = capacities_of(project, stages, pushed, {})
+        values = [compared(each, quantity(project)) for each in found.values()]
+    known = [value for value in values if value is not None]
+    return min(known) if known and len(known) == len(values) else None
 
 
 def _ultimate(project: Project, table: CampaignTable, curves: Mapping[Direction, Pushovers]) -> float | None:
@@ -195,7 +193,7 @@ def _ultimate(project: Project, table: CampaignTable, curves: Mapping[Direction,
     return ultimates({ORIGINAL: curves}).get((ORIGINAL, point))
 
 
-def surface_pga(spectrum: Spectrum, a_g: float) -> float:
-    """Return the PGA at the surface, a_g S (g), for a reference acceleration a_g (g); S depends on a_g too."""
-    ground = getattr(spectrum, "ground", spectrum)
-    return float(replace(ground, ag=a_g).S * a_g) if isinstance(ground, ElasticSpectrum) else a_g
+def _surface_pga(capacity: Capacity | None, limit_state: str | None) -> float | None:
+    """Return the PGA at the surface (g) that the check of a limit state gives; None where it gives none."""
+    check = capacity.checks.get(limit_state or "") if capacity else None
+    return check.pga_g if check else None
