@@ -17,6 +17,7 @@ from assessment.analyses.checks.capacity import (
 from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
 from assessment.analyses.checks.indices import knowledge_of, state_indices
 from assessment.analyses.checks.ranges import Paths, with_ranges
+from assessment.analyses.checks.refusals import joined
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.paths import stand
 from assessment.analyses.static.second_solver import second_solver
@@ -24,6 +25,7 @@ from assessment.analyses.static.states import Request, StateResult, analyse_stat
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema.part import known, present
+from assessment.results.undetermined import without
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.show import SILENCE, Show
 from assessment.runtime.tasks import Workers, large
@@ -93,7 +95,7 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
     converged = _converged(project, states, demands, workers)
     ensembles = _ensembles(project, states, converged, workers)
     _add_states(draft, converged)
-    _add_capacities(draft, project, states, demands, ensembles)
+    assessed = _add_capacities(draft, project, states, demands, ensembles)
     _add_second_solver(draft, converged, workers)
 
     statics = Statics(draft.states, converged.stages, converged.halvings)
@@ -103,7 +105,8 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
         draft.put(comparison=comparison(draft.states))
     if project.strengthening:
         draft.put(strengthening=strengthened(draft.states))
-    return draft.finished(), shaken and studied and not any(stage.failures for stage in converged.stages)
+    settled = not any(stage.failures for stage in converged.stages)
+    return draft.finished(), assessed and studied and shaken and settled
 
 
 def _falls_by_itself(draft: Draft, assembly: Assembly, workers: Workers) -> bool:
@@ -169,18 +172,26 @@ def _add_capacities(
     states: States,
     demands: Demands,
     ensembles: Mapping[str, Ensemble],
-) -> None:
-    """Add the ranges of every state and, where asked for, its checks, the demand and the chosen mechanisms."""
+) -> bool:
+    """Add the ranges of every state and, where asked for, its checks, the demand and the chosen mechanisms.
+
+    Return whether every capacity was found: each pushover has one, and no mechanism of the project was refused.
+    """
     began = time.perf_counter()
+    complete = True
     for name in draft.states:
-        _add_capacity(draft, name, project, states[name].assembly, demands, ensembles.get(name))
+        found = _add_capacity(draft, name, project, states[name].assembly, demands, ensembles.get(name))
+        complete = complete and found
     if project.assessment:
         if project.assessment.knowledge:
             draft.put(knowledge=knowledge_of(project.assessment.knowledge))
         draft.put(spectra=demand_parts(project, demands))
         draft.took("assessment", time.perf_counter() - began)
     if project.mechanism:
-        draft.put(mechanisms=assess_chosen(project, states, draft.states, demands, draft.warnings))
+        chosen = assess_chosen(project, states, draft.states, demands, draft.warnings)
+        draft.put(mechanisms=chosen)
+        complete = complete and not any(given.refused for given in chosen)
+    return complete
 
 
 def _add_capacity(
@@ -190,8 +201,11 @@ def _add_capacity(
     assembly: Assembly,
     demands: Demands,
     ensemble: Ensemble | None,
-) -> None:
-    """Add ranges and checks of one state, and the indices that follow from them."""
+) -> bool:
+    """Add ranges and checks of one state, and the indices that follow from them; return whether all were found.
+
+    A state without capacity in a direction that was asked for has no index: the least of its directions is not known.
+    """
     notes: list[Message] = []
 
     def checked(pushovers: Mapping[Direction, Pushovers]) -> Mapping[Direction, Assessed]:
@@ -204,17 +218,22 @@ def _add_capacity(
         found = checked(state.pushover)
         curves_of = {direction: each.curves for direction, each in found.items()}
         state = state.replace(pushover=state.pushover | curves_of, capacity=capacities(found))
-    draft.warnings += [message("{state}: {text}", state=name, text=note) for note in dict.fromkeys(notes)]
+    runs = 1 if ensemble is None else len(ensemble) + 1
+    draft.warnings += [message("{state}: {text}", state=name, text=note) for note in joined(notes, runs)]
     if ensemble is not None:
         draft.warnings += [headed(message("{state}", state=name), note) for note in told_of(ensemble)]
     draft.put_state(name, pushdown=state.pushdown, pushover=state.pushover, capacity=state.capacity)
-    if project.assessment:
-        draft.put_state(
-            name,
-            governing=governing(state.capacity),
-            safety_index=safety_index(state.capacity),
-            indices=state_indices(project, state.capacity),
-        )
+    if not project.assessment:
+        return True
+    asked = project.pushover.directions if project.pushover else ()
+    determined = {} if without(state.capacity, asked) else state.capacity
+    draft.put_state(
+        name,
+        governing=governing(determined),
+        safety_index=safety_index(determined),
+        indices=state_indices(project, determined),
+    )
+    return not without(state.capacity, state.pushover)
 
 
 def _add_second_solver(draft: Draft, converged: Convergence, workers: Workers) -> None:

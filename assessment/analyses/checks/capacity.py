@@ -14,6 +14,7 @@ from assessment.analyses.checks.check_result import check_of, checks_of, curve_o
 from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.checks.indices import confidence_source
+from assessment.analyses.checks.refusals import other_mechanism, refused, towards
 from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.ntc.capacity.curve import (
@@ -72,18 +73,13 @@ def assess(
     found = {}
     for direction, curves in pushovers.items():
         if curves.rigid is None:
-            warnings.append(_towards(direction, message("no capacity without the rigid pushover curve")))
+            warnings.append(towards(direction, message("no capacity without the rigid pushover curve")))
             continue
         try:
             found[direction] = _assessed(project, model, direction, curves, demands, warnings)
         except CapacityError as refusal:
-            nothing = message("no capacity: {reason}", reason=refusal.message)
-            warnings.append(_towards(direction, nothing))
+            warnings.append(towards(direction, refused(refusal.message)))
     return found
-
-
-def _towards(direction: Direction, text: str) -> Message:
-    return message("{direction}: {text}", direction=direction, text=text)
 
 
 def capacities(assessed: Mapping[Direction, Assessed]) -> dict[Direction, Capacity]:
@@ -122,7 +118,7 @@ def _assessed(
     beyond = _beyond_loss(assessment, rigid.local_loss)
     checks = verify(capacity, demands.spectra, method)
     notes = dict.fromkeys(note for check in checks.values() for note in check.notes)
-    warnings += [_towards(direction, note) for note in (*beyond, *notes)]
+    warnings += [towards(direction, note) for note in (*beyond, *notes)]
 
     made = _capacity(mechanism, part, fit, capacity, checks)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
@@ -144,14 +140,7 @@ def _refuse_other_mechanism(rigid: RigidPush) -> None:
     alpha, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
     virtual_work = math.inf if by_work is None else by_work
     if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
-        raise CapacityError(
-            message(
-                "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
-                "slide or move by themselves there, and e*, Γ* are not those of a mechanism",
-                work=virtual_work,
-                alpha=alpha,
-            )
-        )
+        raise CapacityError(other_mechanism(virtual_work, alpha))
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:

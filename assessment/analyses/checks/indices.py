@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 def state_indices(project: Project, capacities: Mapping[Direction, Capacity]) -> Indices | None:
     """Return the indices of a state from the least favourable check of its directions at each limit state.
 
-    None if no check at SLV has a ratio, and if the demand is a record: its a_g does not refer to rock.
+    None if a direction has no ratio at SLV, and if the demand is a record: its a_g does not refer to rock.
     """
     assessment = project.assessment
     if assessment is None or assessment.site is None or assessment.spectrum == "record":
         return None
-    life = _least(capacities, ["SLV"]) or _least(capacities, ["SLV linear"])
+    life = _at_life(capacities)
     if life is None:
         return None
     direction, limit, check, zeta = life
@@ -96,6 +96,16 @@ class _Least(NamedTuple):
     limit_state: str
     check: Check
     ratio: float
+
+
+def _at_life(capacities: Mapping[Direction, Capacity]) -> _Least | None:
+    """Return the least ratio at SLV, linear where a direction has no nonlinear one; None if a direction has neither."""
+    found = [
+        _least({direction: capacity}, ["SLV"]) or _least({direction: capacity}, ["SLV linear"])
+        for direction, capacity in capacities.items()
+    ]
+    known = [each for each in found if each is not None]
+    return min(known, key=lambda each: each.ratio, default=None) if len(known) == len(found) else None
 
 
 def _least(capacities: Mapping[Direction, Capacity], limit_states: Iterable[str]) -> _Least | None:

@@ -70,8 +70,16 @@ def _english(made: Worded) -> str:
     return filled(
         made.template,
         made.fields,
-        lambda _, item, form: _english(item) if isinstance(item, Worded) else english(item, form),
+        _item_in_english,
     )
+
+
+def _item_in_english(name: str, item: str | float | Worded, form: str) -> str:
+    """Return an item of a template that no language words: as it is, its minus signs those of a report."""
+    if isinstance(item, Worded):
+        return _english(item)
+    minus = name == "direction" or not isinstance(item, str)
+    return english(item, form).replace("-", "−") if minus else str(item)
 
 
 @cache

@@ -8,12 +8,14 @@ import pytest
 
 from assessment.analyses.checks.capacity import CONTRADICTION, assess
 from assessment.analyses.checks.demand import Demands
+from assessment.analyses.checks.refusals import joined, other_mechanism, refused, towards
 from assessment.analyses.static.paths import crossings
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
+from mechanics.messages import message
 from tests.support.analysed import analysed, arch
 from tests.support.typed import typed
-from tests.support.wording import in_italian
+from tests.support.wording import as_sentence, in_italian
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +69,33 @@ def test_jumps_below_the_accuracy_of_the_path_are_left_out():
     jumps = [[7.757e-12, 7.272e-12], [7.757e-12, 7.272e-12], [0.002, 0.003], [0.003, 0.0035]]
     [said] = crossings("a wall", jumps, 0.0005)
     assert said.startswith("a wall: between d = 0.002 and 0.0035 m")
+
+
+def refusals(*multipliers):
+    """What an assessment says of runs whose mechanisms virtual work contradicts."""
+    return [towards("+x", refused(other_mechanism(work, alpha))) for work, alpha in multipliers]
+
+
+def test_runs_refused_for_the_same_reason_are_told_once_with_how_many_and_between_what():
+    """One of the five lines a run was printed for each member, which none of them named."""
+    kept = towards("+x", message("α = 0"))
+    told = joined([*refusals((0.277, 0.643), (0.0189, 0.641), (-0.147, 0.642)), kept, kept], 5)
+    assert told[1:] == [kept]
+    assert told[0].startswith(
+        "+x: no capacity in 3 of 5 runs: virtual work on the mechanism gives α = -0.147 to 0.277, "
+        "the curve 0.641 to 0.643: blocks slide"
+    )
+    assert as_sentence(told[0], "en").startswith("Direction +x: no capacity in 3 of 5 runs")
+    assert "α = −0.147 to 0.277" in as_sentence(told[0], "en")
+    assert in_italian(told[0]).startswith("direzione +x: la capacità non è determinata in 3 delle 5 analisi")
+    assert "fra −0,147 e 0,277" in in_italian(told[0])
+
+
+def test_a_single_run_and_another_direction_are_told_by_themselves():
+    [one] = refusals((0.277, 0.643))
+    assert joined([one], 1) == [one]
+    other = towards("-x", refused(other_mechanism(0.1, 0.6)))
+    assert [text[:27] for text in joined([one, other], 2)] == [
+        "+x: no capacity in 1 of 2 r",
+        "-x: no capacity in 1 of 2 r",
+    ]

@@ -132,7 +132,7 @@ def test_messages_within_messages_numbers_and_names():
                     limit="SLC", displacement=0.1)  # fmt: skip
     told = message("{direction}: {text}", direction="-x", text=spent)
     assert in_italian(message("{state}: {text}", state="original", text=told)) == (
-        "originale: −x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita"
+        "stato “originale”: direzione −x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita"
     )
     hidden = message(
         'layer "{name}": {count} frozen, off or invisible polylines left out', name="A.1", count=3
@@ -155,7 +155,7 @@ def test_what_is_no_message_stays_as_it_is():
     told = headed("original", "block 3 has fallen by 0.5 m")
     assert in_italian(told) == "original: block 3 has fallen by 0.5 m"
     unknown = message("unknown {number:.2g}", number=0.5)
-    assert in_italian(message("{state}: {text}", state="original", text=unknown)) == "originale: unknown 0.5"
+    assert in_italian(message("{state}: {text}", state="original", text=unknown)) == "stato “originale”: unknown 0.5"
 
 
 def test_english_messages_stay_as_they_are_but_for_the_state_of_a_sentence():
