@@ -38,7 +38,7 @@ from assessment.report.figures.dynamic import (
     fragile,
     shaken,
 )
-from assessment.report.figures.spectra import draw_demand, draw_spectra
+from assessment.report.figures.spectra import draw_demand, draw_spectra, one_scale
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.tables.structure.cracks import cracks_of
@@ -232,7 +232,8 @@ def _of_direction(results: Results, words: Words, direction: Direction) -> list[
         for number, names in enumerate(_portions(able)):
             draw = partial(draw_spectra, results, words, names, direction, limit)
             stem = _numbered(f"spectra_{side}_{limit}", number)
-            found.append(Picture(stem, "capacity", draw, "spectra", fields | {"limit": limit}))
+            caption = "spectra" if one_scale(results, names, direction, limit) else "spectra_own"
+            found.append(Picture(stem, "capacity", draw, caption, fields | {"limit": limit}))
     return found
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from assessment.report.figures.style import DASHES, OVER_LINES, chart
+from assessment.report.tables.elastic_curve import elastic_capacity
 from assessment.report.text.language import Words
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, Direction
@@ -18,8 +20,13 @@ from assessment.results.schema.part import known
 from assessment.results.table import reference_of
 from mechanics.types import GRAVITY
 
-OFFSET: dict[str, Any] = {"textcoords": "offset points"}
 LONGEST = 4.0  # s: what is drawn of the spectra
+SCALES_APART = 1.8  # panels whose axes would differ by a larger factor have axes of their own
+ELASTIC: dict[str, Any] = {"color": "0.5", "linewidth": 1.4}
+PERIODS = (0.5, 1.0, 2.0, 3.0)  # s: of the grey lines
+LETTER_PT, SMALL_PT, LINE_PT = 5.0, 4.0, 11.0  # of a text: a letter's width, a small one's, its height
+Places = NDArray[np.float64]
+Spot = tuple[tuple[float, float], tuple[float, float]]  # a place of a panel, and points from there
 
 
 def draw_spectra(
@@ -28,21 +35,23 @@ def draw_spectra(
     """Draw a* over d* (m) of each state with the spectrum it can bear and the one demanded of it.
 
     Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
-    latter meets the line of period T of the limit state at d*.
+    latter meets the line of period T of the limit state at d*. The curve with elastic joints is grey.
     """
     columns = min(2, len(states))
     rows = -(-len(states) // columns)
-    figure, panels = chart(words, columns=columns, rows=rows, height_mm=80.0)
-    capacities = [results.states[name].capacity[direction] for name in states]
-    reach = 1.25 * max(
-        max(_reach(capacity, limit), _needed(capacity.checks[limit])) for capacity in capacities
-    )
-    top = max(_top(capacity, limit) for capacity in capacities)
-    demanded = False  # some of the demand is on the sheet
-    for axes, name, capacity in zip(panels, states, capacities, strict=False):
+    figure, panels = chart(words, columns=columns, rows=rows, height_mm=80.0, foot_mm=20.0)
+    demanded, elastic = False, False  # some of it is on the sheet
+    frames = _frames(results, states, direction, limit)
+    for axes, name, (reach, top) in zip(panels, states, frames, strict=False):
+        capacity = results.states[name].capacity[direction]
         point = capacity.checks[limit]
         spectrum = (results.spectra or {}).get(limit)
-        _period_lines(axes, words, (0.5, 1.0, 2.0, 3.0), reach, top)
+        axes.set(xlim=(0.0, 1000.0 * reach), ylim=(0.0, top), title=words.state(name))
+        axes.set(xlabel=words.plain("figure.d_star"), ylabel=words.plain("figure.a_star"))
+        _period_lines(axes, reach, top)
+        if found := elastic_capacity(results, name, direction):
+            axes.plot(1000.0 * found[0], found[1], **ELASTIC)
+            elastic = True
         curve = capacity.curve
         axes.plot(1000.0 * np.asarray(curve.d_star_m), curve.a_star_g, color="0.0", linewidth=1.9)
         if spectrum is not None:
@@ -61,17 +70,33 @@ def draw_spectra(
                     linestyle=dashes,
                 )
         if point.d_star_m is not None:
-            _limit_point(axes, point, limit)
-        axes.set(xlim=(0.0, 1000.0 * reach), ylim=(0.0, top), title=words.state(name))
-        axes.set(xlabel=words.plain("figure.d_star"), ylabel=words.plain("figure.a_star"))
+            _limit_point(axes, point)
+        texts = _Texts(axes)
+        if point.d_star_m is not None:
+            _name_limit_point(texts, point, limit)
+        _period_labels(texts, words, reach, top)
     for axes in panels[len(states) :]:
         axes.set_axis_off()
-    figure.legend(
-        handles=_spectra_handles(words, limit, reference_of(results), shown=demanded),
-        loc="lower center",
-        ncols=2,
-    )
+    handles = _spectra_handles(words, limit, reference_of(results), demanded, elastic)
+    figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure
+
+
+def one_scale(results: Results, states: Sequence[str], direction: Direction, limit: str) -> bool:
+    """Return whether the panels of the states have the same axes: none of them would be squeezed into a corner."""
+    return len(set(_frames(results, states, direction, limit))) == 1
+
+
+def _frames(
+    results: Results, states: Sequence[str], direction: Direction, limit: str
+) -> list[tuple[float, float]]:
+    """Return the ends of both axes, m and g, of each state's panel: those of the largest if they differ little."""
+    capacities = [results.states[name].capacity[direction] for name in states]
+    reaches = [1.25 * max(_reach(each, limit), _needed(each.checks[limit])) for each in capacities]
+    tops = [_top(each, limit) for each in capacities]
+    if all(max(each) <= SCALES_APART * min(each) for each in (reaches, tops)):
+        return [(max(reaches), max(tops))] * len(states)
+    return list(zip(reaches, tops, strict=True))
 
 
 def draw_demand(results: Results, words: Words) -> Figure:
@@ -113,63 +138,123 @@ def _secant(displacement: float, period: float) -> float:
     return float((2.0 * np.pi / period) ** 2 * displacement / GRAVITY)
 
 
-def _period_lines(axes: Axes, words: Words, periods: Sequence[float], reach: float, top: float) -> None:
-    for period in periods:
-        edge = min(reach, top / _secant(1.0, period))
-        axes.plot([0.0, 1000.0 * edge], [0.0, _secant(edge, period)], color="0.7", linewidth=0.5, zorder=1.2)
-        axes.annotate(
-            words.comma(f"{period:g} s"),
-            (1000.0 * edge, _secant(edge, period)),
-            (-4.0, -3.0),
-            ha="right",
-            va="top",
-            color="0.45",
-            fontsize=6.0,
-            clip_on=True,
-            bbox=OVER_LINES,
-            zorder=1.5,  # over its line and the grid, under the curves
-            **OFFSET,
-        )
+def _period_lines(axes: Axes, reach: float, top: float) -> None:
+    for edge, height in _period_ends(reach, top).values():
+        axes.plot([0.0, 1000.0 * edge], [0.0, height], color="0.7", linewidth=0.5, zorder=1.2)
 
 
-def _limit_point(axes: Axes, point: Check, limit: str) -> None:
-    reached, a_star = known(point.d_star_m), known(point.a_star_g)
-    d_star = 1000.0 * reached
-    axes.plot(d_star, a_star, marker="s", color="0.0", markersize=4.5, linestyle="none")
-    axes.annotate(
-        f"$d^*_{{\\mathrm{{{limit}}}}}$",
-        (d_star, 0.0),
-        (3, 3),  # by the axis: curve and secant are above
-        ha="left",
-        va="bottom",
-        parse_math=True,
-        bbox=OVER_LINES,
-        **OFFSET,
-    )
+def _period_labels(texts: _Texts, words: Words, reach: float, top: float) -> None:
+    """Write the periods at their lines, inside the frame: right of a steep one, below a flat one, near its end."""
+    for period, (edge, height) in _period_ends(reach, top).items():
+        text = words.comma(f"{period:g} s")
+        sides = ((3.0, -1.0), (-3.0, -1.0)) if edge < 0.85 * reach else ((-5.0, -6.0), (-5.0, 7.0))
+        spots = [
+            ((1000.0 * share * edge, share * height), (x, y - 0.5 * LINE_PT * (height == top)))
+            for share in (1.0, 0.9, 0.8, 0.7, 0.6)
+            for x, y in sides
+        ]
+        texts.write(text, SMALL_PT * len(text), spots, color="0.45", fontsize=6.0, zorder=1.5)
+
+
+def _period_ends(reach: float, top: float) -> dict[float, tuple[float, float]]:
+    """Return where the line of each period leaves the frame, m and g."""
+    edges = {period: min(reach, top / _secant(1.0, period)) for period in PERIODS}
+    return {period: (edge, top if edge < reach else _secant(edge, period)) for period, edge in edges.items()}
+
+
+def _limit_point(axes: Axes, point: Check) -> None:
+    d_star = 1000.0 * known(point.d_star_m)
+    axes.plot(d_star, known(point.a_star_g), marker="s", color="0.0", markersize=4.5, linestyle="none")
     if point.T_s:
-        height = _secant(reached, point.T_s)
+        height = _secant(d_star / 1000.0, point.T_s)
         axes.plot([0.0, d_star], [0.0, height], color="0.0", linewidth=0.6, linestyle=DASHES[1])
         axes.plot([d_star, d_star], [0.0, height], color="0.0", linewidth=0.4)
         axes.plot(
             d_star, height, marker="o", color="0.0", markerfacecolor="1.0", markersize=5, linestyle="none"
         )
-        axes.annotate(
-            f"$T_{{\\mathrm{{{limit}}}}}$",
-            (d_star, height),
-            (4, 3),
-            va="bottom",
-            parse_math=True,
-            bbox=OVER_LINES,
-            **OFFSET,
+
+
+def _name_limit_point(texts: _Texts, point: Check, limit: str) -> None:
+    reached = known(point.d_star_m)
+    style: dict[str, Any] = {"parse_math": True, "zorder": 1.6}  # white boxes over grid and periods only
+    if point.T_s:
+        place = 1000.0 * reached, _secant(reached, point.T_s)
+        spots = [(place, offset) for offset in ((4.0, 6.0), (-4.0, 6.0), (8.0, 14.0), (-8.0, 14.0))]
+        texts.write(*_symbol("T", limit), spots, **style)
+    place = 1000.0 * reached, 0.0
+    spots = [(place, offset) for offset in ((3.0, 7.0), (-3.0, 7.0), (3.0, 20.0), (-3.0, 20.0))]
+    texts.write(*_symbol("d^*", limit), spots, **style)
+
+
+def _symbol(letter: str, limit: str) -> tuple[str, float]:
+    """Return a symbol with the limit state as its index, and about how wide it is, points."""
+    return f"${letter}_{{\\mathrm{{{limit}}}}}$", LETTER_PT * (1.6 + 0.7 * len(limit))
+
+
+class _Texts:
+    """The texts of a panel whose curves are drawn: each in the frame, where no curve and no other text crosses it."""
+
+    def __init__(self, axes: Axes) -> None:
+        self._axes = axes
+        self._lines = list(_lines_in_points(axes))
+        self._taken: list[tuple[Places, Places]] = []  # lower left and upper right corners, points
+
+    def write(self, text: str, width: float, spots: Sequence[Spot], **style: Any) -> None:
+        """Write a text so wide (points) at the first spot that is free, else at the first one, below the curves.
+
+        A spot is a place of the panel and from there the middle of the text's near side, in points: to the left of
+        the place where it is negative.
+        """
+        place, offset = next((spot for spot in spots if self._free(self._box(spot, width))), spots[0])
+        self._taken.append(self._box((place, offset), width))
+        side = "right" if offset[0] < 0 else "left"
+        self._axes.annotate(
+            text, place, offset, textcoords="offset points", ha=side, va="center", bbox=OVER_LINES, **style
         )
 
+    def _box(self, spot: Spot, width: float) -> tuple[Places, Places]:
+        place, offset = spot
+        x, y = _points(self._axes, np.array([place]))[0] + offset
+        low = np.array([x - (width if offset[0] < 0 else 0.0), y - LINE_PT / 2.0])
+        return low, low + np.array([width, LINE_PT])
 
-def _spectra_handles(words: Words, limit: str, reference: str, shown: bool) -> list[Line2D]:
+    def _free(self, box: tuple[Places, Places]) -> bool:
+        low, high = box
+        least, most = _points(
+            self._axes, np.column_stack([self._axes.get_xlim(), self._axes.get_ylim()])
+        ) + np.array([[0.0, -2.0], [0.0, 2.0]])
+        inside = bool((least <= low).all() and (high <= most).all())
+        crossed = any(((line > low) & (line < high)).all(axis=1).any() for line in self._lines)
+        covered = any((low < end).all() and (start < high).all() for start, end in self._taken)
+        return inside and not crossed and not covered
+
+
+def _lines_in_points(axes: Axes) -> Iterator[Places]:
+    """Yield the curves of a panel as places (n, 2) in points, so near that no text slips between them."""
+    for line in axes.get_lines():
+        corners = _points(axes, np.asarray(line.get_xydata(), dtype=float))
+        corners = corners[np.isfinite(corners).all(axis=1)]
+        if line.get_zorder() < 2.0 or len(corners) < 2:  # below 2: grid and periods
+            continue
+        along = np.r_[0.0, np.cumsum(np.hypot(*np.diff(corners, axis=0).T))]
+        at = np.arange(0.0, along[-1], 2.0)
+        yield np.column_stack([np.interp(at, along, corners[:, axis]) for axis in (0, 1)])
+
+
+def _points(axes: Axes, places: Places) -> Places:
+    """Return places (n, 2) of a panel's data in points of the figure."""
+    return np.asarray(axes.transData.transform(places), dtype=float) * 72.0 / axes.figure.dpi
+
+
+def _spectra_handles(words: Words, limit: str, reference: str, shown: bool, elastic: bool) -> list[Line2D]:
     """Return the legend; `shown`: whether any of the demand is on the sheet, else it says so."""
     demand = "figure.demand_spectrum" if shown else "figure.demand_beyond"
     borne = words.plain("figure.borne_spectrum", limit=limit, reference=words.plain(f"value.on_{reference}"))
+    curve = "figure.capacity_curve" if not elastic else "figure.fitted_curve"
+    pushed = Line2D([], [], **ELASTIC, label=words.plain("figure.elastic_capacity"))
     return [
-        Line2D([], [], color="0.0", linewidth=1.9, label=words.plain("figure.capacity_curve")),
+        Line2D([], [], color="0.0", linewidth=1.9, label=words.plain(curve)),
+        *([pushed] if elastic else []),
         Line2D([], [], color="0.0", linewidth=0.9, label=borne),
         Line2D([], [], color="0.0", marker="s", markersize=4.5, linestyle="none",
                label=words.plain("figure.limit_point", limit=limit)),

@@ -1,0 +1,59 @@
+"""The pushover curve with elastic joints as that of the oscillator, beside the fitted capacity curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from assessment.report.tables.capacity import capacities
+from assessment.results.configurations.outlines import Array
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Direction
+from assessment.results.table import sense
+
+ABOVE = 0.2  # of the elastic curve: a fitted curve that lies higher by more is told
+
+
+class Excess(NamedTuple):
+    """Where a fitted curve lies above the elastic one: at the displacement of a limit state; d* in m, a* in g."""
+
+    state: str
+    direction: Direction
+    limit_state: str
+    d_star_m: float
+    fitted_g: float
+    elastic_g: float
+
+
+def elastic_capacity(results: Results, state: str, direction: Direction) -> tuple[Array, Array] | None:
+    """Return d* (k,) in m and a* (k,) in g of the curve with elastic joints: d Γ*, α/(e* F_C); None without one."""
+    found = results.states[state]
+    capacity, pushovers = found.capacity.get(direction), found.pushover.get(direction)
+    if capacity is None or pushovers is None or pushovers.elastic is None:
+        return None
+    curve = pushovers.elastic.curve
+    d = sense(direction) * np.asarray(curve.displacement_m, dtype=float)
+    factor = float((results.echo.assessment or {}).get("confidence_factor", 1.0))
+    return d * capacity.gamma_star, np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
+
+
+def excesses(results: Results) -> Iterator[Excess]:
+    """Yield where a nonlinear check takes an acceleration more than ABOVE higher than the elastic curve has there."""
+    for name, direction, capacity in capacities(results):
+        elastic = elastic_capacity(results, name, direction)
+        for limit, check in capacity.checks.items():
+            if elastic is None or check.method != "nonlinear" or not check.d_star_m or not check.a_star_g:
+                continue
+            at = _on_the_way(*elastic, check.d_star_m)
+            if at is not None and check.a_star_g > (1.0 + ABOVE) * at:
+                yield Excess(name, direction, limit, check.d_star_m, check.a_star_g, at)
+
+
+def _on_the_way(d_star: Array, a_star: Array, place: float) -> float | None:
+    """Return a* where the curve first comes to a displacement; None where it ends before."""
+    first = np.r_[True, d_star[1:] > np.maximum.accumulate(d_star)[:-1]]  # farther than ever before
+    if place > d_star[first][-1] * (1.0 + 1e-9):
+        return None
+    return max(0.0, float(np.interp(place, d_star[first], a_star[first])))
