@@ -9,17 +9,20 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr
+from scipy.special import erfcx, log_ndtr, ndtr, ndtri
 
 from mechanics.types import Array, Mask
 
 SAMPLES, SEED = 1000, 2015
 CONFIDENCE = 0.95
-ROUNDS = 500  # of the expectation-maximisation; of Fisher's scoring a tenth
+ROUNDS = 500  # of the expectation-maximisation
 SETTLED = 1e-10  # of ln: what a round changes at the end
 NARROWEST = 1e-6  # β that is none
 WIDE = 0.1  # β that the expectation-maximisation begins with, at least: from none it would not move
-STEP = 1.0  # of Fisher's scoring, at most, in ln of the median and of β
+NEWTON_STEPS, HALVINGS = 100, 40  # at most; about ten steps are taken, hardly one of them halved
+DECREMENT = 1e-16  # of the log-likelihood of an observation: what a Newton step is to gain at the end
+ROUNDING = 1e-12  # of a log-likelihood
+UNALIKE = 1e-12  # covariance of shares and levels over that of the levels: below it they are not related
 
 
 class Lognormal(NamedTuple):
@@ -103,44 +106,85 @@ def _censored(
 def fit_stripes(levels: Array, collapsed: Mask, weights: Array) -> Lognormal:
     """Fit the collapses (n, k) seen at levels (k,): binomial likelihood (Baker 2015, Earthquake Spectra 31(1), eq. 11).
 
-    By Fisher's scoring on ln of the median and of β. A sample whose collapses are parted by a level, all above and
-    none below, has β = 0 and the geometric mean of the two levels around it. A sample without collapse, or where none
-    stands, has no median: ∞, or 0; one whose collapses do not grow with the level has neither.
+    `levels` grow. With p = Φ(a + b ln level) the logarithm of the likelihood is concave in a and b. It has a maximum
+    with b > 0 where the share of collapses grows with ln level (by regression), and some stand above the lowest level
+    with a collapse (Silvapulle 1981, J. R. Stat. Soc. B 43(3)); its median is exp(−a/b), and β = 1/b.
+
+    Without a maximum the limit of ever larger likelihoods counts, where it is a distribution. Collapses parted by a
+    level, all above and none below: β = 0, and the geometric mean of the two levels around, of which no other median in
+    between is less likely. All above and none below a level at which some collapse: β → 0, and the median → this level.
+    Without collapse the median is ∞; where none stands, 0. Where the collapses do not grow with the level, or there is
+    one level of which a share collapses, neither is told.
     """
     x, total = np.log(levels), weights.sum(axis=1)
-    share = weights @ collapsed.astype(float) / total[:, None]
+    fell = weights @ collapsed.astype(float)
+    stood = total[:, None] - fell
     median, beta = np.full(len(weights), np.nan), np.full(len(weights), np.nan)
-    none, all_ = (share == 0.0).all(axis=1), (share == 1.0).all(axis=1)
+    none, all_ = (fell == 0.0).all(axis=1), (stood == 0.0).all(axis=1)
     median[none], median[all_] = np.inf, 0.0
-    parted = ((share == 0.0) | (share == 1.0)).all(axis=1) & (np.diff(share) >= 0.0).all(axis=1)
-    parted &= ~none & ~all_
-    first = share[parted].argmax(axis=1)
-    median[parted], beta[parted] = np.exp(0.5 * (x[first] + x[first - 1])), 0.0
-    slope = (share * (x - x.mean())).sum(axis=1)
-    rest = ~(none | all_ | parted) & (slope > 0.0)
+    first = (fell > 0.0).argmax(axis=1)
+    last = len(levels) - 1 - (stood > 0.0)[:, ::-1].argmax(axis=1)
+    steep = ~(none | all_) & (last <= first) & (len(levels) > 1)
+    median[steep], beta[steep] = np.sqrt(levels[first] * levels[last])[steep], 0.0
+    away = x - x.mean()
+    grows = fell @ away > UNALIKE * total * (away @ away)
+    rest = ~(none | all_ | steep) & grows
     if rest.any():
-        median[rest], beta[rest] = _scored(x, share[rest], total[rest])
+        median[rest], beta[rest] = _most_likely(x, fell[rest], stood[rest])
     return Lognormal(median, beta)
 
 
-def _scored(x: Array, share: Array, total: Array) -> tuple[Array, Array]:
-    """Return medians and β of samples with `share` (s, k) of `total` (s,) observations collapsed at x (k,), ln g."""
-    mean, log_beta = np.full(len(share), x.mean()), np.full(len(share), np.log(max(0.2, 0.5 * np.ptp(x))))
-    for _ in range(ROUNDS // 10):
-        beta = np.exp(log_beta)
-        z = (x - mean[:, None]) / beta[:, None]
-        p = ndtr(z).clip(1e-12, 1.0 - 1e-12)
-        density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
-        gradient = np.stack([-density / beta[:, None], -density * z], axis=-1)  # of p, in mean and ln β
-        variance = p * (1.0 - p)
-        score = np.einsum("s,sk,ski->si", total, (share - p) / variance, gradient)
-        information = np.einsum("s,sk,ski,skj->sij", total, 1.0 / variance, gradient, gradient)
-        information += 1e-12 * np.eye(2)
-        step = np.linalg.solve(information, score[..., None])[..., 0].clip(-STEP, STEP)
-        mean, log_beta = mean + step[:, 0], log_beta + step[:, 1]
-        if np.abs(step).max() < SETTLED:
+def _most_likely(x: Array, fell: Array, stood: Array) -> tuple[Array, Array]:
+    """Return medians (s,) and β (s,) of the most likely a + b x; at x (k,), ln g, `fell` and `stood` (s, k) so many.
+
+    Newton's method with halved steps, from b = 0 on. NaN where it does not converge, or the median is no number.
+    """
+    middle, width = x.mean(), x.std()
+    u, total = (x - middle) / width, (fell + stood).sum(axis=1)
+    a, b = ndtri(fell.sum(axis=1) / total), np.zeros(len(fell))
+    done = np.zeros(len(fell), dtype=bool)
+    with np.errstate(all="ignore"):
+        for _ in range(NEWTON_STEPS):
+            eta = a[:, None] + b[:, None] * u
+            up, down = _ratio(eta), _ratio(-eta)
+            slope, curvature = fell * up - stood * down, fell * up * (eta + up) + stood * down * (down - eta)
+            sum_, about = curvature.sum(axis=1), curvature @ u / curvature.sum(axis=1)
+            away = u - about[:, None]
+            slope_a, slope_b = slope.sum(axis=1), (slope * away).sum(axis=1)
+            by_b = slope_b / (curvature * away**2).sum(axis=1)
+            by_a = slope_a / sum_ - about * by_b
+            done = slope_a**2 / sum_ + slope_b * by_b <= DECREMENT * total
+            if done.all():
+                break
+            part = _part(a, b, by_a, by_b, u, fell, stood)
+            a, b = a + np.where(done, 0.0, part * by_a), b + np.where(done, 0.0, part * by_b)
+        beta = width / b
+        median = np.exp(middle - a * beta)
+    found = done & (b > 0.0) & (median > 0.0) & (median < np.inf)
+    return np.where(found, median, np.nan), np.where(found, beta, np.nan)
+
+
+def _part(a: Array, b: Array, by_a: Array, by_b: Array, u: Array, fell: Array, stood: Array) -> Array:
+    """Return the part (s,) of a step, halved as long as it makes the likelihood smaller."""
+
+    def log_likelihood(part: Array) -> Array:
+        eta = (a + part * by_a)[:, None] + (b + part * by_b)[:, None] * u
+        return np.asarray((fell * log_ndtr(eta) + stood * log_ndtr(-eta)).sum(axis=1))
+
+    before = log_likelihood(np.zeros(len(a)))
+    least, part = before - ROUNDING * abs(before), np.ones(len(a))
+    for _ in range(HALVINGS):
+        falls = log_likelihood(part) < least
+        if not falls.any():
             break
-    return np.exp(mean), np.exp(log_beta)
+        part[falls] *= 0.5
+    return part
+
+
+def _ratio(eta: Array) -> Array:
+    """Return φ/Φ at `eta`, by the scaled complementary error function: accurate far out, too."""
+    with np.errstate(over="ignore"):
+        return np.asarray(np.sqrt(2.0 / np.pi) / erfcx(-eta / np.sqrt(2.0)))
 
 
 def confidence(values: Array) -> list[float | None]:

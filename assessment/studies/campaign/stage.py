@@ -333,9 +333,26 @@ def _open_ends(row: CampaignFragility) -> list[Message]:
         )
     if row.median_g is None and row.failed < row.combinations:
         findings.append(
-            message("no median of collapse is found; some levels have to be withstood, and others not")
+            message(
+                "no median of collapse is found; some levels have to be withstood, and others not, and more "
+                "combinations collapse as levels grow"
+            )
         )
     return findings
+
+
+def _steep(row: CampaignFragility) -> list[Message]:
+    """Return a warning where stripes leave the likelihood without a maximum: the steepest distribution counts."""
+    if row.median_g is None or row.beta != 0.0:
+        return []
+    return [
+        message(
+            "no level with a collapse lies below one that is withstood, and the dispersion cannot be told: β = 0 and "
+            "a median acceleration of {median:.3g} g are the limit of ever more likely distributions; "
+            "add levels_g about it",
+            median=row.median_g,
+        )
+    ]
 
 
 def _no_losses(found: Campaign) -> list[Message]:
@@ -381,7 +398,8 @@ def _findings(found: Campaign) -> list[Message]:
                 count=row.combinations,
             )
             findings.append(headed(title, failed))
-        findings += [headed(title, text) for text in _open_ends(row)]
+        texts = [*_open_ends(row), *(_steep(row) if found.method == "stripes" else [])]
+        findings += [headed(title, text) for text in texts]
     findings += _no_losses(found)
     spectrum = found.spectrum
     if spectrum and not spectrum.within:

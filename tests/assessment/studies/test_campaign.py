@@ -37,7 +37,7 @@ from assessment.studies.campaign.fragility import (
     fit_stripes,
     samples_of_records,
 )
-from assessment.studies.campaign.stage import _open_ends
+from assessment.studies.campaign.stage import _open_ends, _steep
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from assessment.workflow.stages import run as workflow
 from mechanics.records.record import Record
@@ -119,6 +119,115 @@ def test_stripes_that_a_level_parts_have_no_dispersion_and_those_without_collaps
     assert fit.median[0] == pytest.approx(math.sqrt(0.08)) and fit.beta[0] == 0.0
     assert fit.median[1] == math.inf and fit.median[2] == 0.0
     assert math.isnan(fit.median[3])
+
+
+def _fitted(levels, fell, of):
+    """The fit of stripes of `of` records, so many of which collapse at each level."""
+    collapsed = np.arange(of)[:, None] < np.array(fell)
+    fit = fit_stripes(np.array(levels), collapsed, whole(of))
+    return fit.median[0], fit.beta[0]
+
+
+def test_stripes_of_any_levels_maximise_the_likelihood():
+    """The reference is scipy.optimize.minimize on the likelihood, from several starts; where it has a maximum."""
+    random, compared = np.random.default_rng(0), 0
+    while compared < 60:
+        levels = np.sort(np.exp(random.uniform(math.log(0.05), math.log(1.5), random.integers(2, 8))))
+        of = int(random.integers(4, 22))
+        capacity = np.exp(random.normal(math.log(0.35), random.uniform(0.05, 0.6), of))
+        fell = (capacity[:, None] <= levels).sum(axis=0)
+        if not ((fell > 0) & (fell < of)).sum() > 1 or len(set(fell)) == 1:
+            continue
+
+        x = np.log(levels)
+
+        def minus_likelihood(c, x=x, fell=fell, of=of):
+            z = (x - c[0]) / math.exp(c[1])
+            return -(fell * norm.logcdf(z) + (of - fell) * norm.logcdf(-z)).sum()
+
+        best = min(
+            (
+                minimize(minus_likelihood, [math.log(start), math.log(spread)], method="Nelder-Mead",
+                         options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 4000})
+                for start in (0.1, 0.35, 1.0)
+                for spread in (0.1, 0.4)
+            ),
+            key=lambda found: found.fun,
+        )  # fmt: skip
+        median, beta = _fitted(levels, fell, of)
+        assert minus_likelihood([math.log(median), math.log(beta)]) <= best.fun + 1e-9
+        assert (median, beta) == pytest.approx(np.exp(best.x), rel=1e-4)
+        compared += 1
+
+
+def test_two_partial_stripes_close_together_by_hand():
+    """2 and 4 of 15 collapse at 0.331 and 0.333 g; the other levels are too far away to tell.
+
+    β = ln(0.333/0.331)/(Φ⁻¹(4/15) − Φ⁻¹(2/15)) = 0.0060241/(−0.622926 + 1.110772) = 0.0123484,
+    median = 0.333 exp(0.622926 β) = 0.3355714 g.
+    """
+    levels, fell = [0.067, 0.188, 0.331, 0.333, 0.653, 0.668, 0.838], [0, 0, 2, 4, 15, 15, 15]
+    assert _fitted(levels, fell, 15) == (
+        pytest.approx(0.3355714, rel=1e-6),
+        pytest.approx(0.0123484, rel=1e-5),
+    )
+
+
+@pytest.mark.parametrize(
+    ("levels", "fell", "of", "median"),
+    [
+        ([0.087, 0.237, 0.434, 1.474], [0, 0, 15, 19], 19, 0.434),
+        ([0.074, 0.273, 0.334], [0, 0, 2], 17, 0.334),
+        ([0.572, 1.112, 1.233], [19, 20, 20], 20, 0.572),
+        ([0.2, 1.19, 1.2], [0, 0, 4], 6, 1.2),
+        ([0.2, 0.4], [0, 6], 6, math.sqrt(0.08)),
+    ],
+)
+def test_stripes_without_a_maximum_have_the_limit_of_ever_steeper_distributions(levels, fell, of, median):
+    """One partial level x: with ln median = ln x − β z, Φ(z) the share at it, the likelihood grows as β falls.
+
+    It has no maximum: p is 0 below, the share there and 1 above only for β → 0, when the median becomes x.
+    """
+    assert _fitted(levels, fell, of) == (pytest.approx(median, rel=1e-15), 0.0)
+    k = next((k for k, count in enumerate(fell) if 0 < count < of), None)
+    if k is None:
+        return
+    x, share = np.log(levels), np.array(fell) / of
+    gained = []
+    for beta in (0.2, 0.1, 0.05, 0.0005):
+        z = (x - x[k]) / beta + norm.ppf(share[k])
+        with np.errstate(all="ignore"):
+            logs = np.where(share > 0, share * norm.logcdf(z), 0.0)
+            logs += np.where(share < 1, (1 - share) * norm.logcdf(-z), 0.0)
+        gained.append(logs.sum())
+    highest = share[k] * math.log(share[k]) + (1 - share[k]) * math.log(1 - share[k])
+    assert gained == sorted(gained) and gained[-1] == pytest.approx(highest, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("levels", "fell"),
+    [([0.3], [5]), ([0.1, 0.2, 0.4], [3, 3, 3]), ([0.1, 0.2, 0.4], [5, 3, 1]), ([0.1, 0.2, 0.4], [1, 0, 0])],
+    ids=["one level", "as many at each", "fewer above", "below alone"],
+)
+def test_stripes_whose_collapses_do_not_grow_have_no_median(levels, fell):
+    assert all(math.isnan(value) for value in _fitted(levels, fell, 10))
+
+
+def test_a_median_beyond_all_numbers_is_none():
+    """22, 28, 25 of 28: 25 in the mean at the two lowest levels, which are nearly one, and 25 at the highest."""
+    assert all(math.isnan(value) for value in _fitted([0.07801843, 0.07801913, 1.22054528], [22, 28, 25], 28))
+
+
+def test_stripes_without_dispersion_are_warned_of():
+    fallen = [(False, True, True), (False, False, True)]
+    rows = [
+        seen(name, 0.4, 0.2, fallen=at, all_fallen=at) for name, at in zip("abcd", 2 * fallen, strict=True)
+    ]
+    found = fragility(PLACE, rows, [0.2, 0.4, 0.6], 1)
+    assert (found.median_g, found.beta) == (pytest.approx(0.4), 0.0)
+    [warning] = _steep(found)
+    assert "a median acceleration of 0.4 g" in warning and "dispersione" in in_italian(warning)
+    assert not _steep(fragility(PLACE, [seen("a", None, fallen=(False,) * 3)], [0.2, 0.4, 0.6], 1))
 
 
 def test_the_bootstrap_keeps_the_signs_of_a_record_together_and_is_the_same_at_every_run():
