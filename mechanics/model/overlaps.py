@@ -19,6 +19,7 @@ from mechanics.types import Array, Index
 MANY = 3  # a block that overlaps at least this many others is reported once, not with each of them
 SHOWN = 100  # of those others, in a picture
 MOST_PAIRS = 200_000  # of blocks that overlap: there is nothing to be learnt from more
+GRID = 1e-9  # of a block's width: step of the grid on which outlines are laid over each other
 CHUNK = 64  # blocks whose neighbours are looked for at a time
 
 Polygons = NDArray[np.object_]
@@ -204,8 +205,13 @@ def _one_with_one(blocks: Sequence[Block], polygons: Polygons, i: int, j: int) -
 
 
 def _common(one: shapely.Geometry, other: shapely.Geometry) -> tuple[shapely.Geometry, Array]:
-    """Return the area that two outlines share, and a point (1, 2) in it, m."""
-    common = shapely.intersection(one, other)
+    """Return the area that two outlines share, and a point (1, 2) in it, m.
+
+    On a grid: of outlines with nearly the same edges a plain overlay may return a whole one, or nothing.
+    """
+    common = shapely.intersection(one, other, grid_size=GRID * float(np.ptp(shapely.bounds(one)[[0, 2]])))
+    if common.is_empty:  # shallower than the grid
+        common = shapely.intersection(one, other)
     return common, shapely.get_coordinates(shapely.point_on_surface(common))
 
 

@@ -102,12 +102,20 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
 
 
 def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, sliding: Sliding) -> Limit:
-    """Return the onset of collapse over the closed joints of a state. Raises as limit_in."""
+    """Return the onset of collapse over the closed joints of a state. Raises as limit_in.
+
+    Hinges that crush their edges are where their forces have them: the program is repeated until they are.
+    """
     closed = standing.pushed(model, model.lateral_load(direction))
-    solution, iterate = solve(closed.program, closed.layout)
-    residual = 0.0
-    if sliding == "coulomb" and iterate is not None:
-        solution, residual = _without_lift(closed, solution, iterate)
+    for _ in range(LIMIT.repeats):
+        solution, iterate = solve(closed.program, closed.layout)
+        residual = 0.0
+        if sliding == "coulomb" and iterate is not None:
+            solution, residual = _without_lift(closed, solution, iterate)
+        again = closed.hinged(solution.forces[:, 0])
+        if again is None:
+            break
+        closed = again
     if abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             message(

@@ -25,12 +25,13 @@ from mechanics.types import Array
 class StartTolerances:
     """Tolerances of the start of a curve.
 
-    `first`: load of the first step of an elastic curve, as a share of the rigid multiplier; `settled`: first step from
+    `first`: loads of the first step of an elastic curve that are tried, as shares of the rigid multiplier: the smaller
+    ones where hinges of a settlement close under little; `settled`: first step from
     a settled state, whose open hinges may close first, as a share of an increment; `least`: length of a first step, as
     a share of the compression under gravity.
     """
 
-    first: float = 0.02
+    first: tuple[float, ...] = (0.02, 0.002, 0.0002)
     settled: float = 0.1
     least: float = 0.01
 
@@ -92,12 +93,13 @@ def elastic_start(
         limit = limit_analysis(model, direction).alpha
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier that gives the scale
         limit = 1.0
-    load = model.dead_load + START.first * limit * lateral
     size = rest_size(model, "elastic")
-    # a settled structure gives way by more than its joints are compressed until its ties hold it
-    sizes = (size, increment) if model.ties and increment > size else (size,)
+    tries = [(START.first[0], size)]
+    if increment > size and (model.ties or state is not None):
+        # ties, and hinges that a settlement has opened, hold only after more way than joints are compressed by
+        tries += [(share, increment) for share in START.first]
     try:
-        begun = _pushed_a_little(system, start, load, sizes)
+        begun = _pushed_a_little(system, start, limit * lateral, tries)
     except (NoEquilibriumError, ConvergenceError) as stop:
         if state is not None:
             raise
@@ -112,19 +114,26 @@ def elastic_start(
 
 
 def _pushed_a_little(
-    system: StaticSystem, start: Equilibrium, load: Array, sizes: Sequence[float]
+    system: StaticSystem, start: Equilibrium, lateral: Array, tries: Sequence[tuple[float, float]]
 ) -> Equilibrium:
-    """Return an equilibrium near the start under a load (b, 3), kN and kNm.
+    """Return an equilibrium near the start under a little of a lateral load (b, 3), kN and kNm.
 
-    `sizes` (m): how far away it is looked for, one after the other. Raises NoEquilibriumError or ConvergenceError if
-    none is found.
+    `tries`: shares of the load and how far away (m) it is looked for, one after the other. Raises NoEquilibriumError or
+    ConvergenceError if none is found.
     """
-    *first, last = sizes
-    at = start.state.positions
-    for size in first:
+    *first, last = tries
+    for each in first:
         with suppress(NoEquilibriumError, ConvergenceError):
-            return find_equilibrium(StepProblem(system.around(at, size), start.state, load, size), at, start)
-    return find_equilibrium(StepProblem(system.around(at, last), start.state, load, last), at, start)
+            return _pushed(system, start, lateral, *each)
+    return _pushed(system, start, lateral, *last)
+
+
+def _pushed(
+    system: StaticSystem, start: Equilibrium, lateral: Array, share: float, size: float
+) -> Equilibrium:
+    at = start.state.positions
+    load = system.model.dead_load + share * lateral
+    return find_equilibrium(StepProblem(system.around(at, size), start.state, load, size), at, start)
 
 
 def no_way_from_rest(why: Message) -> UnstableError:

@@ -46,7 +46,8 @@ class PushoverTolerances:
     largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords); `nearly`, one
     from which a falling path may jump below zero; `flat`, a change that does not count; `closing`, to which the
     peak behind a joint that closes is located. `back`: share of its displacement by which the control point goes back
-    where a part falls; `points`: most points of a curve.
+    where a part falls; `farther`: share of an increment beyond α = 0 from which a structure is left to itself;
+    `points`: most points of a curve.
     """
 
     still: float = 1e-3
@@ -57,6 +58,7 @@ class PushoverTolerances:
     flat: float = 1e-3
     closing: float = 2e-4
     back: float = 0.5
+    farther: float = 0.1
     points: int = 5000
 
 
@@ -298,11 +300,18 @@ class _Curve:
         return displacement >= self.tolerances.still * moved
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
-        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
+        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back.
+
+        Just beyond, the motion of rigid blocks is too slow to tell which way it falls: it begins a little farther on.
+        """
         size = max(self.push.increment, 1e-3 * self.model.size)
         problem = StepProblem(self.system, beyond.state, self.model.dead_load, size)
+        begun = beyond.state.positions
+        if self.system.rigid:
+            farther = self.tolerances.farther * self.push.increment / float(abs(self.rate[:, :2]).max())
+            begun = begun + farther * self.rate
         try:
-            held = motion_to_rest(problem, beyond.state.positions)
+            held = motion_to_rest(problem, begun)
         except (NoEquilibriumError, ConvergenceError):
             return None
         return (

@@ -16,7 +16,7 @@ from mechanics.program import Program, Solution, certify
 from mechanics.solvers import interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.types import GRAVITY
+from mechanics.types import GRAVITY, Array
 
 ACCEPTED = 1e-10  # residual of an interior-point solution, per weight and step
 GOOD = 1e-8  # a certificate that needs no second opinion
@@ -95,7 +95,14 @@ def _better(program: Program, best: Solution | None, found: Solution) -> Solutio
 
 
 def imbalance(program: Program, layout: Elimination) -> float:
+    """Return the least acceleration, per gravity, with which blocks start to move: see least_acceleration."""
+    return least_acceleration(program, layout)[0]
+
+
+def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Array]:
     """Return the least acceleration, per gravity, with which blocks of mean mass start to move (Gauss's principle).
+
+    And the forces (j, 3) N, P and T, kN and kNm, that leave it.
 
     Joints count as rigid, and as closed if they may close within the program's step. This auxiliary program always has
     a solution; it is zero if the loads can be balanced (with a lateral load, for some multiplier). Its objective is the
@@ -111,17 +118,17 @@ def imbalance(program: Program, layout: Elimination) -> float:
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)
-    found = _least_acceleration(gauss, layout)
+    found, forces = _least_acceleration(gauss, layout)
     if BALANCED < found < DOUBTFUL and np.isinf(law[:, STRENGTH]).all():
         from mechanics.solvers import lp_highs
 
         if lp_highs.least_residual(replace(gauss, mass=None), closed) <= BALANCED:
-            return 0.0
-    return found
+            return 0.0, forces
+    return found, forces
 
 
-def _least_acceleration(gauss: Program, layout: Elimination) -> float:
-    """Return the largest acceleration, per gravity, in the solution of the auxiliary program.
+def _least_acceleration(gauss: Program, layout: Elimination) -> tuple[float, Array]:
+    """Return the largest acceleration, per gravity, in the solution of the auxiliary program, and its forces (j, 3).
 
     Raises ConvergenceError if it is not solved.
     """
@@ -134,19 +141,20 @@ def _least_acceleration(gauss: Program, layout: Elimination) -> float:
     if outcome.force <= BALANCED and outcome.product <= 1e-9:
         found = least(iterate.displacement)
         if outcome.accepted or found > 10.0 * np.sqrt(outcome.product):
-            return found
+            return found, interior.resultants(gauss, iterate)
     from mechanics.solvers import qp_piqp
 
-    smallest = np.inf
+    smallest, forces = np.inf, np.zeros((len(gauss.places), 3))
     for tolerance in (1e-9, 1e-11, 1e-13):
         answer = qp_piqp.solve(gauss, tolerance, most_iterations=100)
         if answer is None or certify(gauss, *answer).equilibrium > BALANCED:
             continue
-        smallest = min(smallest, least(answer[2]))
+        if least(answer[2]) < smallest:
+            smallest, forces = least(answer[2]), answer[0]
         if smallest <= BALANCED or smallest > 10.0 * np.sqrt(tolerance):
-            return smallest
+            return smallest, forces
     if np.isfinite(smallest):
-        return smallest
+        return smallest, forces
     raise ConvergenceError(message("the auxiliary program of least acceleration was not solved"))
 
 

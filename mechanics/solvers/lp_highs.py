@@ -12,7 +12,8 @@ from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm
 from mechanics.types import Mask
 
-FEASIBLE = 1e-10  # what HiGHS may leave of a row: the least that it takes
+# what HiGHS may leave of a row: the least that it takes
+EXACTLY = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
 
 
 def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds") -> Answer | None:
@@ -24,7 +25,7 @@ def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds
     if form.p.nnz:
         raise ArgumentError("a program with beds or mass is not linear")
     bounds = [(0.0, None)] * form.rays + [(None, LARGEST_MULTIPLIER)] * (program.lateral is not None)
-    result = linprog(form.q, A_eq=form.a, b_eq=form.b, bounds=bounds, method=method)
+    result = linprog(form.q, A_eq=form.a, b_eq=form.b, bounds=bounds, method=method, options=EXACTLY)
     if result.status != 0:
         return None
     # HiGHS gives the change of the optimum with b; the multiplier of Az − b has the other sign
@@ -44,7 +45,7 @@ def least_residual(program: Program, closed: Mask) -> float:
     bounds += [(None, LARGEST_MULTIPLIER)] * (program.lateral is not None)
     result = linprog(
         np.zeros(len(bounds)), A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ds",
-        options={"primal_feasibility_tolerance": FEASIBLE},
+        options=EXACTLY,
     )  # fmt: skip
     if result.status != 0:
         return np.inf

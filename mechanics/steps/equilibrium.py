@@ -8,12 +8,12 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import SLID
+from mechanics.kernels.law import SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, forces_on_blocks
 from mechanics.program import Program
-from mechanics.solvers import BALANCED, imbalance
+from mechanics.solvers import BALANCED, least_acceleration
 from mechanics.solvers.elimination import Elimination
 from mechanics.steps.contact_values import carried
 from mechanics.steps.geometry_iteration import find_equilibrium
@@ -26,12 +26,17 @@ from mechanics.types import Array, Index
 
 @dataclass(frozen=True, eq=False)
 class ClosedProgram:
-    """The rigid program over the contacts closed in a state, their `index` among all contacts, and its layout."""
+    """The rigid program over the contacts closed in a state, their `index` among all contacts, and its layout.
+
+    `edges` (j, 2): half-length h, m, and strength s, kN/m, of the joints that turn on one edge and crush there, s = inf
+    of all others. Their resultant N is N/2s within the edge: there the program has their hinge.
+    """
 
     program: Program
     contacts: Contacts
     index: Index
     layout: Elimination
+    edges: Array
 
     def pushed(self, model: Assembly, lateral: Array) -> ClosedProgram:
         """Return the program with a lateral load (b, 3), kN, of free multiplier; it moves blocks by about a step."""
@@ -39,12 +44,29 @@ class ClosedProgram:
         program = replace(self.program, lateral=lateral[model.movable].ravel(), work=work)
         return replace(self, program=program)
 
+    def hinged(self, normal: Array) -> ClosedProgram | None:
+        """Return the program with its hinges where normal forces (j,) kN have them; None if they are there.
+
+        Raises NoEquilibriumError where a force crushes the whole of a joint.
+        """
+        half, strength = self.edges.T
+        if (normal >= 2.0 * half * strength).any():
+            raise NoEquilibriumError(message("no equilibrium: a joint is crushed over its whole length"))
+        now = half - 0.5 * normal / strength
+        places = self.program.places
+        if abs(now - places[:, H]).max(initial=0.0) <= LIMIT.hinged * self.program.size:
+            return None
+        moved = places.copy()
+        moved[:, H], moved[:, PHI] = now, places[:, PHI] * places[:, H] / now
+        return replace(self, program=replace(self.program, places=moved))
+
 
 def closed_program(model: Assembly, state: State, sliding: Sliding = "associative") -> ClosedProgram:
     """Return the rigid program under gravity over the joints closed in a state.
 
     An end of a joint is closed if its gap is zero within LIMIT.closed. If the joint is known to carry, the gap of its
-    nearer end is subtracted first: sliding has lifted that joint.
+    nearer end is subtracted first: sliding has lifted that joint. A joint of finite strength that has turned on its
+    edge has crushed there: its faces meet at the end of what has.
     """
     step = LIMIT.onset * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
@@ -54,11 +76,18 @@ def closed_program(model: Assembly, state: State, sliding: Sliding = "associativ
     gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # the gap that sliding has left
     closed = gaps <= LIMIT.closed * model.size
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > system.no_overlap))
+    law = system.law.copy()
+    law[:, SLID] = 0.0
+    turned = (closed.sum(axis=1) == 1) & ~system.contacts.ties
+    edges = np.column_stack([places[:, H], np.where(turned, law[:, STRENGTH], np.inf)])
+    crushed = np.isfinite(edges[:, 1])
+    law[crushed, STRENGTH] = np.inf
+    # crushed up to where the gap vanishes: half of that is the resultant's distance from the edge
+    share = np.maximum(-gaps.min(axis=1), 0.0) / np.maximum(np.ptp(gaps, axis=1), 1e-300)
+    places[crushed, H] *= 1.0 - np.minimum(share[crushed], 0.5)
     low, high = np.where(closed, 0.0, LIMIT.far * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
-    law = system.law.copy()
-    law[:, SLID] = 0.0
     movable = model.movable
     program = Program(
         dof=system.dof[index],
@@ -72,15 +101,20 @@ def closed_program(model: Assembly, state: State, sliding: Sliding = "associativ
         size=model.size,
         step=step,
     )
-    return ClosedProgram(program, system.contacts, index, system.layout.take(index))
+    return ClosedProgram(program, system.contacts, index, system.layout.take(index), edges[index])
 
 
 def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProgram:
     """Return the program of a state (default: as drawn); raise UnstableError where gravity alone cannot be carried."""
     closed = closed_program(model, state or model.initial)
-    acceleration = imbalance(closed.program, closed.layout)
     # the last equilibrium of a path lies within the accuracy of the path, not of a program
     allowed = BALANCED if state is None or state.carrying is None else STEP.slow
+    for _ in range(LIMIT.repeats):
+        acceleration, forces = least_acceleration(closed.program, closed.layout)
+        again = None if acceleration <= allowed else closed.hinged(forces[:, 0])
+        if again is None:
+            break
+        closed = again
     if acceleration > allowed:
         raise UnstableError(
             message(

@@ -77,20 +77,33 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         now, at = replace(now, start=start, work=work, size=size), moved
         if force > still:
             continue
-        try:
-            found = find_equilibrium(replace(now, size=problem.size), moved)
+        found = _rest_near(replace(now, size=problem.size), moved, tolerances.jump * problem.size)
+        if found is not None:
             return replace(found, solves=found.solves + solves)
-        except (NoEquilibriumError, ConvergenceError):
-            # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
-            found = certified(replace(now, size=problem.size), last)
-            if slowing and found.stable and found.certificate.worst(problem.size) <= USABLE:
-                return replace(found, solves=solves)
+        # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
+        found = certified(replace(now, size=problem.size), last)
+        if slowing and found.stable and found.certificate.worst(problem.size) <= USABLE:
+            return replace(found, solves=solves)
         if left <= tolerances.balanced * model.size and not found.stable:
             raise RunawayError(UNSTABLE)
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
     raise kind(_goes_on(left))
+
+
+def _rest_near(problem: StepProblem, moved: Array, farthest: float) -> Equilibrium | None:
+    """Return the equilibrium at positions (b, 3) at which a motion is slow; None: none is.
+
+    Next to an unstable equilibrium a motion is slow too, and another may lie on its other side: that of rigid joints,
+    whose stability is not known, lies at most `farthest` (m) away.
+    """
+    try:
+        found = find_equilibrium(problem, moved)
+    except (NoEquilibriumError, ConvergenceError):
+        return None
+    far = way(moved, found.state.positions, problem.system.model.size)
+    return None if problem.system.rigid and far > farthest else found
 
 
 def _falls(moved: float) -> RunawayError:

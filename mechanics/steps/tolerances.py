@@ -109,7 +109,8 @@ class LimitTolerances:
     As shares of the block size: `closed`, gap that counts as closed (dilatant sliding leaves gaps in a settled state);
     `onset`, displacement of a mechanism at its onset. `far`: gap of an open end, in such displacements. `repeats`:
     largest number of programs with Coulomb friction after the first; `slip_gap`: gap left by a change of the slips that
-    is accepted, as a share of `onset`; `lifted`: the same of a flow that still lifts what slides, but may be returned.
+    is accepted, as a share of `onset`; `lifted`: the same of a flow that still lifts what slides, but may be returned;
+    `hinged`: distance of a hinge from where its force crushes the edge, as a share of the block size.
     """
 
     closed: float = 1e-3
@@ -118,6 +119,7 @@ class LimitTolerances:
     repeats: int = 12
     slip_gap: float = 1e-3
     lifted: float = 1.0
+    hinged: float = 1e-10
 
 
 STEP = StepTolerances()

@@ -369,6 +369,6 @@ def test_an_elastic_arch_that_snaps_through_has_not_spent_its_capacity(increment
     model = build_model(load_project(arch(tmp_path / "arch"))).assembly
     state = pushdown(model, "right", (0.06, -0.02), increment=0.01, contacts="elastic").final
     curve = pushover(model, (0.0, 1.65), "-x", "elastic", increment, state, until)
-    ((before, after),) = curve.crossed
+    before, after = curve.crossed[0, 0], curve.crossed[-1, 1]  # it may rest on the way
     assert before < 0.012 and after == pytest.approx(0.0161, abs=2e-4)
     assert curve.multiplier.max() == pytest.approx(0.157, rel=0.04)
