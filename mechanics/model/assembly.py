@@ -24,7 +24,7 @@ LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
 
-RESOLVED = 2e-6  # of a block's weight: what the rounding of positions may change elastic forces by
+RESOLVED = 2e-6  # of the compression of elastic joints: what the last digit of a position may be
 
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
@@ -202,20 +202,19 @@ class Assembly:
             raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
         if self.rounding > RESOLVED:
             raise ArgumentError(
-                f"normal_stiffness: joints are so stiff that the rounding of positions changes their forces by "
-                f"{self.rounding:.1g} of a block's weight; make it {RESOLVED / self.rounding:.1g} times as large, use "
-                "rigid contacts, or move the structure nearer to the origin"
+                f"normal_stiffness: joints are so stiff that the last digit of a position is {self.rounding:.1g} of "
+                f"their compression; make it {RESOLVED / self.rounding:.1g} times as large, use rigid contacts, or "
+                "move the structure nearer to the origin"
             )
 
     @cached_property
     def rounding(self) -> float:
-        """The most by which the last digit of a position changes an elastic joint's force, per weight of a block."""
+        """The last digit of a position over the compression of the median joint under the structure's weight."""
         positions, contacts = self.initial.positions, self.contacts.take(np.flatnonzero(~self.contacts.ties))
         if len(contacts) == 0:
             return 0.0
         stiffness = contacts.bed * 2.0 * contacts.places(positions)[:, H]
-        place = np.spacing(abs(positions[:, :2]).max())
-        return float(place * stiffness.max() * self.movable.sum() / self.weight)
+        return float(np.spacing(abs(positions[:, :2]).max()) * np.median(stiffness) / self.weight)
 
     @property
     def crushes(self) -> bool:
