@@ -12,6 +12,7 @@ import jinja2
 from markupsafe import Markup
 
 from assessment.report.chapters.calculation_annex import traces
+from assessment.report.chapters.curve_remarks import fitted_above, onsets
 from assessment.report.chapters.grid import summary_grids
 from assessment.report.chapters.identification import identification_sentences, ready_lines
 from assessment.report.chapters.joints import assumptions, pressure_sentences
@@ -25,7 +26,6 @@ from assessment.report.chapters.remarks import (
     farthest_limit_state,
     index_sentences,
     missing_pushovers,
-    onsets,
     too_many,
 )
 from assessment.report.chapters.second_solver import comparison
@@ -156,6 +156,7 @@ def render_html(
         too_many=list(too_many(results, words)),
         warnings=[sentence(warning, words) for warning in all_warnings(results)],
         limits=list(displacement_limits(results, words)),
+        fitted=list(fitted_above(results, words)),
         second_solver=list(comparison(results, words)),
         vertical=list(vertical_sentences(results, words)),
         refused=_refused(results, words),

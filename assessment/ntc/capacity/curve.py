@@ -171,7 +171,12 @@ class CapacityCurve:
         ]  # fmt: skip
         if fit.d_0 is not None and self.d_0_star is not None:
             lines += [
-                datum("d_0", fit.d_0, "m", f"{fit.source}: α = 0"),
+                datum(
+                    "d_0",
+                    fit.d_0,
+                    "m",
+                    f"{fit.source}: {'equilibrium lost before α = 0' if fit.drops else 'α = 0'}",
+                ),
                 step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
             ]
         if fit.alpha_y is not None and fit.d_y is not None:

@@ -17,6 +17,7 @@ from mechanics.messages import Message, SaidError, message
 Array = NDArray[np.float64]
 
 SWAY = 0.01  # of the displacement at the peak: as a settled state's hinges close, the control point may sway back
+DROP = 1e-8  # of d_0: a last piece of the rigid branch that is shorter is vertical
 SECANT_SHARE = 0.4  # of α_u: where the secant stiffness is taken
 YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
 _PAPER = "Portioli et al., §7.1"
@@ -49,6 +50,13 @@ class CurveFit:
     steps: Trace = ()
     source: str = "pushover, rigid contacts"
     elastic_end: float | None = None
+
+    @property
+    def drops(self) -> bool:
+        """Whether the rigid branch ends at d_0 with a vertical drop: equilibrium is lost before α = 0."""
+        if self.d_0 is None or len(self.displacement) < 2:
+            return False
+        return float(np.diff(self.displacement)[-1]) <= DROP * self.d_0 and float(self.multiplier[-2]) > 0.0
 
 
 Curve = tuple[ArrayLike, ArrayLike]

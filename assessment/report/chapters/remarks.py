@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
-from assessment.report.chapters.judgement import ORIGINAL
+from assessment.report.chapters.curve_remarks import lost_before_zero
 from assessment.report.tables.capacity import capacities, directions
 from assessment.report.tables.structure.cracks import PRINTED, SEEN, cracks_of
 from assessment.report.text.language import Words, direction_name
@@ -16,9 +16,7 @@ from assessment.results.echo import limit_states, local_limit
 from assessment.results.schema import Results
 from assessment.results.schema.static import Contacts
 
-PLACES = 2  # of a displacement in mm: what is less is none that a drawing shows
 ELASTIC_END = "end of the elastic curve"  # what governs a check
-ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
 
 
 def too_many(results: Results, words: Words, most: int = BY_HAND) -> Iterator[Markup]:
@@ -36,6 +34,7 @@ def displacement_limits(results: Results, words: Words) -> Iterator[Markup]:
     checks = {name: check for _, _, each in capacities(results) for name, check in each.checks.items()}
     if "SLV linear" in checks and "SLV" in checks:
         yield words("text.linear_beside")
+    yield from lost_before_zero(results, words)
     limit, reason = local_limit(results.echo)
     if limit is None:
         yield from _losses(results, words)
@@ -115,24 +114,3 @@ def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:
                 yield words(
                     "text.missing_pushover", state=words.state(name), direction=direction_name(direction)
                 )
-
-
-def onsets(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement.
-
-    As drawn there are none; blocks that meet others are a warning.
-    """
-    for name, direction, rigid in sorted(mechanisms(results), key=lambda each: each[1]):
-        if name != ORIGINAL and rigid.alpha_onset < (1.0 - ONSET) * rigid.alpha_0:
-            alpha = rigid.curve.multiplier
-            peak = alpha.index(max(alpha))
-            place = words.rounded(1000.0 * abs(rigid.curve.displacement_m[peak]), PLACES)
-            yield words(
-                "text.onset",
-                state=words.state(name),
-                direction=direction_name(direction),
-                onset=words.show(rigid.alpha_onset),
-                least=words.show(min(alpha[: peak + 1])),
-                alpha_0=words.show(rigid.alpha_0),
-                place=f"= {place}" if place != "0" else f"< {words.comma(f'{10.0**-PLACES:g}')}",
-            )

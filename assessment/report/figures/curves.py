@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from assessment.report.figures.style import COLOURS, DASHES, chart, state_style
+from assessment.report.tables.curves import alpha_at_d_0
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results, State
@@ -138,7 +139,9 @@ def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
         onset = 1000.0 * abs(curve.displacement_m[peak]), curve.multiplier[peak]
         axes.plot(*onset, color=colour, clip_on=False, **MARKS[ONSET])
         if rigid.d_0_m is not None:
-            axes.plot(1000.0 * rigid.d_0_m, 0.0, color=colour, clip_on=False, **MARKS[END])
+            axes.plot(
+                1000.0 * rigid.d_0_m, alpha_at_d_0(rigid) or 0.0, color=colour, clip_on=False, **MARKS[END]
+            )
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
         axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, color=colour, **MARKS[YIELD])
 
@@ -148,7 +151,9 @@ def _key_numbers(name: str, pushover: Pushovers, words: Words) -> str:
     rigid, elastic = pushover.rigid, pushover.elastic
     parts = []
     if rigid:
-        parts += [f"α₀ = {words.show(rigid.alpha_0)}", f"d₀ = {words.millimetres(rigid.d_0_m)}"]
+        left = alpha_at_d_0(rigid)
+        lost = "" if left is None else f" (α = {words.show(left)})"
+        parts += [f"α₀ = {words.show(rigid.alpha_0)}", f"d₀ = {words.millimetres(rigid.d_0_m)}{lost}"]
     if elastic:
         parts += [f"α_y = {words.show(elastic.alpha_y)}", f"d_y = {words.millimetres(elastic.d_y_m)}"]
     return f"{words.state(name)}: " + ", ".join(parts)

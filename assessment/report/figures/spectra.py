@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from assessment.report.figures.style import DASHES, OVER_LINES, chart
-from assessment.report.tables.elastic_curve import elastic_capacity
+from assessment.report.tables.curves import elastic_capacity
 from assessment.report.text.language import Words
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, Direction

@@ -1,7 +1,8 @@
-"""The pushover curve with elastic joints as that of the oscillator, beside the fitted capacity curve."""
+"""What is read off curves: where a rigid one ends, and the elastic one beside the fitted capacity curve."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from assessment.report.tables.capacity import capacities
 from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
+from assessment.results.schema.static import RigidPush
 from assessment.results.table import sense
 
 ABOVE = 0.2  # of the elastic curve: a fitted curve that lies higher by more is told
@@ -25,6 +27,15 @@ class Excess(NamedTuple):
     d_star_m: float
     fitted_g: float
     elastic_g: float
+
+
+def alpha_at_d_0(rigid: RigidPush) -> float | None:
+    """Return the multiplier at d_0 where equilibrium is lost before it vanishes; None where it has vanished there."""
+    left, end = rigid.curve.multiplier[-1], abs(rigid.curve.displacement_m[-1])
+    ends = rigid.d_0_m is not None and math.isclose(
+        rigid.d_0_m, end
+    )  # an ensemble may have d_0 of another run
+    return left if rigid.lost and ends and left > 0.0 else None
 
 
 def elastic_capacity(results: Results, state: str, direction: Direction) -> tuple[Array, Array] | None:

@@ -15,6 +15,7 @@ from matplotlib.patches import Patch, PathPatch
 from assessment.report.figures.drawings.labels import Labels
 from assessment.report.figures.drawings.ties import LINE, draw_ties, moved_ends, tie_handles
 from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
+from assessment.report.tables.curves import alpha_at_d_0
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
@@ -80,7 +81,9 @@ def draw_overturned(results: Results, words: Words, states: Sequence[str], direc
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
     page = sheet(union([*starts, *ends]), len(states), border_mm=7.0, foot_mm=foot([""]))
     for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
-        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}")
+        left = alpha_at_d_0(rigid)
+        lost = "" if left is None else f", α = {words.show(left)}"
+        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}{lost}")
         axes.add_artist(PathPatch(start.path(_all(start)), **GHOST))
         fill_roles(axes, end, results)
         draw_ties(page, axes, moved_ends(results, name, rigid.final_configuration))

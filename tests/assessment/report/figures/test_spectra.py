@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from assessment.report.figures.index import pictures
 from assessment.report.figures.spectra import ELASTIC, draw_spectra, one_scale
 from assessment.report.figures.style import STYLE, typeset
-from assessment.report.tables.elastic_curve import elastic_capacity
+from assessment.report.tables.curves import elastic_capacity
 from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
