@@ -195,7 +195,7 @@ class Assembly:
 
     def check_behaviour(self, behaviour: Behaviour) -> None:
         """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness, or with too much."""
-        require(behaviour in {"rigid", "elastic"}, "contacts", behaviour, '"rigid" or "elastic"')
+        require(behaviour in ("rigid", "elastic"), "contacts", behaviour, '"rigid" or "elastic"')
         if behaviour == "rigid":
             return
         if np.isnan(self.contacts.bed).any():

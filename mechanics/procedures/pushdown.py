@@ -107,7 +107,7 @@ def pushdown(
     """
     # nine arguments: the public function of the package, called with keywords
     Assembly.check(model)
-    movement = _checked(model, support, displacement, rotation)
+    movement = _checked(model, support, displacement, rotation, tolerances)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), (movement,))
@@ -126,7 +126,9 @@ def pushdown_together(
     `increment` (m): of the largest component of all movements. Raises as `pushdown`.
     """
     Assembly.check(model)
-    checked = tuple(_checked(model, each.support, each.displacement, each.rotation) for each in movements)
+    checked = tuple(
+        _checked(model, each.support, each.displacement, each.rotation, tolerances) for each in movements
+    )
     require(len(checked) > 0, "movements", 0, "the movement of one support or more")
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
@@ -139,6 +141,8 @@ def _followed(
     """Follow the path of moving supports. Raises as `pushdown`."""
     path = _Path(moving, increment, to_collapse, tolerances)
     follow(path, Bisection(increment))
+    if path.undecided is not None:
+        raise path.undecided
     if path.final is None:
         raise CollapseError(path.collapse(), path.result())
     return path.result()
@@ -149,7 +153,9 @@ def _longest(model: Assembly) -> float:
     return float(np.ptp(drawn_extent(model), axis=0).max())
 
 
-def _checked(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> SupportMovement:
+def _checked(
+    model: Assembly, support: str, displacement: ArrayLike, rotation: float, tolerances: PushdownTolerances
+) -> SupportMovement:
     """Return the whole movement of a support; ArgumentError if it is none."""
     target = array_of("displacement", displacement, "(x, z) in m")
     require(
@@ -158,7 +164,7 @@ def _checked(model: Assembly, support: str, displacement: ArrayLike, rotation: f
     require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
     full = whole_movement(model, support, target, rotation)
     arc = whole_movement(model, support, np.zeros(2), rotation)
-    least = PUSHDOWN.least * model.size
+    least = tolerances.least * model.size
     require(
         max(full, arc) > least, "displacement", displacement, f"with the rotation, more than {least:.1g} m"
     )
@@ -211,7 +217,8 @@ class _Moving:
 class _Path:
     """The path as far as it has been followed; `end`: why it ends, None while it goes on.
 
-    `final`: the state at rest after the whole movement, None before; `ultimate` (m): see Pushdown.
+    `final`: the state at rest after the whole movement, None before; `undecided`: why it is not known whether there is
+    one; `ultimate` (m): see Pushdown.
     """
 
     def __init__(
@@ -221,6 +228,7 @@ class _Path:
         self.increment, self.to_collapse, self.tolerances = increment, to_collapse, tolerances
         self.limit = max(moving.full, _longest(self.model)) if to_collapse else moving.full
         self.final: State | None = None
+        self.undecided: ConvergenceError | None = None
         self.ultimate: float | None = None
         self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
@@ -321,6 +329,9 @@ class _Path:
             rested = motion_to_rest(problem, step.state.positions)
         except RunawayError as fall:
             self.ultimate, self.end = self.movement[-2], fall.message
+            return
+        except ConvergenceError as error:
+            self.undecided, self.end = error, error.message
             return
         self.certificates.append(rested.certificate)
         self.final = rested.state

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
@@ -146,10 +146,11 @@ class StaticSystem:
         return STEP.carrying * self.model.weight
 
 
-@lru_cache(maxsize=8)
 def check_sliding(sliding: Sliding) -> None:
     """Raise ArgumentError for an unknown law of sliding."""
-    require(sliding in get_args(Sliding), "sliding", sliding, '"coulomb" or "associative"')
+    require(
+        any(sliding == law for law in get_args(Sliding)), "sliding", sliding, '"coulomb" or "associative"'
+    )
 
 
 def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:

@@ -5,6 +5,7 @@ Circolare 7/2019, C8.7.1.2.1.2: macro-blocks turn about hinges of their own mate
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,7 +34,8 @@ class KinematicsTolerances:
     or not; `alike`: difference of the rotations of two macro-blocks, over the largest, up to which they have no
     relative centre. `step` (rad): of the macro-block that turns fastest; `farthest` (rad): by then α has vanished in
     every mechanism. `open`: largest gap of a hinge from the integration, over the model's size; `overlap`: of two
-    blocks that does not stop the motion, over the smallest block's area.
+    blocks that does not stop the motion, over the smallest block's area; `grid`: step of the grid on which
+    they are laid over each other, over the model's size.
     """
 
     hinge: float = 0.02
@@ -42,6 +44,7 @@ class KinematicsTolerances:
     farthest: float = 1.0
     open: float = 1e-6
     overlap: float = 1e-3
+    grid: float = 1e-9
 
 
 MOTION = KinematicsTolerances()
@@ -130,7 +133,7 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
         raise KinematicsError(
             message("its hinges do not stay closed as it moves: there are more of them than it can keep")
         )
-    _unhindered(model, at)
+    _unhindered(model, at, parts.blocks)
     return Motion(np.array(at), np.array(alpha))
 
 
@@ -244,23 +247,34 @@ def _tie_work(model: Assembly, parts: _Parts, at: Array, rate: Array, q: Array) 
     return work
 
 
-def _unhindered(model: Assembly, at: list[Array]) -> None:
-    """Raise KinematicsError if blocks overlap in a motion that do not overlap at its start."""
+def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.intp]]) -> None:
+    """Raise KinematicsError if blocks overlap in a motion that do not overlap at its start.
+
+    The blocks of one macro-block, and those that do not move, keep their places to each other.
+    """
+    owner = np.full(len(model.blocks), -1)
+    for k, blocks in enumerate(parts):
+        owner[blocks] = k
     least = MOTION.overlap * min(block.area for block in model.blocks)
-    for positions in at[1 :: max(1, len(at) // 20)]:
+    for positions in [*at[1 : -1 : max(1, len(at) // 20)], at[-1]]:
         outlines = [_outline(block.polygon - block.centroid, *place) for block, place in zip(
             model.blocks, positions, strict=True)]  # fmt: skip
-        tree = shapely.STRtree(outlines)
-        for i, j in tree.query(outlines, predicate="intersects").T.tolist():
-            if i < j and outlines[i].intersection(outlines[j]).area > least + _shared(model, at[0], i, j):
+        pairs = shapely.STRtree(outlines).query(outlines, predicate="intersects").T
+        for i, j in pairs[owner[pairs[:, 0]] < owner[pairs[:, 1]]].tolist():
+            if _shared(model, positions, i, j) > least + _shared(model, at[0], i, j):
+                first, second = sorted((i, j))
                 raise KinematicsError(
-                    message("block {block} runs into block {other} before α = 0", block=i, other=j)
+                    message("block {block} runs into block {other} before α = 0", block=first, other=second)
                 )
 
 
 def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:
+    """Return the area (m²) that two blocks share, by an overlay on a grid.
+
+    In plain floating-point numbers that of two blocks that touch along a joint may come out as the whole block.
+    """
     one, other = (_outline(model.blocks[k].polygon - model.blocks[k].centroid, *positions[k]) for k in (i, j))
-    return float(one.intersection(other).area)
+    return float(shapely.intersection(one, other, grid_size=MOTION.grid * model.size).area)
 
 
 def _outline(corners: Array, x: float, z: float, turned: float) -> shapely.Polygon:

@@ -16,7 +16,7 @@ from assessment.results.configurations.ties import along_path, determined, lengt
 from assessment.results.plain import finite
 from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
 from assessment.results.table import sense
-from mechanics import Assembly, State
+from mechanics import Assembly, ConvergenceError, NoEquilibriumError, State
 from mechanics.model import Direction
 from mechanics.procedures import Pushover, hinges, limit_in, virtual_work_multiplier
 from mechanics.steps import Sliding
@@ -146,7 +146,13 @@ def _with_other_law(found: RigidPush, model: Assembly, direction: Direction, pat
     flow is none of Coulomb's law, and its multiplier none either.
     """
     at = path.states[path.peak]
-    associative, coulomb = (limit_in(model, direction, at, law) for law in LAWS)
+    try:
+        associative, coulomb = (limit_in(model, direction, at, law) for law in LAWS)
+    except (
+        NoEquilibriumError,
+        ConvergenceError,
+    ):  # the curve has its own multiplier; the other one is not known
+        return found
     other = coulomb if found.sliding == "associative" else associative
     if abs(other.alpha - found.alpha_0) <= DIFFERS * found.alpha_0:
         return found

@@ -48,12 +48,12 @@ def settle(
     return result
 
 
-def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | None:
-    """Return the rest under gravity that a structure as drawn comes to on elastic joints; None: it has none."""
+def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | Message:
+    """Return the rest under gravity that a structure as drawn comes to on elastic joints, or why it has none."""
     try:
         return settled(model, None, sliding).state
-    except (UnstableError, ConvergenceError):
-        return None
+    except (UnstableError, ConvergenceError) as error:
+        return error.message
 
 
 def path_title(state: str, behaviour: Behaviour) -> Message:

@@ -148,7 +148,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     """
     prefix = f"{study}: " if study else ""
     settled = _settled(requests, workers, prefix)
-    begun = _beginnings(requests, settled, workers, prefix)
+    begun, restless = _beginnings(requests, settled, workers, prefix)
     standing = [request for request in requests if id(request) in begun]
     pushing = [
         (request, together) for request in standing for together in _together(request, begun[id(request)])
@@ -171,6 +171,9 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
         }
         movement = settled.get(request.settling) if request.settling else None
         results.append(_result(request, movement, begun.get(id(request)), own))
+        if id(request) in restless:
+            title = path_title(request.state, request.behaviour)
+            results[-1].failures.append(headed(title, restless[id(request)]))
     return results
 
 
@@ -198,10 +201,11 @@ def _beginnings(
     settled: Mapping[Settling, PathResult[PushdownPath]],
     workers: Workers,
     prefix: str,
-) -> dict[int, Beginning]:
-    """Return where each request is pushed from, by its id; those whose structure collapses before are left out.
+) -> tuple[dict[int, Beginning], dict[int, Message]]:
+    """Return where each request is pushed from, by its id, and why others find no rest to be strengthened in.
 
-    What strengthens the structure as drawn finds it at rest, which elastic joints are not as drawn.
+    Those whose structure collapses before are left out. What strengthens the structure as drawn finds it at rest, which
+    elastic joints are not as drawn.
     """
     resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
     rests = workers.each(
@@ -212,15 +216,17 @@ def _beginnings(
         large(*(request.model.settling for request in resting)),
     )
     at_rest = dict(zip(map(id, resting), rests, strict=True))
-    found = {}
+    found, restless = {}, {}
     for request in requests:
         moved = settled[request.settling] if request.settling else None
         reached = moved.reached if moved else at_rest.get(id(request))
-        if reached is not None:
+        if isinstance(reached, Message):
+            restless[id(request)] = reached
+        elif reached is not None:
             found[id(request)] = Beginning(request.model.tied_at(reached), request.model.taken_over(reached))
         elif moved is None:
             found[id(request)] = Beginning(request.model.assembly, None)
-    return found
+    return found, restless
 
 
 def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assessment.analyses.static import settlement
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.configurations.hand_check import hand_checks
 from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
 from assessment.workflow.stages import run as run_stages
+from mechanics import UnstableError
+from mechanics.messages import message
 from tests.support.block_project import (
     ASSESSMENT,
     HAZARD,
@@ -111,6 +114,19 @@ def test_a_strengthened_state_starts_where_the_settled_one_came_to(settled):
         arm_x, arm_z = 0.3 * c - 2.1 * s, 0.3 * s + 2.1 * c
         alpha = (weight * arm_x + force * ARM) / (weight * arm_z)
         assert state.pushover["+x"].rigid.alpha_0 == pytest.approx(alpha, rel=1e-6)
+
+
+def test_a_strengthening_whose_structure_has_no_rest_is_not_pushed_as_drawn(tmp_path, monkeypatch):
+    def restless(*_):
+        raise UnstableError(message("the auxiliary program of least acceleration was not solved"))
+
+    monkeypatch.setattr(settlement, "settled", restless)
+    text = block() + BOTH.replace('["rigid"]', '["elastic"]') + tie(states='["strengthened"]')
+    project = load_project(write_block(tmp_path, text + strengthening("original")))
+    found = run_stages(project, build_model(project), jobs=1)
+    assert "+x" not in (found.results.states["strengthened"].pushover or {})
+    assert not found.complete
+    assert any("strengthened" in each and "not solved" in each for each in found.results.quality.warnings)
 
 
 def test_the_settlement_of_both_is_computed_once(tmp_path):

@@ -282,6 +282,23 @@ def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(incremen
     assert curve.displacement[-1] == pytest.approx(0.001729, rel=0.002)
 
 
+def test_a_curve_that_falls_back_to_where_it_has_jumped_before_ends(monkeypatch):
+    """From its third step on every motion leads back to its first point."""
+    module, found = import_module("mechanics.procedures.pushover"), []
+    step_from = module.reach
+
+    def in_circles(*arguments):
+        if len(found) == 2:
+            return found[0], True
+        found.append(step_from(*arguments)[0])
+        return found[-1], len(found) == 2
+
+    monkeypatch.setattr(module, "reach", in_circles)
+    curve = pushover(block_on_base(0.2, 1.0, stiffness=1e7), (0.2, 1.0), "+x", "elastic", 0.002)
+    assert curve.lost and len(curve.states) == 3
+    assert "falls back to where it has jumped before" in curve.end
+
+
 def test_a_step_that_may_be_halved_is_not_decided_by_a_motion(monkeypatch):
     """Motions decide of the shortest step: 1/32 of the increment."""
     module, lengths = import_module("mechanics.procedures.step_control"), []

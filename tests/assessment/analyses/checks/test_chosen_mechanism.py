@@ -12,6 +12,7 @@ from assessment.analyses.checks.chosen_mechanism import (
     evaluate,
     joint_motion,
 )
+from assessment.analyses.checks.kinematics import Hinge, KinematicsError, _shared, _unhindered, finite_motion
 from assessment.analyses.checks.virtual_work import virtual_displacements
 from assessment.cli.main import main
 from assessment.ntc.capacity.curve import mechanism_participation
@@ -182,6 +183,36 @@ def test_a_block_in_the_way_stops_the_motion():
     answer = found(Assembly(blocks), ((0.6, 0.0), -1.0, [1]), demands={"SLV": GROUND})
     assert any("block 1 runs into block 2" in note for note in answer.notes)
     assert "SLV" not in answer.checks
+
+
+def test_blocks_of_one_macro_block_do_not_run_into_each_other():
+    """Three blocks of 0.6 × 1.4 m turn as one until their centre is above the corner: tan θ = 0.3/2.1.
+
+    The control point is the uppermost centroid: d_0 = 0.3 (1 − cos θ) + 3.5 sin θ = 0.497990 m.
+    """
+    answer = found(column(3, height=1.4), ((0.6, 0.0), -1.0, [1, 2, 3]), demands={"SLV": GROUND})
+    assert not answer.notes
+    assert answer.d_0_m == pytest.approx(0.497990, rel=1e-5)
+    assert answer.SLV.verified is not None
+
+
+def test_blocks_that_touch_share_no_area():
+    """The same motion: on its way the overlay in plain numbers gives a whole block once, 0.84 m²."""
+    model, chosen = column(3, height=1.4), mechanism(((0.6, 0.0), -1.0, [1, 2, 3]))
+    motion = finite_motion(model, model.initial.positions, chosen, [Hinge(0, None, (0.6, 0.0))])
+    shared = [_shared(model, positions, 1, 2) for positions in motion.positions]
+    assert len(shared) > 70 and max(shared) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_last_configuration_of_a_motion_is_looked_at_too():
+    """Of 41 every second one is looked at, from the second on; in the 41st the block has turned into the pillar."""
+    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
+    blocks += [Block(rectangle(x, 0.0, x + 0.6, 3.0), 1.0, STONE) for x in (0.0, 0.65)]
+    model = Assembly(blocks)
+    start = model.initial.positions
+    into = model.rotated(1, (0.6, 0.0), -0.1).positions
+    with pytest.raises(KinematicsError, match="block 1 runs into block 2"):
+        _unhindered(model, [start] * 40 + [into], [np.array([1])])
 
 
 def test_the_control_point_is_that_of_the_pushover_where_it_moves():
