@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from shapely import intersection
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
@@ -99,7 +100,9 @@ def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
     Symmetric cells in a symmetric region stay symmetric: of neighbours that share equally much with a sliver
     the one nearer the axis takes it, or both where it stands on the axis itself.
     """
-    cut = [Polygon(cell).intersection(region) for cell in cells]
+    # of a cell that only touches the region a plain overlay may give the whole: one on a grid does not
+    inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
+    cut = [each.intersection(region) for each in inside]
     pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
     while len(pieces) > 1 and (slivers := [piece for piece in pieces if _is_sliver(piece)]):
         sliver = min(slivers, key=lambda piece: (round(piece.area, 9), _off_axis(piece)))
