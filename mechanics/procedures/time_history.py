@@ -148,7 +148,7 @@ def time_history(
     _check(model, contacts, integrator, damping_ratio, restitution)
     point = _control_point(model, control, ultimate)
     used, chosen = _chosen(model, contacts, integrator, tolerances.few)
-    system, start, motion = _begun(
+    system, start, motion, undecided = _begun(
         model, contacts, model.starting(state), used, time_step, damping_ratio, restitution, tolerances
     )
 
@@ -162,7 +162,8 @@ def time_history(
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
-    return _history(system, start, motion, parts, time_step, point, reason, used, chosen, tolerances)
+    found = _history(system, start, motion, parts, time_step, point, reason, used, chosen, tolerances)
+    return found if undecided is None else replace(found, notes=(undecided, *found.notes))
 
 
 def _control_point(model: Assembly, control: ArrayLike | None, ultimate: float | None) -> ControlPoint | None:
@@ -228,9 +229,9 @@ def _begun(
     damping_ratio: float,
     restitution: float,
     tolerances: HistoryTolerances,
-) -> tuple[DynamicSystem, State, Motion]:
-    """Return the system, the state in which the motion begins, and the motion."""
-    start, forces = _settled(model, contacts, state)
+) -> tuple[DynamicSystem, State, Motion, Message | None]:
+    """Return the system, the state in which the motion begins, the motion, and a warning about that state."""
+    start, forces, undecided = _settled(model, contacts, state)
     statics = static_system(model, contacts).around(start.positions, 0.0)
     gaps = np.zeros(len(statics.contacts))
     if contacts == "rigid":
@@ -243,7 +244,7 @@ def _begun(
     system = DynamicSystem(statics, theta, damping, restitution, halving, tolerances.accepted)
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None
-    return system, start, system.begun(start, forces, gaps)
+    return system, start, system.begun(start, forces, gaps), undecided
 
 
 def _damping(model: Assembly, damping_ratio: float) -> float:
@@ -273,10 +274,15 @@ def _halving(
     return replace(halving, levels=min(halving.levels, int(finer)))
 
 
-def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State, Array | None]:
-    """Return the state in which the motion begins, and its joint forces (j, 3); None where they are not known."""
+def _settled(
+    model: Assembly, contacts: Behaviour, state: State
+) -> tuple[State, Array | None, Message | None]:
+    """Return the state in which the motion begins, and its joint forces (j, 3); None where they are not known.
+
+    What cannot stand is released as it is; what only may not, too, with a warning.
+    """
     if contacts == "rigid" or state.velocities.any():
-        return state, None
+        return state, None, None
     size = rest_size(model, contacts)
     try:
         if state.carrying is None:
@@ -292,9 +298,16 @@ def _settled(model: Assembly, contacts: Behaviour, state: State) -> tuple[State,
             and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size
         ):
             check_self_weight(model, state)
-    except (UnstableError, NoEquilibriumError, ConvergenceError):
-        return state, None
-    return replace(step.state, motion=None), step.forces
+    except (UnstableError, NoEquilibriumError):
+        return state, None, None
+    except ConvergenceError as error:
+        released = message(
+            "whether the structure rests on its elastic joints before the motion was not decided: {reason}; it is "
+            "released as it is",
+            reason=error.message,
+        )
+        return state, None, released
+    return replace(step.state, motion=None), step.forces, None
 
 
 def _history(

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
+from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.procedures.time_history import HistoryTolerances, Integrator
 from mechanics.steps import dynamic_system
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
+from tests.support.wording import in_italian
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
 STEP = 0.005
@@ -392,6 +395,17 @@ def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: I
         whole.halvings,
     )
     assert abs(after.positions - whole.positions[cut:]).max() < 1e-9
+
+
+def test_a_rest_that_is_not_decided_before_a_motion_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def undecided(*_):
+        raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
+
+    module = import_module("mechanics.procedures.time_history")
+    monkeypatch.setattr(module, "rest", undecided)
+    motion = time_history(block_on_base(), np.zeros(5), STEP, "elastic")
+    assert "was not decided: a step of the path was not solved" in motion.notes[0]
+    assert "non è stato deciso" in in_italian(motion.notes[0])
 
 
 def test_a_motion_does_not_go_on_with_joints_of_another_kind() -> None:
