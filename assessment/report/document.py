@@ -29,7 +29,12 @@ from assessment.report.chapters.remarks import (
     too_many,
 )
 from assessment.report.chapters.second_solver import comparison
-from assessment.report.chapters.ties import strengthening_sentences, yielding_sentence
+from assessment.report.chapters.ties import (
+    nearly_yielding,
+    pretension_sentence,
+    strengthening_sentences,
+    yielding_sentence,
+)
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.page_fill import pdf_of
@@ -138,7 +143,8 @@ def render_html(
         contacts=contacts_of(results),
         assumptions=list(assumptions(results, words, contacts_of(results))),
         strengthened=list(strengthening_sentences(results, words)),
-        yielding=list(yielding_sentence(results, words)),
+        yielding=[*yielding_sentence(results, words), *nearly_yielding(results, words)],
+        slackened=list(pretension_sentence(results, words)),
         references=references(),
         identified=list(identification_sentences(results, words)),
         ready=ready_lines(results),

@@ -89,11 +89,15 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
 
 
 def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figure:
-    """Draw a state at its largest control displacement under a record and at collapse or at the end, to true scale."""
+    """Draw a state at its largest control displacement under a record and at collapse or at the end, to true scale.
+
+    Where it collapses, the largest is that from which it still came back.
+    """
     entry = shaken(results, known(results.motions)[index].name)[state]
     shape = outlines(results)
     start = shape.moved(results.states[state].configuration)
-    peak = words.plain("figure.at_peak", time=entry.time_of_peak_s)
+    kind = "sustained" if entry.collapsed else "at_peak"
+    peak = words.plain(f"figure.{kind}", time=entry.time_of_peak_s)
     views = {peak: shape.moved(known(entry.peak_configuration))}
     title = (
         words.plain("figure.at_collapse", time=entry.time_of_collapse_s)

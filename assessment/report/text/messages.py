@@ -21,6 +21,7 @@ from mechanics.messages import english, filled
 
 _POWER = re.compile(r"(?<=\d)e([+−-]?\d+)\b")
 _SYMBOL = re.compile(r"(?<![\w.])(?:(?=α0\b)|(?=\w_))([αdTaS])_?(0|[uyge]|De|SL[A-Z])(?!\w)")
+_PERCENT = re.compile(r"(?<=\d)%")
 _WORD = re.compile(r"[a-zà-ù]{2}(?!\S*\.\w)")  # no name of a file
 
 
@@ -31,7 +32,7 @@ def translated(text: str, words: Words) -> str:
 
 def sentence(text: str, words: Words) -> Markup:
     """Return a sentence of the results as one of the report, HTML: its powers and symbols set as such."""
-    text = _POWER.sub(_power, _worded(text, words))
+    text = _PERCENT.sub(" %", _POWER.sub(_power, _worded(text, words)))
     start = text[0].upper() if _WORD.match(text) else text[0]
     return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(f"{start}{text[1:].rstrip('.')}."))))
 

@@ -180,8 +180,8 @@ def test_the_report_explains_a_curve_that_begins_below_its_largest_multiplier(tm
     draw_sections(typed(results), tmp_path)
     text = render_html(typed(results), tmp_path, words_of(typed(results)))
     assert text.count("close hinges of the settlement") == 1
-    assert f"State “{SETTLED}”, direction +x: blocks move from α = " in text
-    assert "on the way as little as 0, is largest" in text and "at d = 10.00 mm" in text
+    assert f"State “{SETTLED}”, direction +x: the first blocks move from α = " in text
+    assert "on the way as little as 0, rises where blocks meet and is largest at d = 10.00 mm" in text
 
 
 def one_direction(results):

@@ -22,6 +22,7 @@ TIES = (
 )
 TENSIONS = ("tie", "state", "direction", "contacts", "rest_kN", "peak_kN", "greatest_kN", "yields")
 SHAKEN = ("tie", "state", "record", "greatest_kN", "time_of_greatest_s", "yields")
+AT = 0.999  # of the yield force: a tension that is it
 STRENGTHENING = tuple(StrengtheningRow.model_fields)
 
 
@@ -62,20 +63,23 @@ def tie_tensions(results: Results) -> Table:
 
 
 def shaken_ties(results: Results) -> Table:
-    """List the greatest tension of every tie in every motion."""
-    rows = [
-        {
-            "tie": each.tie,
-            "state": name,
-            "record": entry.record,
-            "greatest_kN": each.greatest_kN,
-            "time_of_greatest_s": each.time_s,
-            "yields": each.yields,
-        }
-        for name, state in results.states.items()
-        for entry in state.history
-        for each in entry.ties or ()
-    ]
+    """List the greatest tension of every tie in every motion.
+
+    Of a tie that yields it is the yield force: the instants that are kept may lie beside the one at which it does, and
+    then that is not known.
+    """
+    strength = {tie.name: tie.yield_force_kN for tie in results.model.ties or ()}
+    rows: list[Row] = []
+    for name, state in results.states.items():
+        for entry in state.history:
+            for each in entry.ties or ():
+                row: Row = {"tie": each.tie, "state": name, "record": entry.record, "yields": each.yields}
+                limit = strength[each.tie] if each.yields else None
+                between = limit is not None and each.greatest_kN is not None and each.greatest_kN < AT * limit
+                row["greatest_kN"] = limit if between else each.greatest_kN
+                if not between:
+                    row["time_of_greatest_s"] = each.time_s
+                rows.append(row)
     return Table("shaken_ties", rows, SHAKEN)
 
 
