@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 
+# of the d* that the control point tells: what the moving blocks have gone that is nearly it, and that is too little
+NEARLY, IDLE = 0.9, 0.8
 CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
 
 
@@ -98,6 +100,7 @@ def _assessed(
     """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
     assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
     _refuse_other_mechanism(rigid)
+    warnings += [towards(direction, note) for note in _idle_control(curves.control, rigid.control_share)]
     if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
         raise CapacityError(
             message(
@@ -141,6 +144,24 @@ def _refuse_other_mechanism(rigid: RigidPush) -> None:
     virtual_work = math.inf if by_work is None else by_work
     if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
         raise CapacityError(other_mechanism(virtual_work, alpha))
+
+
+def _idle_control(control: str, share: float | None) -> Iterator[Message]:
+    """Yield a warning where the control point moves farther than the mechanism that it stands for.
+
+    Raises CapacityError where that is so much that no capacity follows from it.
+    """
+    if share is None or share >= NEARLY:
+        return
+    note = message(
+        "control point {name}: at the end of the curve the blocks that move have gone {share:.0%} of the d* that it "
+        "tells, as it is near the hinges of the mechanism; give a point that moves with the mechanism, higher up",
+        name=control,
+        share=share,
+    )
+    if share < IDLE:
+        raise CapacityError(note)
+    yield note
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:

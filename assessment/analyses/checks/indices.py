@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from assessment.analyses.checks.demand import demand_return_periods
 from assessment.ntc.confidence import CONFIDENCE_FACTOR, confidence_factor
-from assessment.ntc.indices import heritage_and_risk_indices, required_zeta
+from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
 from assessment.results.lines import lines
 from assessment.results.schema.checks import Capacity, Check, Direction
 from assessment.results.schema.indices import Indices, Knowledge
@@ -16,11 +16,15 @@ from assessment.results.schema.part import known
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import AssessmentTable, KnowledgeTable
+    from assessment.results.schema import State
 
 
-def state_indices(project: Project, capacities: Mapping[Direction, Capacity]) -> Indices | None:
+def state_indices(
+    project: Project, capacities: Mapping[Direction, Capacity], before: State | None = None
+) -> Indices | None:
     """Return the indices of a state from the least favourable check of its directions at each limit state.
 
+    `before`: the state that it strengthens, from which interventions count; None: it is none that is strengthened.
     None if a direction has no ratio at SLV, and if the demand is a record: its a_g does not refer to rock.
     """
     assessment = project.assessment
@@ -41,7 +45,7 @@ def state_indices(project: Project, capacities: Mapping[Direction, Capacity]) ->
         T_R,
         damage.check.return_period_years if damage else None,
     )
-    return Indices(
+    made = Indices(
         direction=direction,
         check=limit,
         zeta_SLV=zeta,
@@ -62,6 +66,11 @@ def state_indices(project: Project, capacities: Mapping[Direction, Capacity]) ->
         required_zeta=required_zeta(zeta, use_class),
         trace=lines(found.trace),
     )
+    if before is None:
+        return made
+    zeta_before = before.indices.zeta_SLV if before.indices else None
+    required = required_zeta(zeta_before, use_class)
+    return made.replace(zeta_before=zeta_before, required_zeta=required, attained=attained(zeta, required))
 
 
 def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:

@@ -263,15 +263,18 @@ def summarise(records: Sequence[Search], warnings: list[Message], state: str) ->
 
 
 class Standard(NamedTuple):
-    """Mean and lowest PGA at collapse of some records (g), and which of them counts by the `rule`; None: undecided."""
+    """Mean and lowest PGA at collapse of some records (g), and which of them counts by the `rule`.
+
+    None: undecided; a rule of None: fewer records than §7.3.5 asks for.
+    """
 
     mean: float | None
     lowest: float | None
-    rule: Literal["mean", "lowest"]
+    rule: Literal["mean", "lowest"] | None
 
     @property
     def pga(self) -> float | None:
-        """The PGA that counts, g."""
+        """The PGA that counts, g; of too few records the lowest, which is no value of the standard."""
         return self.mean if self.rule == "mean" else self.lowest
 
 
@@ -279,8 +282,8 @@ def standard_value(records: Sequence[tuple[float | None, float | None]]) -> Stan
     """Return the PGA at collapse by NTC 2018 §7.3.5; `records`: PGA at collapse and largest safe PGA of each, g.
 
     §7.3.5 [k]: with seven records or more the mean of the effects counts, with three to six the
-    most unfavourable: the lowest PGA at collapse. With fewer the lowest is given. A mean or lowest that a record
-    without collapse leaves undecided is None.
+    most unfavourable: the lowest PGA at collapse. With fewer there is no rule. A mean or lowest that a record without
+    collapse leaves undecided is None.
     """
     found = [collapse for collapse, _ in records if collapse is not None]
     withstood = [safe for collapse, safe in records if collapse is None]
@@ -289,6 +292,8 @@ def standard_value(records: Sequence[tuple[float | None, float | None]]) -> Stan
     bounds = [safe for safe in withstood if safe is not None]
     if lowest is not None and (len(bounds) < len(withstood) or min(bounds, default=math.inf) < lowest):
         lowest = None
+    if len(records) < ENOUGH:
+        return Standard(mean, lowest, None)
     return Standard(mean, lowest, "mean" if len(records) >= MEAN_FROM else "lowest")
 
 

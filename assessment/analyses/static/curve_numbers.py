@@ -52,6 +52,7 @@ def rigid_push(
         sliding=sliding,
         local_loss=local_loss(model, path.states, path.displacement, path.forces, path.lost),
         curve=_curve(path, direction),
+        control_share=_control_share(model, direction, path, mechanism),
         mechanism=mechanism,
         virtual_work_alpha=finite(_virtual_work(model, direction, path, np.array(mechanism.displacements))),
         mechanism_configuration=configuration(model, at),
@@ -124,6 +125,22 @@ def _mechanism(model: Assembly, control: ControlTable, path: Pushover, met: Met)
         sliding_joints=met.numbers(path.contacts, slides)[found.sliding].tolist(),
         moving_weight_kN=float(found.moving_weight),
     )
+
+
+def _control_share(
+    model: Assembly, direction: Direction, path: Pushover, mechanism: Mechanism
+) -> float | None:
+    """Return d* of the blocks that move, at the end of a curve, over Γ* times the way of the control point.
+
+    Of a mechanism that turns as it begins d* = Γ* d_C (C8.7.1.2) is ΣPδu/ΣPδ, u being the way of each block: a control
+    point near its hinges moves, in the end, by what is of second order. None where that is not defined.
+    """
+    way = float(path.displacement[-1] - path.displacement[path.formed])
+    if not mechanism.gamma_star or way <= 0.0:
+        return None
+    weighed = model.lateral_load(direction)[:, 0] * np.array(mechanism.displacements)[:, 0]
+    moved = (path.states[-1].positions - path.states[path.formed].positions)[:, 0]
+    return finite(abs(float(weighed @ moved) / float(weighed.sum())) / (mechanism.gamma_star * way))
 
 
 def _virtual_work(

@@ -129,6 +129,10 @@ class RigidPush(Part):
     alpha_0_coulomb: float | None = optional(
         "α_0 where what slides does not lift, if it differs by 1 % or more", "–"
     )
+    control_share: float | None = optional(
+        "d* of the blocks that move, at the end of the curve, over that told by the control point; null: not defined",
+        "–",
+    )
     sliding_residual: float | None = optional(
         "how far the lift taken back is from settled, per largest displacement of the mechanism", "–"
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from assessment.analyses.checks.capacity import CONTRADICTION, assess
@@ -14,6 +15,7 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from mechanics.messages import message
 from tests.support.analysed import analysed, arch
+from tests.support.block_project import ASSESSMENT, PUSHED, block, read_results, run, write_block
 from tests.support.typed import typed
 from tests.support.wording import as_sentence, in_italian
 
@@ -99,3 +101,25 @@ def test_a_single_run_and_another_direction_are_told_by_themselves():
         "+x: no capacity in 1 of 2 r",
         "-x: no capacity in 1 of 2 r",
     ]
+
+
+@pytest.mark.parametrize(
+    ("height", "answer"), [(4.2, "told"), (1.0, "told"), (0.3, "warned"), (0.02, "refused")]
+)
+def test_a_control_point_near_the_hinge_stands_for_no_mechanism(height, answer, tmp_path):
+    """A panel turns about its toe: a point at the other face, z high, goes by z sin θ + b (1 − cos θ), d* by z θ.
+
+    With a point 0.02 m high the same panel bore several times the acceleration, and was verified.
+    """
+    text = block().replace("point_m = [0.3, 4.2]", f"point_m = [-0.3, {height}]")
+    folder = write_block(tmp_path, text + PUSHED.replace("0.2\n", "0.002\n") + ASSESSMENT)
+    run(folder)
+    found = read_results(folder / "output")
+    state = found["states"]["original"]
+    share = state["pushover"]["+x"]["rigid"]["control_share"]
+    lean = np.arctan(0.6 / 4.2)  # where α = 0
+    own = 2.1 * np.sin(lean) + 0.3 * (1.0 - np.cos(lean))  # of the centroid
+    way = height * np.sin(lean) + 0.6 * (1.0 - np.cos(lean))
+    assert share == pytest.approx(own / (2.1 / height * way), rel=1e-3)
+    told = any("near the hinges" in each for each in found["quality"]["warnings"])
+    assert ("+x" in state["capacity"], told) == (answer != "refused", answer != "told")
