@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import reduce
 
 import numpy as np
@@ -57,6 +57,19 @@ def findings(found: Identification) -> list[Message]:
         ),
         *_alike(found),
     ]
+
+
+def not_followed(unknowns: Unknowns, reasons: Sequence[Message]) -> list[Message]:
+    """Return that paths of a hypothesis were stopped by other errors than a collapse, and the first `reasons`."""
+    if not reasons:
+        return []
+    text = message(
+        "{count} movements that were tried could not be followed to their end, for another reason than a collapse; a "
+        "better fit may lie there; the first: {reason}",
+        count=len(reasons),
+        reason=reasons[0],
+    )
+    return [headed(message("identification, {hypothesis}", hypothesis=unknowns.title), text)]
 
 
 def _of_hypothesis(each: Explanation) -> Iterator[Message]:

@@ -13,6 +13,7 @@ from assessment.project.structure.gauges import Gauge, readings
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration
 from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError
+from mechanics.messages import Message
 from mechanics.procedures import Pushdown, SupportMovement, pushdown_together, whole_movement
 from mechanics.steps import Sliding
 from mechanics.types import Array
@@ -25,11 +26,13 @@ class Followed:
     """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad.
 
     `configuration` (b, 3): after the whole movement; None where the structure falls before, or cannot be followed.
+    `stopped`: why it cannot be followed farther; None where the structure falls, or the whole movement was followed.
     """
 
     share: Array
     shown: Array
     configuration: Configuration | None = None
+    stopped: Message | None = None
     quality: list[QualityRow] = field(default_factory=list)
     seconds: float = 0.0
 
@@ -41,23 +44,25 @@ def follow(
     sliding: Sliding,
     gauges: Sequence[Gauge],
 ) -> Followed:
-    """Move the supports from their places as drawn, in so many increments; a fall on the way is a result."""
+    """Move the supports from their places as drawn, in so many increments; a fall on the way is a result.
+
+    What was followed before another error stops the path counts as well.
+    """
     began = time.perf_counter()
     moved = tuple(each for each in movements if _moves(model, each))
     if not moved:
         start = model.initial
         shown = readings(model, gauges, start.positions)
         return Followed(np.zeros(1), shown[None, :], configuration=configuration(model, start))
-    reached, path = False, None
+    reached, path, stopped = False, None, None
     try:
         path = pushdown_together(model, moved, _largest(model, moved) / increments, sliding)
         reached = True
     except CollapseError as error:
-        assert isinstance(error.path, Pushdown)
-        path = error.path
-    except (NoEquilibriumError, ConvergenceError):
-        pass  # whatever stops it, no further movement in this direction is predicted
-    found = Followed(np.zeros(0), np.zeros((0, len(gauges))))
+        path = _so_far(error)
+    except (NoEquilibriumError, ConvergenceError) as error:
+        path, stopped = _so_far(error), error.message
+    found = Followed(np.zeros(0), np.zeros((0, len(gauges))), stopped=stopped)
     if path is not None:
         states = [*path.states[:-1], path.final if reached else path.states[-1]]
         found.share = path.movement / _largest(model, moved)
@@ -68,6 +73,12 @@ def follow(
         found.quality.append(quality.row)
     found.seconds = time.perf_counter() - began
     return found
+
+
+def _so_far(error: NoEquilibriumError | ConvergenceError) -> Pushdown | None:
+    """Return the path that was followed before an error; None where it carries none."""
+    path = getattr(error, "path", None)
+    return path if isinstance(path, Pushdown) else None
 
 
 def _moves(model: Assembly, each: SupportMovement) -> bool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from assessment.project.structure.gauges import Gauge
@@ -11,6 +12,7 @@ from assessment.runtime.tasks import Workers, large
 from assessment.studies.identification.fit import Fit, best_length, refined
 from assessment.studies.identification.path import Followed, follow
 from assessment.studies.identification.unknowns import Unknowns
+from mechanics.messages import Message
 from mechanics.types import Array
 
 if TYPE_CHECKING:
@@ -40,13 +42,17 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """How movements are followed: model, law of sliding, gauges and measured values, processes; messages to `study`."""
+    """How movements are followed: model, law of sliding, gauges and measured values, processes; messages to `study`.
+
+    `stopped`: why paths of a hypothesis could not be followed to their end, other than by a collapse.
+    """
 
     model: Assembly
     sliding: Sliding
     measured: Measured
     workers: Workers
     study: Study
+    stopped: dict[Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
 
     def best(self, unknowns: Unknowns) -> Fit | None:
         """Return the best fit of a hypothesis; None where no movement could be followed."""
@@ -92,4 +98,6 @@ class Search:
         for path in found:
             self.study.quality += path.quality
             self.study.seconds += path.seconds
+            if path.stopped is not None:
+                self.stopped[unknowns].append(path.stopped)
         return found

@@ -17,7 +17,7 @@ from assessment.results.schema.identification import (
     SupportMovement,
 )
 from assessment.runtime.show import SILENCE
-from assessment.studies.identification.findings import findings, open_movements
+from assessment.studies.identification.findings import findings, not_followed, open_movements
 from assessment.studies.identification.fit import Fit, Sureness, sureness
 from assessment.studies.identification.search import Measured, Search
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
@@ -67,6 +67,8 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
         settlements=[] if best is None else _ready(hypotheses[best]),
     )
     study.findings += findings(result)
+    for each in asked:
+        study.findings += not_followed(each, search.stopped[each])
     if best is None:
         study.failures.append(message("identification: no movement of any hypothesis could be followed"))
     return result

@@ -10,10 +10,15 @@ import pytest
 from assessment.project.structure.gauges import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
+from assessment.studies.identification import path as path_module
 from assessment.studies.identification.findings import open_movements
 from assessment.studies.identification.fit import Fit, best_length, refined, sureness
+from assessment.studies.identification.path import follow
 from assessment.studies.identification.stage import probability
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
+from mechanics import ConvergenceError
+from mechanics.messages import message
+from mechanics.procedures import SupportMovement, pushdown_together
 from tests.support.surveyed_arch import (
     CROWN,
     LEFT,
@@ -25,6 +30,7 @@ from tests.support.surveyed_arch import (
     surveyed,
     write_surveyed,
 )
+from tests.support.wording import in_italian
 
 TRUTH = (0.012, -0.008, 0.004)
 PLACES = [
@@ -169,6 +175,42 @@ def test_a_movement_that_the_structure_does_not_survive_is_no_answer(identify, t
     [explained] = found.hypotheses
     assert explained.at_collapse and explained.movement[0].x_m < 0.399
     assert any("beyond what the structure survives" in text for text in study.findings)
+
+
+def _stopped(monkeypatch, path):
+    """Let every movement be stopped by an error that is no collapse, and carries the path so far, or none."""
+
+    def stop(*_):
+        error = ConvergenceError(message("a joint is crushed over its whole length"))
+        error.path = path
+        raise error
+
+    monkeypatch.setattr(path_module, "pushdown_together", stop)
+
+
+def test_what_was_followed_of_a_path_counts_and_why_it_was_stopped_is_kept(model, monkeypatch):
+    """Stopped after 3 of 12 mm: four of sixteen increments, and the readings of a pushdown by these 3 mm."""
+    gauge = Gauge("relative", SPRINGING, model.block_at(SPRINGING), axis=0)
+    quarter = pushdown_together(model, [SupportMovement("destro", (0.003, 0.0))], 0.00075)
+    _stopped(monkeypatch, quarter)
+    whole = SupportMovement("destro", (0.012, 0.0))
+    found = follow(model, [whole], 16, "associative", [gauge])
+    assert found.share == pytest.approx([0.0, 0.0625, 0.125, 0.1875, 0.25])
+    assert found.shown[-1] == pytest.approx(readings(model, [gauge], quarter.states[-1].positions))
+    assert found.configuration is None and "crushed" in found.stopped and len(found.quality) == 1
+    _stopped(monkeypatch, None)
+    nothing = follow(model, [whole], 16, "associative", [gauge])
+    assert not nothing.share.size and "crushed" in nothing.stopped
+
+
+def test_movements_that_could_not_be_followed_are_told_with_their_reason(tmp_path, monkeypatch):
+    _stopped(monkeypatch, None)
+    folder = write_surveyed(tmp_path, '[{ destro = ["x"] }]', entry("span", "span", SPRINGING, 16.0))
+    with Workers(jobs=1) as workers:
+        _, study = identified(folder, workers)
+    [_, text] = study.findings
+    assert "2 movements" in text and "crushed" in text
+    assert "spostamenti provati" in in_italian(text)
 
 
 def test_supports_that_move_together(identify, tmp_path):
