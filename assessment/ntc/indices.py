@@ -7,6 +7,7 @@ NTC 2018, §8.4: what interventions must reach. None of it is compared with the 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log
@@ -129,14 +130,17 @@ def _pam_formula(names: list[str]) -> str:
     return " + ".join(parts)
 
 
-def required_zeta(zeta: float, use_class: str) -> dict[str, float | None]:
-    """Return the ζ_E that each kind of intervention must reach from the present one (NTC 2018, §8.4).
+def required_zeta(zeta: float | None, use_class: str) -> dict[str, float | None]:
+    """Return the ζ_E that each kind of intervention must reach from the one before it (NTC 2018, §8.4).
+
+    `zeta`: before the intervention; None: not known, and so is what improvement must reach.
 
     Repair, §8.4.1: none, but not below the present; improvement, §8.4.2: 0.1 more in classes II and III, 0.6 at least
     in class IV and for schools of class III, nothing said of class I; retrofit, §8.4.3: 0.8 for changes of use and
     class (cases c, e), 1.0 otherwise (a, b, d).
     """
-    more, enough = min(1.0, zeta + 0.1), max(0.6, min(1.0, zeta))
+    more = None if zeta is None else min(1.0, zeta + 0.1)
+    enough = None if zeta is None else max(0.6, min(1.0, zeta))
     return {
         "repair": None,
         "improvement": {"I": None, "II": more, "III": more, "IV": enough}[use_class],
@@ -144,3 +148,8 @@ def required_zeta(zeta: float, use_class: str) -> dict[str, float | None]:
         "retrofit_use": 0.8,
         "retrofit": 1.0,
     }
+
+
+def attained(zeta: float, required: Mapping[str, float | None]) -> dict[str, bool]:
+    """Return whether ζ_E after an intervention reaches what each kind of it requires, where that is known."""
+    return {kind: zeta >= least for kind, least in required.items() if least is not None}

@@ -7,6 +7,7 @@ import tomllib
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import jinja2
 from markupsafe import Markup
@@ -24,7 +25,10 @@ from assessment.report.chapters.remarks import (
     damping_sentence,
     displacement_limits,
     farthest_limit_state,
+    few_records,
+    headlines,
     index_sentences,
+    members,
     missing_pushovers,
     too_many,
 )
@@ -151,9 +155,7 @@ def render_html(
         pressures=pressure_sentences(results, words),
         cracks=list(crack_sentences(results, words)),
         damping=damping_sentence(results, words),
-        indices=list(index_sentences(results, words)),
-        missing=list(missing_pushovers(results, words)),
-        onsets=list(onsets(results, words)),
+        **_conditional(results, words),
         judgement=draft_judgement(results, words),
         farthest=farthest_limit_state(results),
         worst=list(worst_scenario(results, words)),
@@ -167,6 +169,18 @@ def render_html(
         vertical=list(vertical_sentences(results, words)),
         refused=_refused(results, words),
     )
+
+
+def _conditional(results: Results, words: Words) -> dict[str, Any]:
+    """Return what chapters have where the results call for it."""
+    return {
+        "headlines": list(headlines(results, words)),
+        "indices": list(index_sentences(results, words)),
+        "missing": list(missing_pushovers(results, words)),
+        "onsets": list(onsets(results, words)),
+        "few": few_records(results),
+        "members": members(results),
+    }
 
 
 def _refused(results: Results, words: Words) -> list[dict[str, str]]:

@@ -8,9 +8,9 @@ from typing import Any
 
 from assessment.ntc.limit_states import INDEXED, QUOTED, ROCK, SURFACE
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity
+from assessment.results.schema.checks import Capacity, StrengtheningRow
 from assessment.results.schema.part import Part
-from assessment.results.schema.studies import Capacities
+from assessment.results.schema.studies import Capacities, Scenarios
 
 Row = dict[str, Any]
 
@@ -81,6 +81,24 @@ def compared(found: Capacities, quantity: str) -> float | None:
         "alpha_u": found.alpha_u,
     }
     return of[quantity]
+
+
+def among_known(found: Scenarios) -> tuple[int, int] | None:
+    """Return how many of the settled points have the quantity that is compared, and of how many; None where all do."""
+    settled = [point for point in found.points if point.state != "original"]
+    known = sum(compared(point, found.quantity) is not None for point in settled)
+    return (known, len(settled)) if known < len(settled) else None
+
+
+def gains_by(row: StrengtheningRow) -> str | None:
+    """Return the quantity that the gain of a strengthened state is of: the first that is known before."""
+    before: dict[str, float | None] = {
+        "a_g_g": row.a_g_before_g,
+        "alpha_0": row.alpha_0_before,
+        "alpha_u": row.alpha_u_before,
+        "dynamic_pga_g": row.dynamic_pga_before_g,
+    }
+    return next((quantity for quantity, value in before.items() if value is not None), None)
 
 
 def reference_of(results: Results) -> str:

@@ -227,11 +227,12 @@ def _add_capacity(
         return True
     asked = project.pushover.directions if project.pushover else ()
     determined = {} if without(state.capacity, asked) else state.capacity
+    made = state.strengthening
     draft.put_state(
         name,
         governing=governing(determined),
         safety_index=safety_index(determined),
-        indices=state_indices(project, determined),
+        indices=state_indices(project, determined, draft.states.get(made.of) if made else None),
     )
     return not without(state.capacity, state.pushover)
 

@@ -22,6 +22,7 @@ from assessment.report.text.language import Words, direction_name
 from assessment.report.text.messages import translated
 from assessment.results.schema import Results
 from assessment.results.schema.model import Line as Step
+from assessment.results.undetermined import determined_indices
 
 Steps = Sequence[Step]
 COLUMNS = 4  # of results in one table
@@ -54,9 +55,7 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
     }
     yield from _parts(directions, action, "capacity_curve", "trace", words)
     indices = {
-        words.state(name): _column(state.indices.trace, [])
-        for name, state in results.states.items()
-        if state.indices
+        words.state(name): _column(found.trace, []) for name, found in determined_indices(results).items()
     }
     yield from _tables(indices, words("caption.trace_indices"), words)
     if results.knowledge and (known := results.knowledge.trace):

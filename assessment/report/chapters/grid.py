@@ -20,6 +20,7 @@ from assessment.results.table import Table, reference_of
 LETTERS = 109.0  # of a's width in a row of a table
 PADDING = 1.7  # letters, of a cell
 BOLD = 1.1  # of a heading, beside the same words in a row
+HEADING_LINES = 2  # of a heading: one that takes more is given what room a row leaves
 SIZES = {
     letter: size
     for letters, size in (("ijl’'|.,;: \u00a0", 0.5), ("frt()[]-/", 0.65), ("mwMW%", 1.5))
@@ -31,6 +32,8 @@ BLANKS = re.compile(
 )  # where a line may end: not at a blank that holds a number and its unit together
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction, or a width in letters, no larger is none
+ORIGINAL = "original"
+MANIFOLD = 10.0  # a value that grows by more has its factor in place of a reduction
 REDUCTIONS = 3  # settled states beside the original in one table
 
 
@@ -67,6 +70,7 @@ class Grid:
                 break
             _, at, width, lines = min(ways, key=lambda way: way[:2])
             widths[-at] = width
+        widths = _headings_in_fewer_lines(columns, widths)
         return [round(100.0 * width / sum(widths), 2) for width in widths]
 
 
@@ -93,6 +97,20 @@ class _Column:
     def lines(self, width: float) -> list[int]:
         """Return how many lines each cell takes, the heading first."""
         return [_lines(of, width - PADDING) for of in self.words]
+
+
+def _headings_in_fewer_lines(columns: Sequence[_Column], widths: Sequence[float]) -> list[float]:
+    """Return the widths with what they leave of a row given to the headings that take the most lines."""
+    wider = list(widths)
+    while True:
+        tall = [column.lines(width)[0] for column, width in zip(columns, wider, strict=True)]
+        at = tall.index(max(tall))
+        width = wider[at]
+        while tall[at] > HEADING_LINES and columns[at].lines(width)[0] == tall[at]:
+            width += 1.0
+        if width == wider[at] or sum(wider) + width - wider[at] > LETTERS:
+            return wider
+        wider[at] = width
 
 
 def _lines(words: Sequence[float], width: float) -> int:
@@ -126,16 +144,19 @@ def grid(table: Table, words: Words, caption: Markup, significant: int = 3, refe
 
 def summary_grids(results: Results, words: Words) -> Iterator[Grid]:
     """Write the paper's Table 1: per direction a column per state, each settled one with its reduction."""
-    settled = [name for name in results.states if name != "original"]
+    settled = [name for name in results.states if name != ORIGINAL]
     portions = [settled[i : i + REDUCTIONS] for i in range(0, len(settled), REDUCTIONS)] or [[]]
     for direction in directions(results):
         lines = [line for line in summary_lines(results, direction) if not _again(line)]
         for names in portions:
-            head = [words("column.quantity"), Markup.escape(words.state("original"))]
+            head = [words("column.quantity"), Markup.escape(words.state(ORIGINAL))]
+            strengthened = {name for name in names if results.states[name].strengthening}
             for name in names:
-                head += [Markup.escape(words.state(name)), words("column.reduction")]
+                reduction = f"column.reduction{'_strengthened' if name in strengthened else ''}"
+                head += [Markup.escape(words.state(name)), words(reduction)]
+            caption = f"caption.summary{'_strengthened' if strengthened else ''}"
             yield Grid(
-                words("caption.summary", direction=direction_name(direction)),
+                words(caption, direction=direction_name(direction)),
                 head,
                 [_summary_row(line, names, words, reference_of(results)) for line in lines],
                 [True] + [False] * (len(head) - 1),
@@ -168,7 +189,7 @@ def strengthening_grid(results: Results, words: Words) -> Grid:
             key = "index" if quantity == "zeta_E" and limit in INDEXED else quantity
             label = heading(key, words, reference_of(results)) + _limit(limit or "", words)
             values = (written(quantity, each, words) for each in (before, after))
-            more = words("value.none") if gain is None else written("gain", gain, words)
+            more = written("gain", gain, words)
             rows.append([title, where, label, *values, more])
             title = where = Markup("")  # named in the first row of each direction
     return Grid(
@@ -206,7 +227,7 @@ def _again(line: SummaryLine) -> bool:
 def _summary_row(line: SummaryLine, names: list[str], words: Words, reference: str) -> list[Markup]:
     indexed = line.quantity == "zeta_E" and line.limit_state.partition(" ")[0] == INDEX
     label = heading("index" if indexed else line.quantity, words, reference)
-    cells = [label + _limit(line.limit_state, words), _value(line, "original", words)]
+    cells = [label + _limit(line.limit_state, words), _value(line, ORIGINAL, words)]
     for name in names:
         cells += [_value(line, name, words), _reduction(line, name, words)]
     return cells
@@ -218,5 +239,10 @@ def _value(line: SummaryLine, state: str, words: Words) -> Markup:
 
 
 def _reduction(line: SummaryLine, state: str, words: Words) -> Markup:
-    loss = line.reduction(state)
-    return words("value.none") if loss is None else written("reduction", loss, words)
+    asked = state in line.values and ORIGINAL in line.values
+    if not asked:
+        return words("value.none")
+    lost = line.reduction(state)
+    if lost is not None and lost < 1.0 - MANIFOLD:  # per cent of many thousands tell less than a factor
+        return words("value.times", times=words.number(1.0 - lost, 2))
+    return written("reduction", lost, words)

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.chapters.grid import ROUNDING
 from assessment.report.chapters.second_solver import agreement
-from assessment.report.tables.capacity import capacities, directions
+from assessment.report.tables.capacity import capacities, directions, verification
 from assessment.report.tables.structure.ties import gains
 from assessment.report.tables.studies import bars
 from assessment.report.text.columns import COARSE, PER_CENT_DECIMALS, check_name
@@ -23,7 +23,8 @@ from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, StrengtheningRow
 from assessment.results.schema.part import known, present
-from assessment.results.table import compared, indices, reduction, reference_of
+from assessment.results.table import Row, among_known, compared, indices, reduction, reference_of
+from assessment.results.undetermined import determined_indices, undetermined
 
 RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
     "equilibrium_residual": 1e-6,
@@ -33,6 +34,7 @@ RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
 BALANCED = 1e-3  # reactions less loads, relative to the weight
 AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
 ORIGINAL = "original"  # the state as drawn
+ONE_PER_CENT = 0.01  # losses no larger have no sign worth a remark
 Loss = tuple[float, str, Direction]  # 1 − settled/original, state, direction
 
 
@@ -65,6 +67,8 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
         *_losses(results, words),
         *_strengthened(results, words),
         *_dynamic(results, words),
+        *_histories(results, words),
+        *_campaign(results, words),
         *worst_scenario(results, words),
         *_sensitive(results, words),
         *_margins(results, words),
@@ -74,41 +78,59 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
 def _governing(results: Results, words: Words) -> Iterator[Markup]:
     """Yield the least ratio of all checks, the index at SLV, how many are satisfied; without checks the least α0."""
-    checks = [
-        (Place(name, direction, limit), check)
-        for name, direction, capacity in capacities(results)
-        for limit, check in capacity.checks.items()
-    ]
-    made = [(check.zeta_E, place, check) for place, check in checks if check.zeta_E is not None]
-    if not made:
+    rows = verification(results).rows
+    made = [row for row in rows if row["zeta_E"] is not None]
+    if made:
+        worst = min(made, key=itemgetter("zeta_E"))
+        yield words(
+            "judgement.governing",
+            **_place_of(worst).worded(words),
+            capacity=worst["a_g_g"],
+            demand=worst["demand_a_g_g"],
+            reference=_reference(results, words),
+            ratio=worst["zeta_E"],
+            outcome=words.plain("value.verified" if worst["verified"] else "value.not_verified"),
+        )
+        yield from _indices(results, words)
+    else:
         yield from _least_multiplier(results, words)
-        return
-    ratio, place, worst = min(made, key=itemgetter(0))
-    yield words(
-        "judgement.governing",
-        **place.worded(words),
-        capacity=worst.a_g_g,
-        demand=worst.demand_a_g_g,
-        reference=_reference(results, words),
-        ratio=ratio,
-        outcome=words.plain("value.verified" if worst.verified else "value.not_verified"),
-    )
+    yield from _without_index(results, words)
+    passed = sum(bool(row["verified"]) for row in made)
+    if len(made) < len(rows):
+        counts = {"passed": passed, "made": len(made), "open": len(rows) - len(made), "total": len(rows)}
+        yield words("judgement.open_checks", **counts)
+    elif rows:
+        yield words("judgement.checks", passed=passed, total=len(rows))
+
+
+def _place_of(row: Row) -> Place:
+    return Place(row["state"], row["direction"], row["limit_state"])
+
+
+def _indices(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield the least ζ_E of the states that have one, and where SLC has less."""
+    missing = undetermined(results)
     found = [
         (zeta, Place(name, direction, limit))
         for name, direction, capacity in capacities(results)
         for limit, zeta in indices(capacity.ratios).items()
+        if name not in missing
     ]
+    if not found:
+        return
     at_life = [(zeta, place) for zeta, place in found if place.limit_state.startswith("SLV")]
-    if found:
-        zeta, place = min(at_life or found, key=itemgetter(0))
-        yield words("judgement.zeta", **place.worded(words), zeta=zeta)
-        least, place = min(found, key=itemgetter(0))
-        if least < zeta:
-            yield words("judgement.zeta_SLC", **place.worded(words), zeta=least)
-    passed = sum(bool(check.verified) for _, _, check in made)
-    yield words("judgement.checks", passed=passed, total=len(checks))
-    if len(made) < len(checks):
-        yield words("judgement.open_checks", count=len(checks) - len(made))
+    zeta, place = min(at_life or found, key=itemgetter(0))
+    yield words("judgement.zeta_known" if missing else "judgement.zeta", **place.worded(words), zeta=zeta)
+    least, place = min(found, key=itemgetter(0))
+    if least < zeta:
+        yield words("judgement.zeta_SLC", **place.worded(words), zeta=least)
+
+
+def _without_index(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield a sentence for each state without index, with the directions in which it has no capacity."""
+    for name, missing in undetermined(results).items():
+        ways = ", ".join(map(direction_name, missing))
+        yield words("judgement.undetermined", state=words.state(name), directions=ways)
 
 
 def _least_multiplier(results: Results, words: Words) -> Iterator[Markup]:
@@ -269,6 +291,7 @@ def _strengthened(results: Results, words: Words) -> Iterator[Markup]:
                 after, before, gain, row = min(found, key=itemgetter(0))
                 yield _gained(row, quantity, (before, after, gain), words)
                 break
+        yield from _interventions(results, state, words)
     yielding = dict.fromkeys(
         each.tie
         for state in results.states.values()
@@ -279,6 +302,25 @@ def _strengthened(results: Results, words: Words) -> Iterator[Markup]:
     )
     if yielding:
         yield words("judgement.ties_yield", ties=", ".join(yielding))
+
+
+def _interventions(results: Results, state: str, words: Words) -> Iterator[Markup]:
+    """Yield which interventions of NTC 2018, §8.4, a strengthening amounts to."""
+    found = determined_indices(results).get(state)
+    if found is None or found.attained is None:
+        return
+    told = Markup("; ").join(
+        words(
+            f"judgement.{'attained' if reached else 'not_attained'}",
+            kind=words(f"judgement.of_{kind}"),
+            least=found.required_zeta[kind],
+        )
+        for kind, reached in found.attained.items()
+    )
+    if told:
+        yield words(
+            "judgement.interventions", state=state, zeta=found.zeta_SLV, before=found.zeta_before, told=told
+        )
 
 
 def _gained(row: StrengtheningRow, quantity: str, values: tuple[float | None, ...], words: Words) -> Markup:
@@ -308,6 +350,64 @@ def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
             )
 
 
+def _histories(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield in which states each record ends in collapse; of one without collapse the largest peak."""
+    entries = [(name, entry) for name, state in results.states.items() for entry in state.history]
+    for record in dict.fromkeys(entry.record for _, entry in entries):
+        own = [(name, entry) for name, entry in entries if entry.record == record]
+        fallen = [name for name, entry in own if entry.collapsed]
+        what = {"record": record, "pga": own[0][1].pga_g}
+        if fallen:
+            states = ", ".join(f"“{words.state(name)}”" for name in fallen)
+            yield words("judgement.history_collapse", **what, states=states)
+        peaks = [
+            (entry.peak_displacement_m, name)
+            for name, entry in own
+            if not entry.collapsed and entry.peak_displacement_m is not None
+        ]
+        if peaks:
+            peak, name = max(peaks)
+            text = "judgement.history_stands" if fallen else "judgement.history_peak"
+            yield words(text, **what, peak=words.millimetres(peak), state=words.state(name))
+
+
+def _campaign(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield of each movement in full the medians before and after, and its loss beside the static one."""
+    campaign = results.campaign
+    if campaign is None:
+        return
+    before = {fit.settlement: fit.median_g for fit in campaign.fragility if fit.share == 0.0}
+    rows = list(zip(campaign.fragility, campaign.loss, strict=True))
+    for settlement in dict.fromkeys(fit.settlement for fit, _ in rows):
+        fit, loss = max(
+            (row for row in rows if row[0].settlement == settlement), key=lambda row: row[0].share
+        )
+        was = before.get(settlement)
+        if fit.share == 0.0 or was is None or fit.median_g is None or loss.dynamic is None:
+            continue
+        pair = (loss.dynamic, loss.static)
+        kind = "alone" if loss.static is None else "opposed" if _opposed(*pair) else "beside"
+        yield words(
+            f"judgement.campaign_{kind}",
+            settlement=settlement,
+            share=words.comma(f"{100.0 * fit.share:g}"),
+            measure="PGA" if campaign.measure == "PGA" else words.plain("judgement.campaign_sa"),
+            before=was,
+            after=fit.median_g,
+            dynamic=_signed(loss.dynamic, words),
+            static=None if loss.static is None else _signed(loss.static, words),
+        )
+
+
+def _opposed(dynamic: float, static: float | None) -> bool:
+    """Return whether one of two losses is a gain, both of them more than nothing as they are printed."""
+    return static is not None and dynamic * static < 0.0 and min(abs(dynamic), abs(static)) >= ONE_PER_CENT
+
+
+def _signed(loss: float, words: Words) -> str:
+    return words.number(100.0 * loss, COARSE)
+
+
 def _reference(results: Results, words: Words) -> str:
     """Return what the accelerations of the checks refer to."""
     return words.plain(f"value.stated_on_{reference_of(results)}")
@@ -317,6 +417,8 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence that names the worst of the scenarios, where several were set side by side."""
     found = results.scenarios
     if found and (worst := found.worst):
+        counts = None if worst.collapses else among_known(found)
+        among = words("judgement.worst_among", known=counts[0], total=counts[1]) if counts else ""
         sentence = words(
             f"judgement.worst_{'collapses' if worst.collapses else found.quantity}",
             state=words.state(worst.state),
@@ -325,6 +427,7 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
             capacity=compared(worst, found.quantity),
             limit=found.limit_state,
             reference=_reference(results, words),
+            among=among,
         )
         if not worst.collapses and worst.reduction is not None:
             sentence += Markup(" ") + words(

@@ -24,7 +24,7 @@ from assessment.report.tables.dynamic import (
     ranges as history_ranges,
 )
 from assessment.report.tables.identification import reported_identification
-from assessment.report.tables.indices import index_tables, reported_indices
+from assessment.report.tables.indices import knowledge, reported_indices, reported_interventions
 from assessment.report.tables.ranges import ranges
 from assessment.report.tables.structure.cracks import reported_cracks
 from assessment.report.tables.structure.joints import reported_pressures
@@ -90,7 +90,8 @@ def _tables(results: Results, words: Words) -> list[Table]:
         capacity_tables.verification_surface(results),
         capacity_tables.action(results),
         *reported_indices(results),
-        *index_tables(results)[1:],
+        reported_interventions(results, words),
+        knowledge(results),
         _without(capacity_tables.chosen_mechanisms(results), "refused"),
         capacity_tables.chosen_checks(results),
         all_mechanisms(results),
@@ -148,7 +149,11 @@ def _without(table: Table, *columns: str) -> Table:
 
 
 def _compared(results: Results) -> list[Row]:
-    """Return the comparison without its dynamic columns where no dynamic analysis was made."""
+    """Return the comparison of the settled states, without dynamic columns where no dynamic analysis was made.
+
+    What strengthens a state is no loss due to a settlement: those states have a table of their own.
+    """
     static_only = all(each.dynamic_pga_g is None for each in results.comparison)
     kept = [key for key in COMPARISON if not (static_only and key.startswith("dynamic"))]
-    return [cells(each, kept) for each in results.comparison]
+    settled = [each for each in results.comparison if not results.states[each.state].strengthening]
+    return [cells(each, kept) for each in settled]

@@ -15,6 +15,7 @@ from assessment.results.configurations.hand_check import BY_HAND, figures_of, go
 from assessment.results.echo import limit_states, local_limit
 from assessment.results.schema import Results
 from assessment.results.schema.static import Contacts
+from assessment.results.undetermined import determined_indices, undetermined
 
 ELASTIC_END = "end of the elastic curve"  # what governs a check
 
@@ -95,15 +96,51 @@ def damping_sentence(results: Results, words: Words) -> Markup:
     return words(f"text.damping_{_circular(results)}")
 
 
+def headlines(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield ζ_E at SLV of each state, and that it is not determined where a direction has no capacity."""
+    known, missing = determined_indices(results), undetermined(results)
+    for name in results.states:
+        if found := known.get(name):
+            yield words(
+                "text.headline",
+                state=words.state(name),
+                zeta=found.zeta_SLV,
+                direction=direction_name(found.direction),
+            )
+        elif name in missing:
+            names = ", ".join(map(direction_name, missing[name]))
+            yield words("text.undetermined", state=words.state(name), directions=names)
+
+
 def index_sentences(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what the indices of the tables are: those that need a return period only where one is known."""
-    found = [state.indices for state in results.states.values() if state.indices]
+    found = list(determined_indices(results).values())
     yield words("text.indices")
     if any(each.I_S is not None for each in found):
         yield words("text.indices_known")
     yield words("text.risk")
     if any(each.PAM is None for each in found):
         yield words("text.no_pam")
+
+
+def members(results: Results) -> int:
+    """Return how many motions an ensemble of the project may have: 1 where each is run once."""
+    told = [entry.members or 1 for state in results.states.values() for entry in state.history]
+    return max([results.echo.scatter or 1, *told])
+
+
+def few_records(results: Results) -> dict[str, bool]:
+    """Return where fewer records than NTC 2018, §7.3.5, asks for leave something out, by what it is left out of."""
+    campaign = results.campaign
+    fits = campaign.fragility if campaign else []
+    searches = [
+        state.incremental for state in results.states.values() if state.incremental.records is not None
+    ]
+    return {
+        "campaign": bool(campaign and campaign.method == "incremental") and any(not fit.rule for fit in fits),
+        "interval": any(fit.median_g is not None and fit.median_range is None for fit in fits),
+        "incremental": any(not each.rule for each in searches),
+    }
 
 
 def missing_pushovers(results: Results, words: Words) -> Iterator[Markup]:

@@ -11,6 +11,7 @@ from assessment.results.schema.checks import Capacity, Count, Direction, GivenMe
 from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, present
 from assessment.results.table import Row, Table, cells, reduction
+from assessment.results.undetermined import checks_asked, undetermined
 
 VERIFICATION: tuple[str, ...] = (
     "d_star_m",
@@ -103,7 +104,10 @@ def capacity_curves(results: Results) -> Table:
 
 @dataclass(frozen=True)
 class SummaryLine:
-    """A quantity in one direction, of a check where `limit_state` is not empty: the value of each state that has it."""
+    """A quantity in one direction, of a check where `limit_state` is not empty: the value of each state that has it.
+
+    Null: not known, though asked for.
+    """
 
     direction: Direction
     quantity: str
@@ -130,18 +134,38 @@ def summary(results: Results) -> Table:
 
 
 def verification(results: Results) -> Table:
-    """List the checks of every state and direction: what each limit state bears and what governs it."""
-    rows = [
-        {"state": name, "direction": direction, "limit_state": limit}
-        | cells(check, VERIFICATION)
-        | {"mechanism": mechanism_text(capacity.mechanism)}
-        for name, direction, capacity in capacities(results)
-        for limit, check in capacity.checks.items()
-    ]
+    """List the checks of every state and direction: what each limit state bears and what governs it.
+
+    Null: there is no capacity to check, in a direction that was asked for.
+    """
+    rows: list[Row] = []
+    for name, state in results.states.items():
+        for direction, capacity in state.capacity.items():
+            rows += [
+                {"state": name, "direction": direction, "limit_state": limit}
+                | cells(check, VERIFICATION)
+                | {"mechanism": mechanism_text(capacity.mechanism)}
+                for limit, check in capacity.checks.items()
+            ]
+        for direction in undetermined(results).get(name, ()):
+            rows += [
+                {"state": name, "direction": direction, "limit_state": limit} | _not_made(results, limit)
+                for limit in checks_asked(results)
+            ]
     columns = VERIFICATION
-    if all(each["return_period_years"] is None for each in rows):  # no hazard curve to read it from
+    if all(each.get("return_period_years") is None for each in rows):  # no hazard curve to read it from
         columns = tuple(column for column in VERIFICATION if column != "return_period_years")
     return Table("verification", rows, ("state", "direction", "limit_state", *columns))
+
+
+def _not_made(results: Results, check: str) -> Row:
+    """Return the cells of a check without capacity: null, but for the demand."""
+    demand = (results.spectra or {}).get(check.partition(" ")[0])
+    found: Row = {"a_g_g": None, "zeta_E": None, "verified": None}
+    if demand is None:
+        return found
+    found["demand_a_g_g"] = demand.a_g_g
+    return found | ({} if demand.pga_g is None else {"pga_g": None, "demand_pga_g": demand.pga_g})
 
 
 def verification_surface(results: Results) -> Table:
@@ -150,8 +174,13 @@ def verification_surface(results: Results) -> Table:
     columns = tuple(
         column for column in ("state", "direction", "limit_state", *AT_SURFACE) if column in whole.columns
     )
-    rows = [{key: each[key] for key in columns if key in each} for each in whole.rows]
-    return Table("verification_surface", [each for each in rows if each.get("pga_g") is not None], columns)
+    rows = [
+        {key: each[key] for key in columns if key in each}
+        for each in whole.rows
+        if each.get("pga_g") is not None or ("pga_g" in each and "governing" not in each)
+    ]
+    known = any(each["pga_g"] is not None for each in rows)
+    return Table("verification_surface", rows if known else [], columns)
 
 
 def mechanism_text(mechanism: Count) -> str:
@@ -294,14 +323,21 @@ def directions(results: Results) -> list[Direction]:
 
 
 def summary_lines(results: Results, direction: Direction) -> Iterator[SummaryLine]:
-    """Yield every quantity of the summary that any state has in a direction."""
+    """Yield every quantity of the summary that any state has in a direction, and what each check asked for bears.
+
+    A state without capacity there has null.
+    """
     of_states = [list(_sources(state, direction)) for state in results.states.values()]
+    missing = [name for name, without in undetermined(results).items() if direction in without]
+    asked = checks_asked(results)
     for sources in zip(*of_states, strict=True):
         quantity, limit, _ = sources[0]
         values: dict[str, float | None] = {}
         for name, (_, _, part) in zip(results.states, sources, strict=True):
             if part is not None and (found := cells(part, [quantity])):
                 values[name] = found[quantity]
+        if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
+            values |= dict.fromkeys((name for name in missing if name not in values), None)
         if values:
             yield SummaryLine(direction, quantity, limit, values)
 

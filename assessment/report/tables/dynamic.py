@@ -158,11 +158,13 @@ def incremental(results: Results) -> Table:
 
 
 def incremental_states(results: Results) -> Table:
-    """List mean, lowest and standard's PGA at collapse, and the fragility of every state."""
+    """List mean, lowest and, of enough records, the standard's PGA at collapse, and the fragility of every state."""
     rows: list[Row] = []
     for state, found in _incrementals(results):
         of_state: Row = {"state": state} | cells(found, OF_STATES) | {"records": len(found.records or [])}
         of_state |= _all_collapse(found)
+        if not found.rule:
+            of_state.pop("pga_collapse_g", None)
         if found.fragility:
             of_state |= cells(found.fragility, ("median_g", "dispersion"))
         rows.append(of_state)
@@ -203,7 +205,7 @@ def static_dynamic(results: Results) -> Table:
             compared: Row = {"state": name, "direction": direction}
             compared["limit_state"] = quoted_limit_state(capacity.checks) if capacity else None
             compared |= {"static_pga_g": static, "dynamic_pga_g": dynamic}
-            if name != "original":
+            if name != "original" and not state.strengthening:  # whose reduction is not that of a settlement
                 before = original.capacity.get(direction) if original and direction else None
                 compared["static_reduction"] = reduction(static_pga(before), static)
                 whole = original.incremental.pga_collapse_g if original else None

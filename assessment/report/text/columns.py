@@ -18,6 +18,7 @@ from assessment.results.table import Row
 
 COARSE = 2  # digits of numbers that follow from a few records, or are only shown to be small
 PER_CENT_DECIMALS = 1  # of a reduction
+NONE, OPEN = "none", "not_determined"  # what null means: there is none; there is no capacity to have it of
 WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 COUNTED = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
 GENERATED = re.compile(r"generated (\d+)")  # the name of a record that the program made
@@ -29,16 +30,17 @@ class Column:
     """How the values of a column are written.
 
     `factor`: from the unit of results.json to that of the heading; `digits`: significant ones at most; `decimals`:
-    of what has an accuracy of its own, in place of digits; `text`: words, set to the left; `dash`: null means that
-    there is none, and not that it was not reached; `ground`: what an acceleration refers to, `ROCK` (or the surface,
-    where the spectrum is that of a record) or `SURFACE`; `write`: the words for a value that is no plain number.
+    of what has an accuracy of its own, in place of digits; `text`: words, set to the left; `null`: what null means, as
+    in `value.<null>` of the strings, "none" where there is none; `ground`: what an acceleration refers to, `ROCK` (or
+    the surface, where the spectrum is that of a record) or `SURFACE`; `write`: the words for a value that is no plain
+    number.
     """
 
     factor: float = 1.0
     digits: int | None = None
     decimals: int | None = None
     text: bool = False
-    dash: bool = False
+    null: str = "not_reached"
     ground: str = ""
     write: Callable[[Any, Words], str] | None = None
 
@@ -85,27 +87,30 @@ def _stages(value: str, words: Words) -> str:
     return ", ".join(words.name("value", part) for part in value.split(", "))
 
 
-def _text(write: Callable[[Any, Words], str] | None = None) -> Column:
-    return Column(text=True, dash=True, write=write)
+def _text(write: Callable[[Any, Words], str] | None = None, null: str = NONE) -> Column:
+    return Column(text=True, null=null, write=write)
 
 
 NUMBER, TEXT = Column(), _text()
+CALCULATED = Column(null=OPEN)
 MILLIMETRES, TENTHS = Column(factor=1000.0), Column(factor=1000.0, decimals=1)
 SURVEYED = Column(decimals=3)
-TENTHS_OF_PERCENT = Column(factor=100.0, decimals=PER_CENT_DECIMALS)
+TENTHS_OF_PERCENT = Column(factor=100.0, decimals=PER_CENT_DECIMALS, null=OPEN)
 PERCENT, COARSE_PERCENT = Column(factor=100.0), Column(factor=100.0, digits=COARSE)
 TWO_DIGITS = Column(digits=COARSE)
-ON_ROCK, AT_SURFACE = Column(ground=ROCK), Column(ground=SURFACE)
-RETURN_PERIOD = Column(write=_return_period)
+ON_ROCK, AT_SURFACE = Column(ground=ROCK, null=OPEN), Column(ground=SURFACE)
+RETURN_PERIOD = Column(write=_return_period, null=OPEN)
 WORD_OF_VALUE = _text(lambda value, words: words.plain(f"value.{value}"))
 WORD_OF_SETTING = _text(lambda value, words: words.name("setting", value))
 
 COLUMNS = {
     name: column
     for column, names in (
-        (MILLIMETRES, "d_y_m d_0_m d_0_star_m d_star_m displacement_x_m displacement_z_m movement_m d_0_error_m"),
-        (Column(factor=1000.0, digits=COARSE, dash=True), "x_error_m z_error_m"),
-        (Column(digits=COARSE, dash=True), "rotation_error_mrad chi_squared_probability"),
+        (MILLIMETRES, "d_y_m d_0_m d_0_star_m displacement_x_m displacement_z_m movement_m d_0_error_m"),
+        (Column(factor=1000.0, null=OPEN), "d_star_m"),
+        (CALCULATED, "a_star_g T_s zeta_E ratio zeta_before zeta_SLV zeta_SLC ratio_SLV_linear f_a swing_g"),
+        (Column(factor=1000.0, digits=COARSE, null=NONE), "x_error_m z_error_m"),
+        (Column(digits=COARSE, null=NONE), "rotation_error_mrad chi_squared_probability"),
         (_text(translated), "hypothesis"),
         (MILLIMETRES, "ultimate_rigid_m ultimate_elastic_m ultimate_movement_m"),
         (TENTHS, "opening_m other_opening_m slip_m"),  # of a millimetre: what a survey measures
@@ -115,19 +120,20 @@ COLUMNS = {
         (TENTHS_OF_PERCENT, "IS_V PAM gain reduction static_reduction dynamic_reduction"),
         (PERCENT, "relative_error relative_scatter integrator_share"),
         (COARSE_PERCENT, "dynamic_loss dynamic_loss_low dynamic_loss_high static_loss deviation hand_deviation"),
-        (Column(digits=COARSE, dash=True), "beta_low beta_high"),  # fewer than three records have no interval
-        (Column(dash=True, ground=SURFACE), "median_low_g median_high_g"),
+        (Column(digits=COARSE, null=NONE), "beta_low beta_high"),  # fewer than three records have no interval
+        (Column(null=NONE, ground=SURFACE), "median_low_g median_high_g"),
         (TWO_DIGITS, "beta beta_record beta_ensemble I_S acceptable_nominal_life_years"),
         (ON_ROCK, "a_g_g demand_a_g_g static_pga_g a_g_error_g a_g_low_g a_g_base_g a_g_high_g"),
-        (AT_SURFACE, "pga_g demand_pga_g dynamic_pga_g static_surface_pga_g record_pga_g pga_safe_g median_g"),
+        (Column(ground=SURFACE, null=OPEN), "pga_g demand_pga_g static_surface_pga_g"),
+        (AT_SURFACE, "dynamic_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
         (AT_SURFACE, "pga_collapse_error_g median_all_collapse_g"),
-        (Column(dash=True), "rest_kN peak_kN greatest_kN time_of_greatest_s yield_force_kN stiffness_kN_m"),
+        (Column(null=NONE), "rest_kN peak_kN greatest_kN time_of_greatest_s yield_force_kN stiffness_kN_m"),
         (RETURN_PERIOD, "return_period_years T_SLV_years"),
-        (Column(dash=True), "x_C_m z_C_m"),  # a block that does not turn has no centre
+        (Column(null=NONE), "x_C_m z_C_m"),  # a block that does not turn has no centre
         (Column(write=lambda value, words: words.comma(f"{100.0 * value:g}")), "share"),
-        (Column(text=True, dash=True, ground=SURFACE), "resurrections"),
-        (TEXT, "layer support quantity use_class IS_V_class PAM_class risk_class origin counts soil topography"),
+        (Column(text=True, null=NONE, ground=SURFACE), "resurrections"),
+        (TEXT, "layer support quantity use_class IS_V_class PAM_class origin counts soil topography"),
         (TEXT, "refused collapses collapsed table setting value expected computed case source control settlement tie"),
         (TEXT, "measurement unit told_apart"),
         (_text(lambda value, words: "; ".join(map(words.state, value.split("; ")))), "states"),
@@ -139,7 +145,8 @@ COLUMNS = {
         (_text(_mechanism), "mechanism"),
         (_text(_record), "record"),
         (_text(_stages), "stage"),
-        (_text(lambda value, words: words.plain("value.verified" if value else "value.not_verified")), "verified"),
+        (_text(lambda value, words: words.plain(f"value.{'verified' if value else 'not_verified'}"), OPEN), "verified"),
+        (_text(null=OPEN), "risk_class"),
         (_text(lambda value, words: words.plain(f"value.{value}_spectrum")), "kind"),
         (_text(lambda value, words: words.plain(f"value.scaling_{value.replace('-', '_')}")), "scaling"),
         (_text(lambda value, words: words.plain("value.whole_structure") if value == WHOLE else value),
@@ -182,7 +189,7 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
     if isinstance(value, Markup):
         return value
     if value is None:
-        return words("value.none" if column.dash else "value.not_reached")
+        return words(f"value.{column.null}")
     if column.write:
         return Markup.escape(column.write(value, words))
     if value == "inf" and not column.text:  # an input: results have no infinity

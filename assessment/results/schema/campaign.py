@@ -89,8 +89,12 @@ class CampaignFragility(Part):
     median_all_collapse_g: float | None = key("median of the level at which all members collapse", "g")
     beta_record: float | None = key("what remains without the scatter of the ensembles", "–")
     beta_ensemble: float | None = key("scatter within one combination", "–")
-    rule: str | None = key("NTC 2018, §7.3.5: the mean of seven records or more, otherwise the lowest")
-    pga_collapse_g: float | None = key("what counts by it, of each record the worse sign; null: open", "g")
+    rule: str | None = key(
+        "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or stripes"
+    )
+    pga_collapse_g: float | None = key(
+        "what counts by it, of each record the worse sign; null: open, or no rule", "g"
+    )
 
 
 class CampaignLoss(Part):

@@ -172,7 +172,9 @@ class Incremental(Part):
     lowest_pga_collapse_g: float | None = optional(
         "lowest of the records; null: an open one may be lower", "g"
     )
-    rule: str | None = optional("what counts: the mean of seven records or more, otherwise the lowest")
-    pga_collapse_g: float | None = optional("what counts; null: open", "g")
+    rule: str | None = optional(
+        "what counts: the mean of seven records or more, the lowest of three to six; null: fewer, §7.3.5 gives none"
+    )
+    pga_collapse_g: float | None = optional("what counts, without a rule the lowest; null: open", "g")
     fragility: Fragility | None = optional("distribution; null: fewer than two different levels of collapse")
     pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all members collapse", "g")

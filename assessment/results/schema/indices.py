@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Line
-from assessment.results.schema.part import Part, key
+from assessment.results.schema.part import Part, key, optional
 
 
 class Indices(Part):
@@ -28,7 +28,15 @@ class Indices(Part):
     risk_class: str | None = key("the worse of the two classes; null: PAM is not known")
     use_class: str = key("use class of the project file")
     required_zeta: dict[str, float | None] = key(
-        "ζ_E that each kind of intervention must reach (NTC 2018, §8.4)", "–"
+        "ζ_E that each kind of intervention must reach (NTC 2018, §8.4), of a strengthened state from the ζ_E of the "
+        "state that it strengthens; null: no such threshold, or that ζ_E is not known",
+        "–",
+    )
+    zeta_before: float | None = optional(
+        "of a strengthened state: ζ_E at SLV of the state that it strengthens; null: not known", "–"
+    )
+    attained: dict[str, bool] | None = optional(
+        "of a strengthened state: whether ζ_E at SLV reaches each of them"
     )
     trace: list[Line] = key("their calculation")
 

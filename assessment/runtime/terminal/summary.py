@@ -13,10 +13,12 @@ from assessment.results.echo import turns
 from assessment.results.identified import best_of, movement_text, settlement_lines
 from assessment.results.plain import plain
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction
+from assessment.results.schema.checks import Direction, StrengtheningRow
 from assessment.results.schema.identification import SupportMovement
 from assessment.results.schema.static import Contacts
-from assessment.results.table import quoted_limit_state
+from assessment.results.table import among_known, gains_by, quoted_limit_state
+from assessment.results.undetermined import undetermined
+from assessment.runtime.terminal.dynamic import dynamic_lines
 
 if TYPE_CHECKING:
     from assessment.runtime.outcome import Outcome
@@ -46,6 +48,10 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return a summary of the run: a table by state and direction, then the warnings."""
     results = outcome.results
     lines = [model_summary(results), *_table(capacities(results))]
+    lines += [
+        f"{name}: ζ_E not determined: towards {', '.join(directions)} no capacity was found"
+        for name, directions in undetermined(results).items()
+    ]
     turned = turns(results.echo)
     lines += [
         f"{each.state}: ultimate movement, {each.contacts}: {each.ultimate_movement_m:.4g} m"
@@ -55,12 +61,8 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     ]
     lines += _strengthened(results)
     lines += _identified(results)
-    worst = results.scenarios.worst if results.scenarios else None
-    if worst:
-        lines.append(
-            f"worst scenario: {worst.state} at {1000.0 * worst.movement_m:.4g} mm, {worst.direction}"
-            + (": the structure collapses before" if worst.collapses else "")
-        )
+    lines += _worst(results)
+    lines += dynamic_lines(results)
     if outcome.taken:
         lines.append(
             f"taken over from earlier runs: {outcome.taken} of {outcome.taken + outcome.computed} analyses, "
@@ -68,6 +70,20 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         )
     lines.append(f"results: {folder}")
     return "\n".join([*lines, *warning_lines(_warnings(results, warnings))])
+
+
+def _worst(results: Results) -> list[str]:
+    """Return a line for the worst scenario, which says among how many of them it is where some have no capacity."""
+    found = results.scenarios
+    if found is None or (worst := found.worst) is None:
+        return []
+    among = ""
+    if not worst.collapses and (counts := among_known(found)):
+        among = " among the {} of {} that have a capacity".format(*counts)
+    return [
+        f"worst scenario{among}: {worst.state} at {1000.0 * worst.movement_m:.4g} mm, {worst.direction}"
+        + (": the structure collapses before" if worst.collapses else "")
+    ]
 
 
 def _best_movement(results: Results) -> list[SupportMovement] | None:
@@ -106,8 +122,14 @@ def _strengthened(results: Results) -> list[str]:
         }
         where = f" {row.direction}" if row.direction else ""
         pulled = f"; greatest tension: {'; '.join(told.values())}" if told else ""
-        lines.append(f"{row.state}{where}: {100.0 * row.gain:+.1f} % of {row.of}{pulled}")
+        lines.append(f"{row.state}{where}: {_gained(row)} {100.0 * row.gain:+.0f} % over {row.of}{pulled}")
     return lines
+
+
+def _gained(row: StrengtheningRow) -> str:
+    """Return what the gain of a strengthened state is of."""
+    named = {"a_g_g": f"a_g at {row.limit_state}", "alpha_0": "α0", "alpha_u": "α_u"}
+    return named.get(gains_by(row) or "", "PGA at collapse")
 
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
@@ -120,6 +142,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "complete": outcome.complete,
         "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
         "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
+        "undetermined": undetermined(results),
         "capacities": [asdict(each) for each in capacities(results)],
         "ultimate_movements": [asdict(each) for each in _ultimates(results)],
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,

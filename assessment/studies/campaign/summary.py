@@ -64,7 +64,7 @@ def fragility(
     `median_g` and `beta` refer to the measure at which some member collapses; their ranges are those of the bootstrap.
     Equal levels have β = 0; None: all withstood, or stripes that tell no median (see fit_stripes).
     `beta_ensemble` is the scatter within a combination, from the range of its members (Tippett); `beta_record` is the
-    rest of `beta`. `pga_collapse_g` (PGA): the value by NTC 2018 §7.3.5, with its `rule`.
+    rest of `beta`. `pga_collapse_g` (PGA): by NTC 2018 §7.3.5, with its `rule`; of fewer than three records none.
     """
     known = [each for each in observed if not each.failed]
     standard = _standard(observed) if levels is None else None
@@ -83,7 +83,7 @@ def fragility(
         beta_record=None,
         beta_ensemble=None,
         rule=standard.rule if standard else None,
-        pga_collapse_g=standard.pga if standard else None,
+        pga_collapse_g=standard.pga if standard and standard.rule else None,
     )
     if not known:
         return row

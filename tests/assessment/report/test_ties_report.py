@@ -194,7 +194,7 @@ def test_the_terminal_has_ties_and_gains(outcome, tmp_path):
     results = outcome.results
     assert ", ties 1" in model_summary(results)
     row = next(each for each in results.strengthening if each.direction == "+x")
-    said = f"strengthened +x: {100.0 * row.gain:+.1f} % of original; greatest tension: chain 5 kN, yields"
+    said = f"strengthened +x: a_g at SLV {100.0 * row.gain:+.0f} % over original; greatest tension: chain 5 kN, yields"
     assert said in summary(outcome, tmp_path, []).splitlines()
     assert '"strengthening": [' in as_json(outcome, tmp_path, [])
     without = results.model.model_copy(update={"ties": None})

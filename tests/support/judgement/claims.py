@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from operator import itemgetter
 from typing import Any
 
 import pytest
@@ -113,7 +114,34 @@ def _governing(said: Fields, read: Read) -> None:
     assert said["outcome"] == ("verified" if row["verified"] else "not verified")
 
 
-def _zeta(said: Fields, read: Read) -> None:
+def _missing(read: Read) -> dict[str, list[str]]:
+    """The directions asked for in which a state has no capacity, by state."""
+    results = read.results
+    if not results["echo"].get("assessment"):
+        return {}
+    pushed = {direction for state in results["states"].values() for direction in state["pushover"]}
+    asked = list(dict.fromkeys([*results["echo"]["pushover"]["directions"], *sorted(pushed)]))
+    found = {
+        name: [direction for direction in asked if direction not in state["capacity"]]
+        for name, state in results["states"].items()
+    }
+    return {name: directions for name, directions in found.items() if directions}
+
+
+def _undetermined(said: Fields, read: Read) -> None:
+    [directions] = [each for name, each in _missing(read).items() if WORDS.state(name) == said["state"]]
+    assert said["directions"] == ", ".join(map(direction_name, directions))
+
+
+def _zeta(of_all: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        assert (not _missing(read)) == of_all
+        _least_index(said, read)
+
+    return check
+
+
+def _least_index(said: Fields, read: Read) -> None:
     """§8.3: at SLV, at SLC where no SLV has a number; the linear check only where the nonlinear one has none."""
     counted = _indices(read)
     at_life = [row for row in counted if row["limit_state"].startswith("SLV")]
@@ -136,8 +164,11 @@ def _indices(read: Read) -> list[Mapping[str, Any]]:
     return [
         row
         for row in read.made()
-        if row["limit_state"] in {"SLV", "SLC"}
-        or (row["limit_state"] == "SLV linear" and (row["state"], row["direction"]) not in nonlinear)
+        if row["state"] not in _missing(read)
+        and (
+            row["limit_state"] in {"SLV", "SLC"}
+            or (row["limit_state"] == "SLV linear" and (row["state"], row["direction"]) not in nonlinear)
+        )
     ]
 
 
@@ -145,10 +176,13 @@ def _checks(said: Fields, read: Read) -> None:
     rows = read.rows["verification"]
     assert int(said["total"]) == len(rows)
     assert int(said["passed"]) == sum(row.get("verified") is True for row in rows)
+    assert None not in [row.get("verified") for row in rows]
 
 
 def _open_checks(said: Fields, read: Read) -> None:
-    assert int(said["count"]) == sum(row.get("verified") is None for row in read.rows["verification"])
+    verified = [row.get("verified") for row in read.rows["verification"]]
+    assert (int(said["passed"]), int(said["open"])) == (verified.count(True), verified.count(None))
+    assert int(said["total"]) == len(verified) == int(said["made"]) + int(said["open"])
 
 
 def _governing_alpha(said: Fields, read: Read) -> None:
@@ -166,6 +200,63 @@ def _chosen(said: Fields, read: Read) -> None:
 
 def _place(said: Fields) -> tuple[str, str]:
     return said["state"], said["direction"].replace("−", "-")
+
+
+def _interventions(said: Fields, read: Read) -> None:
+    found = read.results["states"][said["state"]]["indices"]
+    assert (said["zeta"], said["before"]) == (show(found["zeta_SLV"]), show(found["zeta_before"]))
+    pattern = re.compile(r"(?P<kind>.+) \(at least (?P<least>.+)\) (?P<how>attained|not attained)")
+    told = {
+        match["kind"]: (match["least"], match["how"] == "attained")
+        for each in said["told"].split("; ")
+        if (match := pattern.fullmatch(each))
+    }
+    assert told == {
+        WORDS.plain(f"judgement.of_{kind}"): (show(least), found["zeta_SLV"] >= least)
+        for kind, least in found["required_zeta"].items()
+        if least is not None
+    }
+
+
+def _history(said: Fields, read: Read) -> None:
+    """Which states collapse under a record, and the largest peak of the others."""
+    entries = {
+        name: entry
+        for name, state in read.results["states"].items()
+        for entry in state["history"]
+        if entry["record"] == said["record"]
+    }
+    fallen = [name for name, entry in entries.items() if entry["collapsed"]]
+    assert said["pga"] == show(next(iter(entries.values()))["pga_g"])
+    if "states" in said:
+        assert said["states"] == ", ".join(f"“{WORDS.state(name)}”" for name in fallen)
+        return
+    peaks = {name: entry["peak_displacement_m"] for name, entry in entries.items() if not entry["collapsed"]}
+    [name] = [name for name in peaks if WORDS.state(name) == said["state"]]
+    assert peaks[name] == max(peak for peak in peaks.values() if peak is not None)
+    assert said["peak"] == WORDS.millimetres(peaks[name])
+
+
+def _campaign(kind: str) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        fits, losses = (
+            sorted(
+                (row for row in read.results["campaign"][key] if row["settlement"] == said["settlement"]),
+                key=itemgetter("share"),
+            )
+            for key in ("fragility", "loss")
+        )
+        first, last, loss = fits[0], fits[-1], losses[-1]
+        assert first["share"] == 0.0 and said["share"] == f"{100.0 * last['share']:g}"
+        assert (said["before"], said["after"]) == (show(first["median_g"]), show(last["median_g"]))
+        assert said["dynamic"] == WORDS.number(100.0 * loss["dynamic"], 2)
+        static = loss["static"]
+        assert said.get("static") == (None if static is None else WORDS.number(100.0 * static, 2))
+        opposed = static is not None and static * loss["dynamic"] < 0.0
+        opposed = opposed and min(abs(static), abs(loss["dynamic"])) >= 0.01
+        assert kind == ("alone" if static is None else "opposed" if opposed else "beside")
+
+    return check
 
 
 def _reduction(said: Fields, read: Read) -> None:
@@ -266,7 +357,11 @@ def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:
             assert row["collapses"] and row["movement_m"] == min(fallen)
             return
         assert not any(each["collapses"] for each in settled)
-        assert row[quantity] == min(each[quantity] for each in settled if each[quantity] is not None)
+        known = [each[quantity] for each in settled if each[quantity] is not None]
+        assert row[quantity] == min(known)
+        among = re.search(r"among the (\d+) of (\d+) cases", said["among"])
+        counts = (int(among[1]), int(among[2])) if among else (len(settled),) * 2
+        assert counts == (len(known), len(settled)) and (among is None) == (len(known) == len(settled))
         assert said["capacity"] == show(row[quantity]) and said["direction"] == direction_name(
             row["direction"]
         )
@@ -384,7 +479,9 @@ def _unstable(_: Fields, read: Read) -> None:
 CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "unstable": _unstable,
     "governing": _governing,
-    "zeta": _zeta,
+    "zeta": _zeta(True),
+    "zeta_known": _zeta(False),
+    "undetermined": _undetermined,
     "zeta_SLC": _zeta_SLC,
     "checks": _checks,
     "open_checks": _open_checks,
@@ -396,7 +493,14 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "alpha_reduction": _alpha_reduction,
     "strengthened": _strengthened(True),
     "strengthened_less": _strengthened(False),
+    "interventions": _interventions,
     "ties_yield": _ties_yield,
+    "history_collapse": _history,
+    "history_stands": _history,
+    "history_peak": _history,
+    "campaign_alone": _campaign("alone"),
+    "campaign_beside": _campaign("beside"),
+    "campaign_opposed": _campaign("opposed"),
     "dynamic": _dynamic,
     "worst_a_g_g": _worst("a_g_g"),
     "worst_alpha_0": _worst("alpha_0"),
@@ -423,6 +527,11 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
 REDUCTIONS = ("reduction_at", "reduction_of", "reduction_range")
 PARTS = {
     "worst_reduction",
+    "worst_among",
+    "campaign_sa",
+    "attained",
+    "not_attained",
+    *("of_improvement", "of_improvement_school", "of_retrofit", "of_retrofit_use"),
     *REDUCTIONS,
     *RESIDUALS,
     *(f"of_{key}" for key in OF),
@@ -434,7 +543,8 @@ def pattern(key: str) -> re.Pattern[str]:
     """What a sentence of the judgement looks like; its fields as named groups."""
 
     def fields(text: str) -> str:
-        return re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(text))
+        named = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(text))
+        return named.replace("(?P<among>.+?)", "(?P<among>.*?)")  # nothing where all are known
 
     texts = WORDS.strings["judgement"]
     more = f"( {fields(texts['worst_reduction'])})?" if key.startswith("worst_") else ""
@@ -457,7 +567,7 @@ def hold(results: Results) -> list[str]:
         [(key, match)] = found.items()
         said = {name: value for name, value in match.groupdict().items() if value is not None}
         CLAIMS[key](said, read)
-        assert "ζ" not in text or said["limit"].startswith(("SLV", "SLC"))
+        assert "ζ" not in text or key == "interventions" or said["limit"].startswith(("SLV", "SLC"))
         assert said.get("reference", REFERENCES[read.at_surface]) == REFERENCES[read.at_surface]
         keys.append(key)
     return keys

@@ -114,6 +114,7 @@ def random_results(draw):
     ]
     results["quality"] = summed_up(results["quality"])
     results["quality"]["warnings"] = draw(st.lists(st.sampled_from(["a", "b", "c"])))
+    results["echo"]["pushover"]["directions"] = list(directions)
     results["echo"]["settlements"] = [{"name": name, "to_collapse": draw(st.booleans())} for name in names]
     if limits:
         results["mechanisms"] = draw(

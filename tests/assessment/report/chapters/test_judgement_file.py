@@ -27,7 +27,7 @@ def results():
 def test_the_draft_is_replaced_by_the_next_one_while_nobody_edits_it(results, tmp_path):
     first = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert first.edited is None
-    assert "- Of the verifications by state, direction and limit state" in first.content.decode()
+    assert "- Of the verifications carried out by state, direction and limit state" in first.content.decode()
     assert "ζ_E" in first.content.decode()
     assert "<sub>" not in first.content.decode()
     (tmp_path / NAME).write_bytes(first.content)

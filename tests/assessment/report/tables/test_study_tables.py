@@ -147,7 +147,7 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
         assert words(f"section.{chapter}") in text
     key, rock = "collapses" if fallen else "a_g_g", words.plain("value.stated_on_rock")
     sentence = words(f"judgement.worst_{key}", state=SETTLED, movement=words.millimetres(0.02), direction="−x",
-                     capacity=0.6, limit="SLC", reference=rock)  # fmt: skip
+                     capacity=0.6, limit="SLC", reference=rock, among="")  # fmt: skip
     if not fallen:
         sentence += Markup(" ") + words("judgement.worst_reduction", reduction=25.0)
     assert sentence in html and sentence in draft_judgement(typed(results), words)
