@@ -31,6 +31,10 @@ class NoEquilibriumError(MechanicsError, SaidError, ValueError):
     """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
 
 
+class UnsettledError(NoEquilibriumError):
+    """The forces of a step and the geometry in which they act do not come to agree."""
+
+
 class RunawayError(NoEquilibriumError):
     """Left to itself the structure moves on and does not come to rest: it collapses."""
 
@@ -78,7 +82,3 @@ def array_of(name: str, value: object, must_be: str) -> NDArray[np.float64]:
     except (TypeError, ValueError):
         raise ArgumentError(f"{name} = {value!r}: must be {must_be}") from None
     return found
-
-
-class UnsettledError(NoEquilibriumError):
-    """The forces of a step and the geometry in which they act do not come to agree."""

@@ -10,10 +10,9 @@ displacements Δx are the multipliers of equilibrium.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mechanics.kernels.crushing import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
@@ -46,13 +45,6 @@ class Program:
     size: float
     step: float
     curved: Array | None = None
-
-    def take(self, index: NDArray[np.intp]) -> Program:
-        """The program over a choice of the joints."""
-        curved = None if self.curved is None else self.curved[index]
-        return replace(
-            self, dof=self.dof[index], places=self.places[index], law=self.law[index], curved=curved
-        )
 
     def resultant(self, forces: Array) -> Array:
         """Bᵀc (m,): forces and moments that joint forces (j, 3) exert on the blocks."""

@@ -98,16 +98,6 @@ class Contacts:
         found: Mask = self.faces[:, LENGTH] > 0.0
         return found
 
-    @cached_property
-    def key(self) -> bytes:
-        """Key of the pairs of faces."""
-        return self.edges.tobytes()
-
-
-def deformation(places: Array) -> Array:
-    """Return gap u (m) at the middle of the overlap, rotation φ and slip v (m), (j, 3), of places (j, PLACE)."""
-    return places[:, [U, PHI, V]]
-
 
 def end_gaps(places: Array) -> Array:
     """Return the gaps (j, 2), m, at the lower and the upper end of the overlaps."""

@@ -207,11 +207,15 @@ def _one_with_one(blocks: Sequence[Block], polygons: Polygons, i: int, j: int) -
 def _common(one: shapely.Geometry, other: shapely.Geometry) -> tuple[shapely.Geometry, Array]:
     """Return the area that two outlines share, and a point (1, 2) in it, m.
 
-    On a grid: of outlines with nearly the same edges a plain overlay may return a whole one, or nothing.
+    On a grid about a corner: of outlines with nearly the same edges a plain overlay may return a whole one, or nothing.
     """
-    common = shapely.intersection(one, other, grid_size=GRID * float(np.ptp(shapely.bounds(one)[[0, 2]])))
+    bounds = shapely.bounds(one)
+    corner, width = bounds[:2], float(np.ptp(bounds[[0, 2]]))
+    near = [shapely.transform(each, lambda points: points - corner) for each in (one, other)]
+    common = shapely.intersection(*near, grid_size=GRID * width)
     if common.is_empty:  # shallower than the grid
-        common = shapely.intersection(one, other)
+        common = shapely.intersection(*near)
+    common = shapely.transform(common, lambda points: points + corner)
     return common, shapely.get_coordinates(shapely.point_on_surface(common))
 
 

@@ -11,7 +11,7 @@ from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points, relative_motion
 from mechanics.types import Array, Index
 
-NOTICEABLE = 0.02  # of the largest relative motion in the mechanism
+NOTICEABLE = 0.02  # of the largest rotation, or displacement, of a block: a relative one that counts
 CARRYING = 2e-3  # of the weight: a joint that carries less is no part of the load path
 
 
@@ -31,7 +31,8 @@ class Hinges:
 def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, forces: Array) -> Hinges:
     """Return hinges and sliding joints of virtual displacements (b, 3) under joint forces N, P, T (j, 3).
 
-    Relative motions below a fiftieth of the largest one do not count, nor do joints that carry next to nothing.
+    Relative motions below a fiftieth of the largest motion of a block do not count, nor do joints that carry next to
+    nothing.
     """
     places = contacts.places(state.positions)
     moved = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)

@@ -77,10 +77,10 @@ class TimeHistory:
     """The motion of b blocks at k times in the frame of the ground: supports rest, the base motion acts as inertia.
 
     `time` (k,) s; `positions` (k, b, 3): x, z (m) and ω (rad); `velocities` (k, b, 3): m/s and rad/s; `forces`
-    (k, j, 3): N (kN), P (kNm) and T (kN) of the drawn joints in the step that led to each time; `start`: the state in
-    which the motion begins; `final`: its last state. `displacement` (k,) m: of the control point along x from `start`,
-    None without a control point. `collapsed`, `time_of_collapse` (s) and `collapse_reason`: see time_history; the
-    arrays end there. `energy`: the balance at each time.
+    (k, j, 3): N (kN), P (kNm) and T (kN) of the drawn joints in the step that led to each time, 0 at the first, where
+    they are not known; `start`: the state in which the motion begins; `final`: its last state. `displacement` (k,) m:
+    of the control point along x from `start`, None without a control point. `collapsed`, `time_of_collapse` (s) and
+    `collapse_reason`: see time_history; the arrays end there. `energy`: the balance at each time.
 
     `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
     steps and of `cold` starts; `worst`: largest unbalanced force, per weight of a block; `unsure`: largest energy that

@@ -8,7 +8,6 @@ import numpy as np
 
 from mechanics import Assembly, State
 from mechanics.model.assembly import Behaviour
-from mechanics.model.contacts import deformation
 from mechanics.program import Program
 from mechanics.solvers.elimination import Elimination
 from mechanics.steps.static_step import StepProblem
@@ -69,4 +68,4 @@ def objective(program: Program, displacement: np.ndarray) -> float:
     return float(0.5 * displacement @ (program.mass * displacement) - program.load @ displacement)
 
 
-__all__ = ["deformation", "euler_step", "objective", "posed", "shaken", "static_step"]
+__all__ = ["euler_step", "objective", "posed", "shaken", "static_step"]

@@ -22,10 +22,10 @@ BEARS = 1e-3  # of the weight of the model: least force of a joint that carries
 def local_loss(
     model: Assembly, states: Sequence[State], displacement: Array, forces: Array, falls: bool
 ) -> LocalLoss | None:
-    """Return the first loss along a path: a drawn joint that carries at the start, and whose faces overlap no longer.
+    """Return the first loss along a path: a drawn joint that carries, and whose faces overlap no longer.
 
-    `displacement` (k,) m of the points `states`; `forces` (j, 3), kN, kNm, of the drawn joints, and others, at the
-    start; `falls`: no equilibrium lies beyond the last point. The displacement of the loss is interpolated between two
+    `displacement` (k,) m of the points `states`; `forces` (j, 3), kN, kNm, of the drawn joints, and others, by which
+    they carry: those at α0, or at the start of a movement; `falls`: no equilibrium lies beyond the last point. The displacement of the loss is interpolated between two
     points, or is that of the last point if the structure falls as the faces part; `overlap_m`: of the joint at the
     start. None if there is no loss.
     """
