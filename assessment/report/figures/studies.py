@@ -83,12 +83,16 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     for axes, (state, own) in zip(panels, of_state.items(), strict=True):
         base = known(own[0].a_g_base_g)
         for place, bar in enumerate(own):
+            if bar.swing_g == 0.0:
+                _say_no_swing(axes, place, bar, base, words)
+                continue
             for side in ("low", "high"):
                 _draw_bar(axes, place, bar, side, base, words)
         axes.axvline(base, color="0.0", linewidth=0.9)
         axes.set_yticks(range(len(own)), [words.plain(f"value.{bar.property}") for bar in own])
         axes.set_ylim(-0.7, len(own) - 0.3)
-        margin = 0.18 * (max(shown) - min(shown)) or 0.05 * max(shown)
+        span = max(shown) - min(shown)
+        margin = 0.18 * span if span > ROUNDING * max(shown) else 0.2 * max(shown)
         axes.set_xlim(min(shown) - margin, max(shown) + margin)
         axes.grid(visible=False, axis="y")
         reference = words.plain(f"value.on_{reference_of(results)}")
@@ -126,6 +130,19 @@ def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: W
         (3 if rightward > 0.0 else -3, 0),
         textcoords="offset points",
         ha="left" if rightward > 0.0 else "right",
+        va="center",
+        fontsize=6.5,
+    )
+
+
+def _say_no_swing(axes: Axes, place: int, bar: Bar, base: float, words: Words) -> None:
+    """Write beside the capacity that a property does not change it, with its factors."""
+    low, high = (words.comma(format(bar.ends()[side][0], "g")) for side in ("low", "high"))
+    axes.annotate(
+        words.plain("figure.no_swing", low=low, high=high),
+        (base, place),
+        (4, 0),
+        textcoords="offset points",
         va="center",
         fontsize=6.5,
     )

@@ -16,7 +16,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 from matplotlib.ticker import Formatter
 from matplotlib.transforms import Bbox
 from PIL import Image
@@ -157,10 +157,15 @@ def _drawn(figure: Figure) -> Iterator[Bbox]:
     for axes in figure.axes:
         frame = [axes.patch, axes.xaxis, axes.yaxis, *axes.spines.values()]
         parts += [axes] if axes.axison else [each for each in axes.get_children() if each not in frame]
-    boxes = (part.get_tightbbox() for part in parts if part.get_visible())
+    boxes = (_box(part) for part in parts if part.get_visible())
     yield from (
         box for box in boxes if box is not None and np.isfinite(box.extents).all() and box.height > 0.0
     )
+
+
+def _box(part: Artist) -> Bbox | None:
+    """Return the box of a part in pixels: of an annotation without words, its arrow, which no tight box knows of."""
+    return part.get_window_extent() if isinstance(part, Annotation) else part.get_tightbbox()
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
+from matplotlib.path import Path
 
 from assessment.report.figures.drawings.deformed import ARROW, INK, SUPPORT, Bounds, fill, foot, legend
 from assessment.report.figures.drawings.ties import LINE, draw_ties
@@ -20,6 +21,19 @@ from assessment.results.schema import Results
 from assessment.results.schema.model import Block
 
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
+DOWN = Path(  # an arrow, as a mark
+    [
+        (-0.05, 1.0),
+        (0.05, 1.0),
+        (0.05, -0.2),
+        (0.3, -0.2),
+        (0.0, -1.0),
+        (-0.3, -0.2),
+        (-0.05, -0.2),
+        (-0.05, 1.0),
+    ],
+    closed=True,
+)
 MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
 DIMENSION = {
     "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
@@ -71,9 +85,8 @@ def _loads(page: Sheet, axes: Axes, blocks: Sequence[Block], words: Words) -> li
     sizes = sorted({block.vertical_load_kN for block in loaded})
     text = " / ".join(words.number(size) for size in sizes)
     label = words.plain("figure.loads", count=len(loaded), loads=text)
-    return (
-        [Line2D([], [], color=INK, linestyle="none", marker="$\\downarrow$", label=label)] if loaded else []
-    )
+    mark: dict[str, Any] = {"linestyle": "none", "marker": DOWN, "markersize": 9.0, "color": INK}
+    return [Line2D([], [], **mark, label=label)] if loaded else []
 
 
 def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
