@@ -21,7 +21,6 @@ LETTERS = 109.0  # of a's width in a row of a table
 PADDING = 1.7  # letters, of a cell
 BOLD = 1.1  # of a heading, beside the same words in a row
 HEADING_LINES = 2  # of a heading: one that takes more is given what room a row leaves
-HEADING_LINES = 2  # of a heading: one that takes more is given what room a row leaves
 SIZES = {
     letter: size
     for letters, size in (("ijl’'|.,;: \u00a0", 0.5), ("frt()[]-/", 0.65), ("mwMW%", 1.5))
@@ -34,7 +33,6 @@ BLANKS = re.compile(
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
 ROUNDING = 1e-9  # a reduction, or a width in letters, no larger is none
 ORIGINAL = "original"
-MANIFOLD = 10.0  # a value that grows by more has its factor in place of a reduction
 MANIFOLD = 10.0  # a value that grows by more has its factor in place of a reduction
 REDUCTIONS = 3  # settled states beside the original in one table
 
@@ -73,7 +71,6 @@ class Grid:
             _, at, width, lines = min(ways, key=lambda way: way[:2])
             widths[-at] = width
         widths = _headings_in_fewer_lines(columns, widths)
-        widths = _headings_in_fewer_lines(columns, widths)
         return [round(100.0 * width / sum(widths), 2) for width in widths]
 
 
@@ -100,20 +97,6 @@ class _Column:
     def lines(self, width: float) -> list[int]:
         """Return how many lines each cell takes, the heading first."""
         return [_lines(of, width - PADDING) for of in self.words]
-
-
-def _headings_in_fewer_lines(columns: Sequence[_Column], widths: Sequence[float]) -> list[float]:
-    """Return the widths with what they leave of a row given to the headings that take the most lines."""
-    wider = list(widths)
-    while True:
-        tall = [column.lines(width)[0] for column, width in zip(columns, wider, strict=True)]
-        at = tall.index(max(tall))
-        width = wider[at]
-        while tall[at] > HEADING_LINES and columns[at].lines(width)[0] == tall[at]:
-            width += 1.0
-        if width == wider[at] or sum(wider) + width - wider[at] > LETTERS:
-            return wider
-        wider[at] = width
 
 
 def _headings_in_fewer_lines(columns: Sequence[_Column], widths: Sequence[float]) -> list[float]:
