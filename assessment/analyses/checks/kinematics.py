@@ -269,11 +269,12 @@ def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.int
 
 
 def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:
-    """Return the area (m²) that two blocks share, by an overlay on a grid.
+    """Return the area (m²) that two blocks share, by an overlay on a grid about the first one.
 
     In plain floating-point numbers that of two blocks that touch along a joint may come out as the whole block.
     """
-    one, other = (_outline(model.blocks[k].polygon - model.blocks[k].centroid, *positions[k]) for k in (i, j))
+    near = positions - np.append(positions[i, :2], 0.0)
+    one, other = (_outline(model.blocks[k].polygon - model.blocks[k].centroid, *near[k]) for k in (i, j))
     return float(shapely.intersection(one, other, grid_size=MOTION.grid * model.size).area)
 
 
