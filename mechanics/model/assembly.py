@@ -24,8 +24,6 @@ LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
 
-RESOLVED = 2e-6  # of the compression of elastic joints: what the last digit of a position may be
-
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 
@@ -194,18 +192,10 @@ class Assembly:
         require(isinstance(model, Assembly), "model", type(model).__name__, "an Assembly")
 
     def check_behaviour(self, behaviour: Behaviour) -> None:
-        """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness, or with too much."""
+        """Raise ArgumentError for an unknown behaviour, and for elastic joints without stiffness."""
         require(behaviour in ("rigid", "elastic"), "contacts", behaviour, '"rigid" or "elastic"')
-        if behaviour == "rigid":
-            return
-        if np.isnan(self.contacts.bed).any():
+        if behaviour == "elastic" and np.isnan(self.contacts.bed).any():
             raise ArgumentError("normal_stiffness: elastic contacts need it for the material of every block")
-        if self.rounding > RESOLVED:
-            raise ArgumentError(
-                f"normal_stiffness: joints are so stiff that the last digit of a position is {self.rounding:.1g} of "
-                f"their compression; make it {RESOLVED / self.rounding:.1g} times as large, use rigid contacts, or "
-                "move the structure nearer to the origin"
-            )
 
     @cached_property
     def rounding(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
+from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
@@ -28,12 +28,14 @@ class StartTolerances:
     `first`: loads of the first step of an elastic curve that are tried, as shares of the rigid multiplier: the smaller
     ones where hinges of a settlement close under little; `settled`: first step from
     a settled state, whose open hinges may close first, as a share of an increment; `least`: length of a first step, as
-    a share of the compression under gravity.
+    a share of the compression under gravity; `resolved`: of that compression, the last digit of a position that does
+    not hide it.
     """
 
     first: tuple[float, ...] = (0.02, 0.002, 0.0002)
     settled: float = 0.1
     least: float = 0.01
+    resolved: float = 2e-6
 
 
 START = StartTolerances()
@@ -84,7 +86,8 @@ def elastic_start(
     """Return the start of an elastic curve: rest, and the displacements under a small lateral load.
 
     `increment` (m): length of the curve's steps. Raises UnstableError if the structure has no rest, or no equilibrium
-    leads away from it; NoEquilibriumError if none leads away from a given `state`.
+    leads away from it (ArgumentError: as joints are too stiff for rounding), NoEquilibriumError if none leads away from
+    a given `state`.
     """
     start = settled(model, state, sliding)
     system = start.system
@@ -103,7 +106,7 @@ def elastic_start(
     except (NoEquilibriumError, ConvergenceError) as stop:
         if state is not None:
             raise
-        raise no_way_from_rest(stop.message) from stop
+        raise no_way_from_rest(model, stop.message) from stop
     moved = begun.state.positions - start.state.positions
     least = START.least * size  # a stiff tie moves less than the rest is known to
     share = min(1.0, max(float(abs(moved[:, :2]).max()), least) / increment)
@@ -136,8 +139,16 @@ def _pushed(
     return find_equilibrium(StepProblem(system.around(at, size), start.state, load, size), at, start)
 
 
-def no_way_from_rest(why: Message) -> UnstableError:
-    """Return the error of a structure that stands on elastic joints, but has no equilibrium beyond its rest."""
+def no_way_from_rest(model: Assembly, why: Message) -> UnstableError | ArgumentError:
+    """Return the error of a structure that stands on elastic joints, but has no equilibrium beyond its rest.
+
+    An ArgumentError where the joints are compressed by hardly more than the last digit of a position.
+    """
+    if model.rounding > START.resolved:
+        return ArgumentError(
+            f"normal_stiffness: joints are so stiff that the last digit of a position is {model.rounding:.1g} of their "
+            "compression; make it smaller, use rigid contacts, or move the structure nearer to the origin"
+        )
     return UnstableError(
         message(
             "with elastic joints no equilibrium leads away from rest: {reason}; joints too soft to keep the structure "

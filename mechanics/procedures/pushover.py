@@ -422,7 +422,7 @@ class _Curve:
         """Return the curve; raise ControlError if the control point takes no part in it."""
         assert self.end is not None
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
-            raise no_way_from_rest(self.end)
+            raise no_way_from_rest(self.model, self.end)
         if len(self.states) == 1 or not self._takes_part_by(max(self.displacement)):
             raise ControlError(
                 message(
