@@ -47,6 +47,7 @@ from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.tables.structure.loads import vertical_sentences
 from assessment.report.text.language import Words, unparted, words_of
 from assessment.report.text.messages import sentence, translated
+from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.runtime.files.atomic_files import write_atomically
 
@@ -146,6 +147,7 @@ def render_html(
         traces=list(traces(results, words)),
         contacts=contacts_of(results),
         assumptions=list(assumptions(results, words, contacts_of(results))),
+        software="software_coulomb" if coulomb(results.echo) else "software",
         strengthened=list(strengthening_sentences(results, words)),
         yielding=[*yielding_sentence(results, words), *nearly_yielding(results, words)],
         slackened=list(pretension_sentence(results, words)),

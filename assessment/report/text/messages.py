@@ -19,6 +19,11 @@ from assessment.report.text.language import SUPERSCRIPTS, Words, direction_name
 from assessment.results.schema.messages import Worded
 from mechanics.messages import english, filled
 
+HEADED = "{title}: {text}"
+OF_THE_REPORT = {  # messages that name keys and what to write there, and what the report says instead
+    "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
+    "left out, as here; write {meant}": "text.low_confidence_factor",
+}
 _POWER = re.compile(r"(?<=\d)e([+−-]?\d+)\b")
 _SYMBOL = re.compile(r"(?<![\w.])(?:(?=α0\b)|(?=\w_))([αdTaS])_?(0|[uyge]|De|SL[A-Z])(?!\w)")
 _PERCENT = re.compile(r"(?<=\d)%")
@@ -32,7 +37,8 @@ def translated(text: str, words: Words) -> str:
 
 def sentence(text: str, words: Words) -> Markup:
     """Return a sentence of the results as one of the report, HTML: its powers and symbols set as such."""
-    text = _PERCENT.sub(" %", _POWER.sub(_power, _worded(text, words)))
+    said = _of_the_report(text, words) or _worded(text, words)
+    text = _PERCENT.sub(" %", _POWER.sub(_power, said))
     start = text[0].upper() if _WORD.match(text) else text[0]
     return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(f"{start}{text[1:].rstrip('.')}."))))
 
@@ -45,6 +51,16 @@ def _power(found: re.Match[str]) -> str:
 def _worded(text: str, words: Words) -> str:
     made = words.messages.get(text)
     return text if made is None else _filled(made, words)
+
+
+def _of_the_report(text: str, words: Words) -> str | None:
+    """Return what the report says in place of a message to who writes the project file; None: the message."""
+    made = words.messages.get(text)
+    while made is not None and made.template == HEADED:
+        inner = made.fields["text"]
+        made = inner if isinstance(inner, Worded) else None
+    key = OF_THE_REPORT.get(made.template) if made is not None else None
+    return None if made is None or key is None else words.plain(key, **made.fields)
 
 
 def _filled(made: Worded, words: Words) -> str:

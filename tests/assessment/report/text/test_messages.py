@@ -155,7 +155,10 @@ def test_what_is_no_message_stays_as_it_is():
     told = headed("original", "block 3 has fallen by 0.5 m")
     assert in_italian(told) == "original: block 3 has fallen by 0.5 m"
     unknown = message("unknown {number:.2g}", number=0.5)
-    assert in_italian(message("{state}: {text}", state="original", text=unknown)) == "stato “originale”: unknown 0.5"
+    assert (
+        in_italian(message("{state}: {text}", state="original", text=unknown))
+        == "stato “originale”: unknown 0.5"
+    )
 
 
 def test_english_messages_stay_as_they_are_but_for_the_state_of_a_sentence():
@@ -214,3 +217,31 @@ def test_messages_are_plain_text_in_results():
     """Those who read the file, or use the results in Python, see strings."""
     text = message("α = 0")
     assert isinstance(text, str) and isinstance(text, Message) and f"{text}" == "α = 0"
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        (
+            "it",
+            "Il fattore di confidenza 1,20 è minore di 1,35, che la Circolare 7/2019, C8.7.1.2, chiede dove si ",
+        ),
+        ("en", "The confidence factor 1.20 is below 1.35, which Circolare 7/2019, C8.7.1.2, asks for where "),
+    ],
+)
+def test_what_to_write_in_the_project_file_is_not_said_in_the_report(language, said):
+    low = message(
+        "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
+        "left out, as here; write {meant}",
+        factor=1.2,
+        least=1.35,
+        meant="1.35",
+    )
+    text = headed("project.toml", headed("assessment.confidence_factor", low))
+    assert str(as_sentence(text, language)).startswith(said)
+    assert "project.toml" in text, "where it can be mended it is"
+
+
+def test_a_blank_stands_before_the_sign_of_per_cent():
+    text = message("the integrator itself took {share:.0%} of the energy dissipated", share=0.29)
+    assert "29 % of" in as_sentence(text, "en")
