@@ -50,11 +50,13 @@ def check(options: argparse.Namespace) -> int:
 
     With `--repair` first write a repaired drawing beside the project's, tell every change, and check that one.
     """
+    from assessment.analyses.checks.capacity import refused_as_drawn
     from assessment.analyses.checks.demand import demand_spectra
     from assessment.analyses.static.paths import stand
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
     from assessment.project.repair import with_repaired_drawing
+    from assessment.project.schema import ORIGINAL
     from assessment.project.structure.model import build_model
     from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.report.figures.drawings.faults import draw_faults
@@ -94,6 +96,7 @@ def check(options: argparse.Namespace) -> int:
     if project.assessment:
         demands = demand_spectra(project, motions.history)  # refused here if a run would refuse it
         warnings += implausible_hazard(project, demands.spectra)
+    warnings += refused_as_drawn(project, model.states[ORIGINAL])
     if unstable := stand(model.assembly):
         results = results.replace(model=results.model.replace(self_weight_stable=False))
         warnings.append(unstable)

@@ -153,7 +153,7 @@ def render_html(
         slackened=list(pretension_sentence(results, words)),
         references=references(),
         identified=list(identification_sentences(results, words)),
-        ready=ready_lines(results),
+        ready=ready_lines(results, words),
         pressures=pressure_sentences(results, words),
         cracks=list(crack_sentences(results, words)),
         damping=damping_sentence(results, words),

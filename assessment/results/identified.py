@@ -11,6 +11,9 @@ from assessment.results.schema.identification import (
     SupportMovement,
 )
 
+UNLIKELY = 0.05  # probability of a χ² as large, below which a movement explains nothing
+UNMET = 9.0  # χ² of a measurement that is off by three standard deviations
+
 
 def best_of(found: Identification) -> Explanation | None:
     """Return the hypothesis with the least AIC; None where none could be followed."""
@@ -22,6 +25,17 @@ def told_of(found: Identification) -> list[Explanation]:
     best = best_of(found)
     others = [each for each in found.hypotheses if each is not best and not each.distinguished]
     return [] if best is None else [best, *others]
+
+
+def fits(best: Explanation) -> bool:
+    """Return whether a movement explains the measurements.
+
+    It does not where its χ² is improbable, where a measurement contradicts it, and where as many unknowns as
+    measurements leave a χ² above that of one measurement off by three standard deviations.
+    """
+    unlikely = best.probability is not None and best.probability < UNLIKELY
+    unmet = not best.degrees_of_freedom and (best.chi_squared or 0.0) > UNMET
+    return not (unlikely or unmet or best.contradicting)
 
 
 def settlement_lines(ready: ReadySettlement) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assessment.analyses.checks.check_result import check_of, checks_of, curve_of
-from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, compared, evaluate
+from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, begun, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.checks.indices import confidence_source
 from assessment.analyses.checks.refusals import other_mechanism, refused, towards
@@ -355,11 +355,23 @@ def assess_chosen(
             ]
         except MechanismError as refusal:
             answer = GivenMechanism(name=chosen.name, state=chosen.state, refused=refusal.message)
-            warnings.append(
-                message('mechanism "{name}": refused: {reason}', name=chosen.name, reason=refusal.message)
-            )
+            warnings.append(_of_mechanism(chosen.name, refusal))
         found.append(answer)
     return found
+
+
+def _of_mechanism(name: str, refusal: MechanismError) -> Message:
+    return message('mechanism "{name}": refused: {reason}', name=name, reason=refusal.message)
+
+
+def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
+    """Yield why mechanisms that the user chose on the structure as drawn, `model`, are refused, without an analysis."""
+    for chosen in chosen_mechanisms(project, model.assembly):
+        if chosen.state == ORIGINAL:
+            try:
+                begun(model.assembly, model.assembly.initial.positions, chosen)
+            except MechanismError as refusal:
+                yield _of_mechanism(chosen.name, refusal)
 
 
 def _controls(project: Project, model: Assembly, positions: NDArray[np.float64]) -> dict[str, Control]:

@@ -130,6 +130,20 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     )
 
 
+def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, JointMotion, VirtualWork]:
+    """Return the virtual displacements (b, 3) of a chosen mechanism, its motion in the joints and its virtual work.
+
+    Raises MechanismError as `evaluate`: what refuses a mechanism needs no analysis.
+    """
+    delta = virtual_displacements(model, positions, chosen)
+    motion = joint_motion(model, positions, delta)
+    _refuse_penetration(motion)
+    _refuse_held(model, lengthenings(model, positions, delta))
+    work = virtual_work(model, positions, chosen)
+    _refuse_without_load(work, delta)
+    return delta, motion, work
+
+
 def evaluate(
     model: Assembly,
     positions: Array,
@@ -146,13 +160,7 @@ def evaluate(
     no part in the mechanism, the block that moves farthest has the control point. Raises MechanismError if blocks
     penetrate, if no weight moves horizontally, or if the weights alone drive the motion.
     """
-    delta = virtual_displacements(model, positions, chosen)
-    motion = joint_motion(model, positions, delta)
-    _refuse_penetration(motion)
-    _refuse_held(model, lengthenings(model, positions, delta))
-    work = virtual_work(model, positions, chosen)
-    _refuse_without_load(work, delta)
-
+    delta, motion, work = begun(model, positions, chosen)
     direction: parts.Direction = "+x" if work.lateral > 0.0 else "-x"
     given = (controls or {}).get(direction)
     control = followed(model, positions, delta, given, 1.0 if direction == "+x" else -1.0)

@@ -8,10 +8,8 @@ from markupsafe import Markup
 
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
-from assessment.results.identified import best_of, settlement_lines, told_of
+from assessment.results.identified import UNLIKELY, best_of, fits, settlement_lines, told_of
 from assessment.results.schema import Results
-
-UNLIKELY = 0.05  # probability below which the engineer is warned of the best hypothesis
 
 
 def identification_sentences(results: Results, words: Words) -> Iterator[Markup]:
@@ -43,7 +41,15 @@ def identification_sentences(results: Results, words: Words) -> Iterator[Markup]
         yield words("text.identification_several")
 
 
-def ready_lines(results: Results) -> str:
-    """Return the lines of the best movement for the project file, none where there are none."""
+def ready_lines(results: Results, words: Words) -> str:
+    """Return the lines of the best movement for the project file, none where there are none.
+
+    A comment heads those of a movement that does not explain the measurements.
+    """
     found = results.identification
-    return "\n\n".join("\n".join(settlement_lines(each)) for each in (found.settlements if found else []))
+    best = best_of(found) if found else None
+    if found is None or best is None or not found.settlements:
+        return ""
+    lines = ["\n".join(settlement_lines(each)) for each in found.settlements]
+    heading = [] if fits(best) else [f"# {words.plain('text.identification_unfit')}"]
+    return "\n".join([*heading, "\n\n".join(lines)])

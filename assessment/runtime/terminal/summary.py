@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from assessment.ntc.limit_states import INDEXED
 from assessment.results.echo import turns
-from assessment.results.identified import best_of, movement_text, settlement_lines
+from assessment.results.identified import best_of, fits, movement_text, settlement_lines
 from assessment.results.plain import plain
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, StrengtheningRow
@@ -102,6 +102,8 @@ def _identified(results: Results) -> list[str]:
     lines = [
         f"best movement: {moved} (χ² {best.chi_squared:.3g}, {best.degrees_of_freedom} degrees of freedom)"
     ]
+    if found.settlements and not fits(best):
+        lines.append("  # does not fit the measurements: not to be used")
     for ready in found.settlements:
         lines += [f"  {line}" for line in settlement_lines(ready)]
     return lines

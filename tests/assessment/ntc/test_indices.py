@@ -4,6 +4,7 @@ import pytest
 
 from assessment.ntc.confidence import confidence_factor
 from assessment.ntc.indices import (
+    attained,
     expected_annual_loss,
     heritage_and_risk_indices,
     required_zeta,
@@ -79,6 +80,21 @@ def test_thresholds_of_interventions():
     assert required_zeta(0.55, "III")["improvement_school"] == 0.6
     assert required_zeta(0.35, "I")["improvement"] is None
     assert required_zeta(0.95, "II")["improvement"] == 1.0
+    unknown = required_zeta(None, "III")
+    assert unknown["improvement"] is None and unknown["retrofit"] == 1.0
+
+
+def test_an_intervention_is_attained_from_the_state_before():
+    """1.01 from 0.299: improvement has to reach 0.399, not the 1.00 that follows from 1.01."""
+    required = required_zeta(0.299, "III")
+    assert required["improvement"] == pytest.approx(0.399)
+    assert all(attained(1.01, required).values())
+    assert attained(0.45, required) == {
+        "improvement": True,
+        "improvement_school": False,
+        "retrofit_use": False,
+        "retrofit": False,
+    }
 
 
 def test_confidence_factor_by_hand():

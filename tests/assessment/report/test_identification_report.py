@@ -13,8 +13,9 @@ from assessment.report.chapters.identification import ready_lines
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.identification import MARK, draw_identification
 from assessment.report.tables.index import tables
-from assessment.report.text.language import Words
+from assessment.report.text.language import Words, words_of
 from assessment.results.configurations.outlines import outlines
+from assessment.results.identified import fits
 from assessment.results.messages import with_messages
 from assessment.runtime.show import Show
 from assessment.runtime.terminal.summary import as_json, summary
@@ -116,17 +117,37 @@ def test_the_page_tells_it_in_both_languages(pages):
 
 
 def test_the_lines_are_a_settlement_of_a_project_file(results):
-    [given] = tomllib.loads(ready_lines(results))["settlements"]
+    ready = ready_lines(results, words_of(results))
+    assert ready.startswith("# ")  # a movement that a measurement contradicts is not to be pasted unread
+    assert not ready_lines(explained(results), words_of(results)).startswith("#")
+    [given] = tomllib.loads(ready)["settlements"]
     settlement = SettlementTable.model_validate(given)
     assert settlement.support == "destro" and settlement.displacement_m == pytest.approx(
         (0.01, 0.0), abs=1e-5
     )
 
 
+def explained(results):
+    """The same with a movement that explains the measurements."""
+    found = results.identification
+    hypotheses = [
+        each.replace(contradicting=[], probability=0.5, chi_squared=0.5) for each in found.hypotheses
+    ]
+    return results.replace(identification=found.replace(hypotheses=hypotheses))
+
+
+@pytest.mark.parametrize(("left", "square", "fit"), [(0, 83.6, False), (0, 1e-6, True), (1, 0.5, True)])
+def test_a_movement_fits_unless_nothing_is_left_and_the_measurements_are_missed(results, left, square, fit):
+    """χ² 83.6 with as many unknowns as measurements was offered as a settlement to paste."""
+    best = explained(results).identification.hypotheses[0]
+    assert fits(best.replace(degrees_of_freedom=left, chi_squared=square, probability=None)) == fit
+
+
 def test_the_terminal_tells_the_movement_and_the_lines(outcome, tmp_path):
     text = summary(outcome, tmp_path, [])
     assert "best movement: destro: x 10 ± 0.2 mm (χ² 25, 1 degrees of freedom)" in text
-    assert '  [[settlements]]\n  name = "destro, as measured"' in text
+    unfit = "  # does not fit the measurements: not to be used\n"
+    assert unfit + '  [[settlements]]\n  name = "destro, as measured"' in text
     [moved] = json.loads(as_json(outcome, tmp_path, []))["best_movement"]
     assert moved["x_m"] == pytest.approx(0.01, abs=1e-5)
 

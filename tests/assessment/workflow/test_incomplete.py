@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import importlib
+import json
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from assessment.analyses.checks import capacity
 from assessment.analyses.static import lateral, settlement
 from assessment.cli.main import main
+from assessment.ntc.capacity.curve_fit import CapacityError
 from assessment.project.catalogue.new_project import write_drawing
 from mechanics import ConvergenceError, pushdown, pushover
+from mechanics.messages import message
 from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
@@ -91,6 +95,28 @@ def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
         and text.endswith(": a curve has 3 points at most; write a larger increment_m")
         for text in results["quality"]["warnings"]
     )
+
+
+def test_a_direction_without_capacity_is_incomplete_and_its_state_has_no_index(project, monkeypatch, capsys):
+    """A state was given the ζ_E of its other direction, and the run the exit code of a complete one."""
+    push = 'directions = ["+x", "-x"]\ncontrol = {"+x" = "right", "-x" = "left"}'
+    text = (PROJECT + ASSESSMENT).replace('directions = ["+x"]', push)
+    (project / "project.toml").write_text(text, encoding="utf-8")
+    assert run(project, "--jobs", "1") == 0
+    complete = read_results(project / "output")["states"]["original"]
+    assert complete["indices"] and complete["safety_index"] and complete["governing"]
+
+    def refuse(rigid):
+        if rigid.curve.displacement_m[-1] < 0.0:
+            raise CapacityError(message("α = 0"))
+
+    monkeypatch.setattr(capacity, "_refuse_other_mechanism", refuse)
+    capsys.readouterr()
+    assert run(project, "--jobs", "1", "--fresh", "--json") == 3
+    assert json.loads(capsys.readouterr().out)["complete"] is False
+    for state in read_results(project / "output")["states"].values():
+        assert list(state["pushover"]) == ["+x", "-x"] and list(state["capacity"]) == ["+x"]
+        assert state["indices"] is state["safety_index"] is state["governing"] is None
 
 
 def test_a_settlement_cut_short_says_what_to_write(project, monkeypatch):

@@ -341,10 +341,19 @@ state = "base turned"
 """
 
 
+def test_check_tells_which_mechanism_a_run_refuses(project, capsys):
+    """It needs no analysis, and was told by the run alone."""
+    assert main(["check", str(written(project, GIVEN))]) == 0
+    [told] = [line for line in capsys.readouterr().out.splitlines() if "refused" in line]
+    assert told.startswith('warning: mechanism "wrong way": refused: block 0 penetrates block 1')
+
+
 def test_a_project_with_mechanisms(project):
     """α0 = B/H in either sense; in the settled state the corner has gone down with the base turned by 0.02 rad."""
     content = load_project(written(project, GIVEN))
-    results = plain(run(content, build_model(content), jobs=1).results)
+    outcome = run(content, build_model(content), jobs=1)
+    results = plain(outcome.results)
+    assert not outcome.complete  # one is refused
     answers = {each["name"]: each for each in results["mechanisms"]}
     for name in ("by region", "by number"):
         assert answers[name]["alpha_0"] == pytest.approx(1 / 7, rel=1e-9)

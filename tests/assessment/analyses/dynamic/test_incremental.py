@@ -182,6 +182,13 @@ def test_what_the_standard_takes_of_the_records():
         assert warnings == []
 
 
+def test_of_fewer_than_three_records_the_standard_takes_nothing():
+    """The lowest of two records was printed as the PGA of §7.3.5."""
+    warnings = []
+    found = summarise([_record(0.3), _record(0.4)], warnings, "original")
+    assert (found.rule, found.pga_collapse_g) == (None, 0.3) and len(warnings) == 1
+
+
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
     records = [_record(low, pga_collapse_g_range=[low, high]) for low, high in ((0.3, 0.5), (0.4, 0.4))]
     assert summarise(records, [], "original").pga_collapse_g_range == [0.3, 0.4]

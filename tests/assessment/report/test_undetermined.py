@@ -1,0 +1,79 @@
+"""A state of which a direction has no capacity: no index, and rows that say so instead of none."""
+
+from __future__ import annotations
+
+import pytest
+
+from assessment.report.chapters.grid import summary_grids
+from assessment.report.chapters.judgement import draft_judgement
+from assessment.report.chapters.printed_tables import printed_tables
+from assessment.report.chapters.remarks import headlines
+from assessment.report.tables.capacity import verification
+from assessment.report.tables.indices import indices, interventions
+from assessment.report.text.language import words_of
+from assessment.results.undetermined import checks_asked, undetermined
+from assessment.runtime.outcome import Outcome
+from assessment.runtime.terminal.summary import summary
+from tests.support.judgement.claims import hold
+from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
+
+INDICES = {
+    "direction": "-x", "check": "SLV", "zeta_SLV": 2.2, "f_a": 2.2, "IS_V": 2.2, "IS_V_class": "A+",
+    "risk_class": "A", "acceptable_nominal_life_years": 300.0, "use_class": "II",
+    "required_zeta": {"retrofit": 1.0}, "trace": [],
+}  # fmt: skip
+
+
+def halved(language="en"):
+    """The settled state has no capacity towards +x, and indices of the other direction, as were once given."""
+    results = results_example(language)
+    del results["states"][SETTLED]["capacity"]["+x"]
+    for state in results["states"].values():
+        state["indices"] = dict(INDICES)
+    return results
+
+
+def test_the_directions_and_checks_that_have_no_capacity():
+    assert undetermined(typed(halved())) == {SETTLED: ["+x"]}
+    assert undetermined(typed(results_example())) == {}
+    nothing = results_example()
+    for state in nothing["states"].values():
+        state["capacity"] = {}
+    assert undetermined(typed(nothing)) == {"original": ["+x", "-x"], SETTLED: ["+x", "-x"]}
+    assert checks_asked(typed(nothing)) == ["SLD", "SLV linear", "SLV", "SLC"]
+    del nothing["echo"]["assessment"]
+    assert undetermined(typed(nothing)) == {}
+
+
+@pytest.mark.parametrize(("language", "open_cell"), [("en", "not determined"), ("it", "non determinato")])
+def test_tables_have_its_rows_and_no_index(language, open_cell):
+    results = typed(halved(language))
+    words = words_of(results)
+    told = {row["state"]: row for row in indices(results).rows}
+    assert told["original"]["zeta_SLV"] == 2.2 and told[SETTLED] == {"state": SETTLED} | dict.fromkeys(
+        ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
+    )
+    assert {row["state"]: row["zeta_SLV"] for row in interventions(results).rows}[SETTLED] is None
+    rows = [row for row in verification(results).rows if row["verified"] is None]
+    assert [(row["state"], row["direction"], row["limit_state"]) for row in rows] == [
+        (SETTLED, "+x", limit) for limit in ("SLD", "SLV", "SLC")
+    ]
+    assert all(row["demand_a_g_g"] is not None and row["zeta_E"] is None for row in rows)
+    printed = printed_tables(results, words)
+    assert [str(cell) for cell in printed["risk"].rows[1]].count(open_cell) == 2
+    [towards, _] = summary_grids(results, words)
+    assert [row[3] for row in towards.rows if "ζ" in row[0]] == [open_cell]
+
+
+def test_sentences_and_terminal_say_so(tmp_path):
+    results = halved()
+    keys = hold(results)
+    assert "undetermined" in keys and "zeta_known" in keys and "open_checks" in keys
+    assert not {"zeta", "checks"} & set(keys)
+    text = " ".join(draft_judgement(typed(results), words_of(typed(results))))
+    assert "; 3 of 12 that were asked for could not be carried out" in text
+    _, settled = headlines(typed(results), words_of(typed(results)))
+    assert "not determined: towards +x no capacity was found" in settled and "2.20" not in settled
+    said = summary(Outcome(typed(results), False, 0, 0), tmp_path, [])
+    assert f"{SETTLED}: ζ_E not determined: towards +x no capacity was found" in said.splitlines()
