@@ -309,6 +309,7 @@ def _interventions(results: Results, state: str, words: Words) -> Iterator[Marku
     found = determined_indices(results).get(state)
     if found is None or found.attained is None:
         return
+    before = words.plain("value.not_determined") if found.zeta_before is None else found.zeta_before
     told = Markup("; ").join(
         words(
             f"judgement.{'attained' if reached else 'not_attained'}",
@@ -318,9 +319,7 @@ def _interventions(results: Results, state: str, words: Words) -> Iterator[Marku
         for kind, reached in found.attained.items()
     )
     if told:
-        yield words(
-            "judgement.interventions", state=state, zeta=found.zeta_SLV, before=found.zeta_before, told=told
-        )
+        yield words("judgement.interventions", state=state, zeta=found.zeta_SLV, before=before, told=told)
 
 
 def _gained(row: StrengtheningRow, quantity: str, values: tuple[float | None, ...], words: Words) -> Markup:
