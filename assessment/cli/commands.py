@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
+    from assessment.project.project import Project
+
 REPAIRABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 
@@ -55,7 +57,6 @@ def check(options: argparse.Namespace) -> int:
     from assessment.analyses.static.paths import stand
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
-    from assessment.project.repair import with_repaired_drawing
     from assessment.project.schema import ORIGINAL
     from assessment.project.structure.model import build_model
     from assessment.report.chapters.judgement_file import refuse_unreadable
@@ -73,13 +74,7 @@ def check(options: argparse.Namespace) -> int:
     refuse_unreadable(folder)
     drawing = folder / "model.svg"
     if options.repair:
-        project, changes = with_repaired_drawing(project)
-        for change in changes:
-            say(change)
-        name = project.geometry.drawing
-        count = "1 change" if len(changes) == 1 else f"{len(changes)} changes"
-        wrote = f'{count}: {project.path(name)}; to use it write geometry.drawing = "{name}"'
-        say(wrote if changes else f"{name}: nothing that can be repaired")
+        project = _repaired(project)
     try:
         model = build_model(project)
     except FaultyDrawingError as faulty:
@@ -106,6 +101,20 @@ def check(options: argparse.Namespace) -> int:
     for line in warning_lines(warnings):
         say(line)
     return DONE
+
+
+def _repaired(project: Project) -> Project:
+    """Write a repaired drawing beside the project's and print every change; return the project with that drawing."""
+    from assessment.project.repair import with_repaired_drawing
+
+    project, changes = with_repaired_drawing(project)
+    for change in changes:
+        say(change)
+    name = project.geometry.drawing
+    count = "1 change" if len(changes) == 1 else f"{len(changes)} changes"
+    wrote = f'{count}: {project.path(name)}; to use it write geometry.drawing = "{name}"'
+    say(wrote if changes else f"{name}: nothing that can be repaired")
+    return project
 
 
 def status(options: argparse.Namespace) -> int:

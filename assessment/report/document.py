@@ -148,9 +148,6 @@ def render_html(
         contacts=contacts_of(results),
         assumptions=list(assumptions(results, words, contacts_of(results))),
         software="software_coulomb" if coulomb(results.echo) else "software",
-        strengthened=list(strengthening_sentences(results, words)),
-        yielding=[*yielding_sentence(results, words), *nearly_yielding(results, words)],
-        slackened=list(pretension_sentence(results, words)),
         references=references(),
         identified=list(identification_sentences(results, words)),
         ready=ready_lines(results, words),
@@ -182,6 +179,9 @@ def _conditional(results: Results, words: Words) -> dict[str, Any]:
         "onsets": list(onsets(results, words)),
         "few": few_records(results),
         "members": members(results),
+        "strengthened": list(strengthening_sentences(results, words)),
+        "yielding": [*yielding_sentence(results, words), *nearly_yielding(results, words)],
+        "slackened": list(pretension_sentence(results, words)),
     }
 
 
