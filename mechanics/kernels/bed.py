@@ -8,7 +8,7 @@ at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
 
 Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
 ends of n equal segments (the paper's) has no W* in closed form: there the displacements under two forces are found
-first. Beds of finite strength: crushing.
+first. Beds of finite strength: crushing. Which of them a joint has: bed_law.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def points_under(
 def points(
     u: float, phi: float, half: float, stiffness: float, segments: int
 ) -> tuple[float, float, float, float, float]:
-    """As crushed, of a bed of points at the ends of equal segments."""
+    """As stiffened, of a bed of points at the ends of equal segments."""
     n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
     each = 2.0 * half * stiffness / segments
     for i in range(segments + 1):
@@ -161,3 +161,13 @@ def points(
             n, m = n - k * gap, m - k * gap * s
             c0, c1, c2 = c0 + k, c1 + k * s, c2 + k * s * s
     return n, m, c0, c1, c2
+
+
+@compiled
+def points_stored(u: float, phi: float, half: float, stiffness: float, segments: int) -> float:
+    """Energy of a bed of points at the ends of equal segments: Σ ½kᵢ⟨−wᵢ⟩²."""
+    total = 0.0
+    for i in range(segments + 1):
+        gap = min(u + phi * half * (2.0 * i / segments - 1.0), 0.0)
+        total += (0.5 if i in (0, segments) else 1.0) * gap * gap
+    return half * stiffness / segments * total

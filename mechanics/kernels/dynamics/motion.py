@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.bed import stiffened, stored
-from mechanics.kernels.crushing import crushed, leave, worked
+from mechanics.kernels.bed_law import bed_forces, bed_work
+from mechanics.kernels.crushing import leave
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, TIED, H, U
 from mechanics.kernels.law import BED, SHEAR, STRENGTH
@@ -45,9 +45,8 @@ def crushable(p: Array, law: Array) -> bool:
 @compiled
 def work_on_bed(p: Array, u: float, law: Array, joint: Array) -> float:
     """The work (kNm) that presses the bed of a joint at a place p (PLACE,) to the gap u at its middle."""
-    if crushable(p, law):
-        return worked(u, p[PHI], p[H], law[BED], law[STRENGTH], joint[REMAINS:])
-    return stored(u, p[PHI], p[H], law[BED])
+    strength = law[STRENGTH] if crushable(p, law) else np.inf
+    return bed_work(law, strength, joint[REMAINS:], p[H], u, p[PHI])
 
 
 @compiled
@@ -55,9 +54,8 @@ def bed_under(
     p: Array, u: float, phi: float, law: Array, joint: Array
 ) -> tuple[float, float, float, float, float]:
     """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of the bed of a joint at a place p (PLACE,) under the gap u + φs."""
-    if crushable(p, law):
-        return crushed(u, phi, p[H], law[BED], law[STRENGTH], joint[REMAINS:])
-    return stiffened(u, phi, p[H], law[BED])
+    strength = law[STRENGTH] if crushable(p, law) else np.inf
+    return bed_forces(law, strength, joint[REMAINS:], p[H], u, phi)
 
 
 @compiled

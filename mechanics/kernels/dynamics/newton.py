@@ -17,12 +17,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.bed import points, stiffened
-from mechanics.kernels.crushing import crushed
+from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.interior.joint_loops import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, FRICTION, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import FRICTION, LEFT, SHEAR, SLID, STRENGTH
 from mechanics.kernels.linalg.cholesky import solve
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
@@ -57,27 +56,17 @@ class Joints(NamedTuple):
 
 
 @looped
-def pressed_bed(law: Array, h: float, u: float, phi: float) -> tuple[float, float, float, float, float]:
-    """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a joint's bed."""
-    if law[STRENGTH] < np.inf:
-        return crushed(u, phi, h, law[BED], law[STRENGTH], law[LEFT:])
-    if law[SEGMENTS] > 0.0:
-        return points(u, phi, h, law[BED], int(law[SEGMENTS]))
-    return stiffened(u, phi, h, law[BED])
-
-
-@looped
 def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s: Array) -> None:
     """Forces and stiffness of a joint that slides by |λ| = ±v − μN/k_t, into `s`; u − μ|λ| is the bed's."""
     mu, shear = law[FRICTION], law[SHEAR]
     w, give = u - mu * sign * v, mu * mu * shear
     force = max(s[N], 0.0)
-    n, m, c0, c1, c2 = pressed_bed(law, h, w + give * force, phi)
+    n, m, c0, c1, c2 = bed_forces(law, law[STRENGTH], law[LEFT:], h, w + give * force, phi)
     if give > 0.0:
         for _ in range(NEWTON):
             change = (n - force) / (1.0 + give * c0)
             force += change
-            n, m, c0, c1, c2 = pressed_bed(law, h, w + give * force, phi)
+            n, m, c0, c1, c2 = bed_forces(law, law[STRENGTH], law[LEFT:], h, w + give * force, phi)
             if abs(change) <= 1e-14 * force:
                 break
     share = 1.0 / (1.0 + give * c0)
@@ -90,7 +79,7 @@ def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s:
 @looped
 def _stick(law: Array, h: float, u: float, phi: float, v: float, least: float, s: Array) -> None:
     """Forces and stiffness of a joint that sticks with the force T, into `s`."""
-    s[N], s[P], s[DUU], s[DUP], s[DPP] = pressed_bed(law, h, u, phi)
+    s[N], s[P], s[DUU], s[DUP], s[DPP] = bed_forces(law, law[STRENGTH], law[LEFT:], h, u, phi)
     s[SLIP], s[SLIDES], s[DUV], s[DPV] = 0.0, 0.0, 0.0, 0.0
     s[MISS], s[SOFT] = v + law[SHEAR] * s[T], max(law[SHEAR], least)
     s[DVV] = 1.0 / s[SOFT]

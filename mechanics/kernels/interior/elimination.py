@@ -11,23 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.bed import (
-    closures,
-    linearised,
-    points_under,
-)
-from mechanics.kernels.crushing import softness, under
+from mechanics.kernels.bed import closures, linearised
+from mechanics.kernels.bed_law import EXACT, gaps_under, kind
 from mechanics.kernels.jit import compiler, larger
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import (
-    BED,
-    FRICTION,
-    LEFT,
-    SEGMENTS,
-    SHEAR,
-    SLID,
-    STRENGTH,
-)
+from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -115,14 +103,10 @@ def _bed(
     """
     if law[BED] == np.inf:
         return 0.0, 0.0, 0.0, 0.0, 0.0, -1.0
+    if kind(law, law[STRENGTH]) != EXACT:
+        w1, w2, c11, c12, c22 = gaps_under(law, h, n1, n2)
+        return w1, w2, c11, c12, c22, -1.0
     soft = 1.0 / (2.0 * h * law[BED])
-    if law[STRENGTH] < np.inf:
-        w1, w2 = under(n1, n2, h, law[BED], law[STRENGTH], law[LEFT:])
-        c11, c12, c22 = softness(w1, w2, h, law[BED], law[STRENGTH], law[LEFT:])
-        return w1, w2, c11, c12, c22, -1.0
-    if law[SEGMENTS] > 0.0:
-        w1, w2, c11, c12, c22 = points_under(n1, n2, int(law[SEGMENTS]), soft)
-        return w1, w2, c11, c12, c22, -1.0
     w1, w2 = closures(n1, n2, soft)
     y[0], y[1] = _taken(first - w1, y[0]), _taken(second - w2, y[1])
     off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
