@@ -13,6 +13,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
+from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.dynamics.march import march
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
@@ -26,7 +27,7 @@ from mechanics.kernels.dynamics.motion import (
     strain_energy,
 )
 from mechanics.kernels.joint import H, U
-from mechanics.kernels.law import BED, SHEAR
+from mechanics.kernels.law import BED, LEFT, SHEAR
 from mechanics.kernels.linalg.cholesky import factorise, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import message
@@ -265,14 +266,16 @@ def first_frequency(model: Assembly) -> float:
     system = static_system(model, "elastic")
     layout = Elimination.of(system.dof, model.initial.positions[model.movable, :2])
     places = system.contacts.places(model.initial.positions)
-    length, ties = 2.0 * places[:, H], system.contacts.ties
-    normal = system.law[:, BED] * length
+    ties, normal = system.contacts.ties, system.law[:, BED] * 2.0 * places[:, H]
     with np.errstate(divide="ignore"):
         shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
     mass, stored = model.mass[model.movable].ravel()[layout.order], layout.matrix()
     diagonal(np.zeros(len(mass)), stored, layout.pattern)
     for k, (i, j) in enumerate(layout.row):
-        turns, slides = (0.0, 0.0) if ties[k] else (normal[k] * length[k] ** 2 / 12.0, shear[k])
+        _, _, _, _, turns = bed_forces(
+            system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0
+        )  # all of it pressed, none crushed
+        turns, slides = (0.0, 0.0) if ties[k] else (turns, shear[k])
         law = np.array([normal[k], 0.0, 0.0, turns, 0.0, slides])
         stiffen(k, places[k], i, j, law, stored, layout.pattern)
     if _some_are_loose(model) or not factorise(stored, layout.pattern):

@@ -8,11 +8,18 @@ from scipy.linalg import eigh
 
 from mechanics import Assembly, Block, Material, time_history
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import BED, SHEAR
+from mechanics.kernels.law import BED, SEGMENTS, SHEAR
 from mechanics.model.contacts import rows
 from mechanics.steps.dynamic_system import RIGID_SHEAR, first_frequency
 from mechanics.steps.static_system import static_system
-from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
+from tests.support.structures import (
+    arch_on_piers,
+    block_on_base,
+    column,
+    rectangle,
+    running_bond,
+    semicircular_arch,
+)
 
 STONE = Material(20.0, 0.6, 1e5)
 
@@ -34,10 +41,11 @@ def dense(model: Assembly) -> float:
     normal = system.law[:, BED] * length
     with np.errstate(divide="ignore"):
         shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
+    segments = system.law[:, SEGMENTS]
+    with np.errstate(divide="ignore"):
+        turning = normal * length**2 / 12.0 * np.where(segments > 0, 1.0 + 2.0 / segments**2, 1.0)
     matrix = np.zeros((len(mass) + 1,) * 2)  # supports have the last row
-    for row, k in zip(
-        rows(places).transpose(1, 0, 2), (normal, normal * length**2 / 12.0, shear), strict=True
-    ):
+    for row, k in zip(rows(places).transpose(1, 0, 2), (normal, turning, shear), strict=True):
         np.add.at(
             matrix,
             (system.dof[:, :, None], system.dof[:, None, :]),
@@ -56,10 +64,27 @@ def dense(model: Assembly) -> float:
         semicircular_arch(20, 0.15),
         arch_on_piers(),
         running_bond(6, 8, stiffness=1e6),
+        column(0.4, 1.6, 3, stiffness=2e5, segments=1),
+        semicircular_arch(20, 0.15, segments=2),
+        arch_on_piers(segments=4),
     ],
 )
 def test_first_frequency_is_that_of_the_dense_problem(model: Assembly) -> None:
     assert first_frequency(model) == pytest.approx(dense(model), rel=1e-8)
+
+
+@pytest.mark.parametrize("segments", [None, 1, 2, 3, 4, 8, 64])
+def test_first_frequency_of_a_block_on_points_has_a_closed_form(segments: int | None) -> None:
+    """m I λ² − (m(k_s a² + k_φ) + I k_s) λ + k_s k_φ = 0, its centroid a above a bed with k_φ = kL³/12 (1 + 2/n²)."""
+    width, a, k, ks = 0.8, 0.6, 2e5, 5e4
+    stone = Material(20.0, 0.6, k, tangential_stiffness=ks / width)
+    base = Block(rectangle(-1.0, -0.2, 2.0, 0.0), 1.0, stone, support="base")
+    model = Assembly([base, Block(rectangle(0.0, 0.0, width, 2.0 * a), 1.0, stone)], segments)
+    turns = k * width**3 / 12.0 * (1.0 if segments is None else 1.0 + 2.0 / segments**2)
+    m, _, inertia = model.mass[1]
+    middle = 0.5 * (m * (ks * a**2 + turns) + inertia * ks)
+    lowest = (middle - np.sqrt(middle**2 - m * inertia * ks * turns)) / (m * inertia)
+    assert first_frequency(model) == pytest.approx(np.sqrt(lowest), rel=1e-8)
 
 
 def test_first_frequency_is_repeatable_where_few_modes_differ() -> None:
