@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from assessment.project.project import Project
 
-REPAIRABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults
+REPAIRABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
 TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
 
 
@@ -57,6 +57,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.analyses.static.paths import stand
     from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
+    from assessment.project.repair import repairable
     from assessment.project.schema import ORIGINAL
     from assessment.project.structure.model import build_model
     from assessment.report.chapters.judgement_file import refuse_unreadable
@@ -82,7 +83,8 @@ def check(options: argparse.Namespace) -> int:
         if faulty.outlines:
             save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
             tell(f"drawing with the faults marked: {drawing}")
-        if not options.repair and any(fault.kind in REPAIRABLE for fault in faulty.faults):
+        mendable = any(fault.kind in REPAIRABLE for fault in faulty.faults)
+        if mendable and not options.repair and repairable(project):
             tell("small faults can be repaired in a copy of the drawing: assesto check --repair")
         return WRONG_INPUT
     results = describe(project, model)

@@ -69,6 +69,10 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
         elif kind == "missing" and isinstance(node, dict):
             key = str(detail["loc"][-1])
             problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
+        elif _pairs(path, detail["input"]):
+            outline = path[: path.index("region_m") + 1]
+            flat = f"{_shown(detail['input'])} is wrong; write one flat list: [x1, z1, x2, z2, …]"
+            problems.setdefault(outline, flat)
         elif kind == "value_error":
             problems[path] = str(context["error"])
         else:
@@ -78,6 +82,12 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
     # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
     return [Problem(path, text) for path, text in problems.items() if path not in shallow]
+
+
+def _pairs(path: KeyPath, value: Any) -> bool:
+    """Return whether a value is a pair of an outline, which is one flat list, or an outline of pairs."""
+    parts = value if path[-1:] == ("region_m",) and isinstance(value, list) else [value]
+    return "region_m" in path and any(isinstance(part, list) for part in parts)
 
 
 def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:

@@ -7,10 +7,19 @@ from typing import TYPE_CHECKING
 from assessment.project.structure.model import how_to_read
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import write_atomically
+from mechanics.errors import DrawingError
 from mechanics.model import repair_drawing
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
+
+
+def repairable(project: Project) -> bool:
+    """Return whether a repair would change anything in the project's drawing."""
+    try:
+        return bool(repair_drawing(*how_to_read(project), project.geometry.tolerance_m).changes)
+    except (DrawingError, OSError, IndexError):  # an outline without any extent stops a repair
+        return False
 
 
 def with_repaired_drawing(project: Project) -> tuple[Project, tuple[str, ...]]:

@@ -156,17 +156,21 @@ def _arch(values: Values) -> dict[str, Any]:
 
 def _buttressed_arch(values: Values) -> dict[str, Any]:
     outer, top = 0.5 * values["span_m"] + values["pier_width_m"], values["pier_height_m"]
+    drawn = {name: default for name, (default, _, _) in _BUTTRESSED_OPTIONS.items()}
+    sized = any(values[name] != default for name, default in drawn.items() if name.endswith("_m"))
+    scale = values["span_m"] / drawn["span_m"]
+    movement = round(0.02 * scale, 3)
     return _content(
-        "Arco su piedritti, modello 1:10",
-        depth=0.1,
+        "Arco su piedritti" if sized else "Arco su piedritti, modello 1:10",
+        depth=round(0.1 * scale, 2),
         material=_stone(11.5, 0.6, 1.2e5),
         layers={
             "BASE_SINISTRA": {"support": "sinistro"},
             "BASE_DESTRA": {"support": "destro"},
         },
         control=[_point("C1", -outer, top), _point("C2", outer, top)],
-        settlements=[_outward(0.02, 0.001)],
-        pushover=_pushover(0.0005, right="C2", left="C1"),
+        settlements=[_outward(movement, round(0.05 * movement, 7))],
+        pushover=_pushover(round(0.0005 * scale, 7), right="C2", left="C1"),
     )
 
 
@@ -195,6 +199,16 @@ _ARCH_OPTIONS: dict[str, Option] = {
     "voussoirs": (21, NUMBER, "voussoirs of the ring"),
 }
 
+_BUTTRESSED_OPTIONS: dict[str, Option] = {
+    **_ARCH_OPTIONS,
+    "span_m": (0.54, "m", "clear span"),
+    "rise_m": (0.24, "m", "rise of the intrados, at most half the span"),
+    "thickness_m": (0.055, "m", "thickness of the ring"),
+    "pier_width_m": (0.15, "m", "width of a pier"),
+    "pier_height_m": (0.55, "m", "height of a pier up to the springing"),
+    "blocks_per_pier": (5, NUMBER, "blocks of a pier"),
+}
+
 TEMPLATES: dict[str, Template] = {
     "block": Template(
         {
@@ -217,15 +231,7 @@ TEMPLATES: dict[str, Template] = {
     ),
     "arch": Template(_ARCH_OPTIONS, parametric.arch, _arch),
     "buttressed-arch": Template(
-        {
-            **_ARCH_OPTIONS,
-            "span_m": (0.54, "m", "clear span"),
-            "rise_m": (0.24, "m", "rise of the intrados, at most half the span"),
-            "thickness_m": (0.055, "m", "thickness of the ring"),
-            "pier_width_m": (0.15, "m", "width of a pier"),
-            "pier_height_m": (0.55, "m", "height of a pier up to the springing"),
-            "blocks_per_pier": (5, NUMBER, "blocks of a pier"),
-        },
+        _BUTTRESSED_OPTIONS,
         parametric.buttressed_arch,
         _buttressed_arch,
     ),

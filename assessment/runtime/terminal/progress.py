@@ -16,16 +16,24 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
+LATE = "longer than expected"  # what is left once the time that was expected is over
+OVER = 1.0  # s: since when
+
+
 @dataclass(frozen=True)
 class TimeLeft:
-    """Time left until a moment (s, of the performance counter), written as h:mm:ss of now; None: not known."""
+    """Time left until a moment (s, of the performance counter), written as h:mm:ss of now; None: not known.
+
+    Past the moment it is told that it takes longer, not that nothing is left.
+    """
 
     until: float | None = None
 
     def __str__(self) -> str:
         if self.until is None:
             return "-:--:--"
-        return _clock(self.until - time.perf_counter())
+        left = self.until - time.perf_counter()
+        return LATE if left < -OVER else _clock(left)
 
 
 @dataclass(frozen=True)

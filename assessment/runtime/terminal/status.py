@@ -8,6 +8,7 @@ from pathlib import Path
 
 from assessment.runtime.files.journal import Stage, read_journal
 from assessment.runtime.files.lock import holder
+from assessment.runtime.terminal.progress import LATE, OVER
 
 
 def status(folder: Path) -> str:
@@ -36,7 +37,7 @@ def _line(stage: Stage, running: bool) -> str:
     if stage.ended or not running:
         return text
     now, ends = time.time(), stage.pace.ends
-    left = "not known yet" if ends is None else _clock(max(0.0, ends - now))
+    left = "not known yet" if ends is None else LATE if ends < now - OVER else _clock(max(0.0, ends - now))
     return f"{text}, {stage.open} in flight or waiting; {_clock(now - stage.pace.began)} gone, left: {left}"
 
 
@@ -49,7 +50,8 @@ def _finished(folder: Path) -> Iterator[str]:
         return
     results = read_results(stored)
     failures = (results.campaign and results.campaign.failures) or []
-    yield f"finished: {folder}, {results.quality.solves} solves, {len(failures)} failures of the campaign"
+    campaign = f", {len(failures)} failures of the campaign" if results.campaign else ""
+    yield f"finished: {folder}, {results.quality.solves} solves{campaign}"
     yield from (f"  failed: {failure}" for failure in failures)
 
 

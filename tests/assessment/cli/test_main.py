@@ -238,6 +238,8 @@ def test_what_no_repair_can_mend_is_still_refused(project, capsys):
     document = readfile(drawn)
     document.modelspace().add_lwpolyline([(9, 0), (10, 1), (10, 0), (9, 1)], close=True)
     document.saveas(drawn)
+    assert main(["check", str(project)]) == 2
+    assert "--repair" not in capsys.readouterr().err, "it was offered, and then had nothing to repair"
     assert main(["check", str(project), "--repair"]) == 2
     out, err = capsys.readouterr()
     assert "crosses or touches itself" in err and "nothing that can be repaired" in out

@@ -214,6 +214,12 @@ WRONG = [  # old text, new text, key, what the message must hold
     ('spectrum = "ntc"', 'control = "C1"', "assessment.control", "unknown key"),
     (BEFORE_REPORT, MECHANISM, "mechanism[1]", "no block is chosen"),
     (BEFORE_REPORT, MECHANISM + "region_m = [0, 0, 1]\n", "mechanism[1].region_m", "two corners of a box"),
+    (
+        BEFORE_REPORT,
+        MECHANISM + "region_m = [[0, 0], [1, 1]]\n",
+        "mechanism[1].region_m",
+        "write one flat list: [x1, z1, x2, z2, …]",
+    ),
     (BEFORE_REPORT, MECHANISM + "blocks = [1]\nrotation = 0\n", "mechanism[1].rotation", "does not move"),
     (BEFORE_REPORT, MECHANISM + 'blocks = [1]\nstate = "settled"\n', "mechanism[1].state", '"original"'),
     (

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.cli.main import main
+from assessment.results.file import as_bytes
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files import journal as journals
 from assessment.runtime.files.journal import NAME, journal, read_journal
@@ -20,6 +21,8 @@ from assessment.runtime.terminal.status import status
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.forked import forked
+from tests.support.results_example import results_example
+from tests.support.typed import typed
 
 
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
@@ -54,6 +57,9 @@ def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypa
         assert "history: 0 of 1 done, 1 in flight or waiting; 0:00:40 gone, left: 0:02:40" in status(tmp_path)
         clock.now += 60.0
         assert "0:01:40 gone, left: 0:01:40" in status(tmp_path)
+        clock.now += 200.0
+        assert "0:05:00 gone, left: longer than expected" in status(tmp_path)
+        clock.now -= 200.0
         lines = len((tmp_path / NAME).read_text().splitlines())
         for number in range(100):
             clock.now += 0.1
@@ -147,3 +153,9 @@ def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_
     assert contents(folder / "output" / "tables") == tables
     assert main(["status", str(folder)]) == 0
     assert "finished: " in capsys.readouterr().out
+
+
+def test_a_finished_run_without_a_campaign_has_no_failures_of_one(tmp_path):
+    results = typed(results_example())
+    (tmp_path / "results.json").write_bytes(as_bytes(results))
+    assert status(tmp_path) == f"finished: {tmp_path}, {results.quality.solves} solves"

@@ -110,6 +110,8 @@ def test_the_time_left_is_known_before_an_analysis_is_finished(monkeypatch):
     assert "left 0:01:30" in without_colours(shown())
     clock.now += 30.0
     assert "left 0:01:00" in without_colours(shown())
+    clock.now += 70.0
+    assert "left longer than expected" in without_colours(shown()), "it said 0:00:00 while nothing ended"
     bars.advance(2.0)
     assert "left 0:00:00" in without_colours(shown())
 
