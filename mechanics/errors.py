@@ -28,7 +28,12 @@ class UnstableError(MechanicsError, SaidError, ValueError):
 
 
 class NoEquilibriumError(MechanicsError, SaidError, ValueError):
-    """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path."""
+    """No equilibrium near a configuration under its loads: a mechanical statement, the end of a path.
+
+    `path`: what a pushdown has followed of it so far, None elsewhere.
+    """
+
+    path: object = None
 
 
 class UnsettledError(NoEquilibriumError):
@@ -52,7 +57,12 @@ class ControlError(MechanicsError, SaidError, ValueError):
 
 
 class ConvergenceError(MechanicsError, SaidError, RuntimeError):
-    """A program has, or may have, a solution that no solver found to the required accuracy."""
+    """A program has, or may have, a solution that no solver found to the required accuracy.
+
+    `path`: as of NoEquilibriumError.
+    """
+
+    path: object = None
 
 
 class DrawingError(MechanicsError, ValueError):

@@ -14,6 +14,7 @@ from mechanics.model.contacts import Contacts
 from mechanics.types import Array, Mask
 
 TURNED = 1.0  # rad from the beginning: a block that has turned so far does not come back
+GRID = 1e-9  # of the block size, of overlays
 THROUGH = 0.01  # of a block's area: an overlap that is none
 
 
@@ -89,15 +90,15 @@ def passing_through(model: Assembly, x: Array) -> tuple[Message, ...]:
     """
     cos, sin = np.cos(x[:, 2]), np.sin(x[:, 2])
     turned = [
-        at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]])
+        at[:2] - x[0, :2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]])
         for block, at, c, s in zip(model.blocks, x, cos, sin, strict=True)
     ]
     shapes = np.array([shapely.Polygon(polygon) for polygon in turned])
     first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     first, second = first[first < second], second[first < second]
-    share = shapely.area(shapely.intersection(shapes[first], shapes[second])) / np.minimum(
-        shapely.area(shapes[first]), shapely.area(shapes[second])
-    )
+    # on a grid: in plain numbers the overlay of blocks that only touch may be a whole block
+    common = shapely.area(shapely.intersection(shapes[first], shapes[second], grid_size=GRID * model.size))
+    share = common / np.minimum(shapely.area(shapes[first]), shapely.area(shapes[second]))
     if share.max(initial=0.0) <= THROUGH:
         return ()
     k = int(np.argmax(share))

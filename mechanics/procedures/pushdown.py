@@ -102,7 +102,7 @@ def pushdown(
     if they do not come to rest, the structure has collapsed.
 
     Raises UnstableError if the structure as drawn cannot stand, CollapseError if it collapses before the whole movement
-    is applied (the error carries the path so far), NoEquilibriumError or ConvergenceError if that cannot be decided,
+    is applied, NoEquilibriumError or ConvergenceError if that cannot be decided (these carry the path so far),
     ArgumentError for an argument out of its range.
     """
     # nine arguments: the public function of the package, called with keywords
@@ -140,9 +140,14 @@ def _followed(
 ) -> Pushdown:
     """Follow the path of moving supports. Raises as `pushdown`."""
     path = _Path(moving, increment, to_collapse, tolerances)
-    follow(path, Bisection(increment))
-    if path.undecided is not None:
-        raise path.undecided
+    try:
+        follow(path, Bisection(increment))
+        if path.undecided is not None:
+            raise path.undecided
+    except (NoEquilibriumError, ConvergenceError) as error:
+        path.end = error.message
+        error.path = path.result()
+        raise
     if path.final is None:
         raise CollapseError(path.collapse(), path.result())
     return path.result()

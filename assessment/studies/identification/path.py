@@ -77,8 +77,7 @@ def follow(
 
 def _so_far(error: NoEquilibriumError | ConvergenceError) -> Pushdown | None:
     """Return the path that was followed before an error; None where it carries none."""
-    path = getattr(error, "path", None)
-    return path if isinstance(path, Pushdown) else None
+    return error.path if isinstance(error.path, Pushdown) else None
 
 
 def _moves(model: Assembly, each: SupportMovement) -> bool:

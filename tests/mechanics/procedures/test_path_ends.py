@@ -13,6 +13,7 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
+from mechanics.messages import message
 from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from mechanics.steps.tolerances import REST
@@ -280,6 +281,36 @@ def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(incremen
     assert curve.lost
     # 1.7287 mm at 0.1 mm, 1.7285 at 0.3, 1.7313 at 1; on unstable equilibria a path went on to 1.65
     assert curve.displacement[-1] == pytest.approx(0.001729, rel=0.002)
+
+
+def test_a_movement_whose_rest_is_not_decided_ends_in_its_words_with_what_was_followed(monkeypatch):
+    """It went on with steps of no length, and ended in a division by zero."""
+
+    def undecided(*_):
+        raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
+
+    module = import_module("mechanics.procedures.pushdown")
+    monkeypatch.setattr(module, "lifted", lambda *_: 1.0)
+    monkeypatch.setattr(module, "motion_to_rest", undecided)
+    with pytest.raises(ConvergenceError, match="not solved") as caught:
+        pushdown(block_on_base(), "base", (0.01, -0.01), increment=0.005, to_collapse=True)
+    assert caught.value.path.movement.tolist() == [0.0, 0.005, 0.01]
+
+
+def test_a_movement_that_is_not_solved_carries_what_was_followed(monkeypatch):
+    module, steps = import_module("mechanics.procedures.pushdown"), []
+    step_from = module.reach
+
+    def three(*arguments):
+        steps.append(arguments)
+        if len(steps) > 4:  # the onset and three steps
+            raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
+        return step_from(*arguments)
+
+    monkeypatch.setattr(module, "reach", three)
+    with pytest.raises(ConvergenceError) as caught:
+        pushdown(block_on_base(), "base", (0.01, -0.01), increment=0.002)
+    assert caught.value.path.movement[-1] == pytest.approx(0.006) and caught.value.path.ultimate is None
 
 
 def test_a_curve_that_falls_back_to_where_it_has_jumped_before_ends(monkeypatch):
