@@ -23,7 +23,9 @@ from assessment.report.tables.campaign import LOSS, campaign_tables, reported_ca
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.results.plain import plain
 from assessment.results.schema import Campaign
+from assessment.runtime.terminal.dynamic import dynamic_lines
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
+from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
@@ -290,3 +292,68 @@ def test_results_without_a_campaign_have_none_of_it():
     results = results_example()
     assert not any(table.rows for table in campaign_tables(typed(results)))
     assert "campaign" not in {picture.section for picture in pictures(typed(results))}
+
+
+def few_records(language: str = "en") -> dict:
+    """The campaign with fewer records than §7.3.5 asks for."""
+    results = results_with_campaign(language)
+    for row in results["campaign"]["fragility"]:
+        row |= {"rule": None, "pga_collapse_g": None, "median_range": None, "beta_range": None}
+    return results
+
+
+@pytest.mark.parametrize(("static", "key"), [(None, "alone"), (0.1, "beside"), (-0.1, "opposed")])
+def test_the_judgement_sets_the_loss_beside_the_static_one_and_remarks_opposite_signs(static, key):
+    """Neither a collapse under a record nor what a campaign gave was told in the judgement."""
+    results = results_with_campaign("en")
+    for row in results["campaign"]["loss"]:
+        row["static"] = static
+    assert f"campaign_{key}" in hold(results)
+
+
+def test_the_judgement_tells_which_states_a_record_makes_collapse():
+    results = results_example("en")
+    common = {"record": "wave", "pga_g": 0.3, "reason": None}
+    stands = common | {"collapsed": False, "peak_displacement_m": 0.058}
+    falls = common | {"collapsed": True, "peak_displacement_m": 0.2, "time_of_collapse_s": 5.32}
+    results["states"]["original"]["history"] = [falls]
+    results["states"][SETTLED]["history"] = [stands]
+    assert {"history_collapse", "history_stands"} <= set(hold(results))
+    results["states"]["original"]["history"] = [stands]
+    assert "history_peak" in hold(results)
+
+
+def test_the_terminal_has_a_line_of_each_motion_and_movement():
+    results = results_with_campaign("en")
+    results["states"]["original"]["history"] = [
+        {"record": "wave", "collapsed": True, "time_of_collapse_s": 5.32},
+        {"record": "calm", "collapsed": False, "peak_displacement_m": 0.058},
+    ]
+    fallen, peak, drawn, *_, whole = dynamic_lines(typed(results))
+    assert fallen == "history wave, original: collapse at 5.32 s"
+    assert peak == "history calm, original: peak 58 mm"
+    assert drawn.startswith(f"campaign, {SETTLED} × 0: median PGA at collapse 0.38")
+    assert drawn.endswith(" (lowest)") and "loss" not in drawn
+    assert "loss +30.0 % (static +20.0 %)" in whole
+    *_, few = dynamic_lines(typed(few_records()))
+    assert few.endswith("no PGA of NTC 2018 §7.3.5, which needs three records")
+
+
+@pytest.mark.parametrize(("make", "few"), [(few_records, True), (results_with_campaign, False)])
+def test_the_page_says_why_few_records_have_no_interval_and_no_value(make, few, tmp_path):
+    results = make("en")
+    draw_sections(typed(results), tmp_path, "campaign")
+    html = render_html(typed(results), tmp_path, words_of(typed(results)))
+    for words in ("gives no PGA at collapse", "in place of the 95 % interval"):
+        assert (words in html) == few
+
+
+def test_levels_that_were_run_once_claim_no_accuracy(tmp_path):
+    """Capacities were said to be known to 5 % where each motion was run once."""
+    results = results_with_campaign("en")
+    draw_sections(typed(results), tmp_path, "campaign")
+    for members in (5, 1):
+        results["campaign"]["members"] = members
+        html = render_html(typed(results), tmp_path, words_of(typed(results)))
+        assert ("is known to that" in html) == (members > 1)
+        assert ("Every level was run once" in html) == (members == 1)

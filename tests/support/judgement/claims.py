@@ -544,6 +544,7 @@ def pattern(key: str) -> re.Pattern[str]:
 
     def fields(text: str) -> str:
         named = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(text))
+        named = named.replace("(?P<dynamic>.+?)", r"(?P<dynamic>\S+?)")  # a number
         return named.replace("(?P<among>.+?)", "(?P<among>.*?)")  # nothing where all are known
 
     texts = WORDS.strings["judgement"]
