@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.kernels.crushing import ends_under
+from mechanics.kernels.bed_law import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, CRUSHED, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import forces_on_blocks, relative_motion

@@ -12,8 +12,6 @@ the bed is divided; on each part f is the difference of two beds without strengt
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from mechanics.kernels.bed import closures, stiffened, stored
@@ -181,12 +179,3 @@ def keep_within_strength(places: Array, law: Array, f: Array) -> None:
         share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
         for e in range(3):
             f[k, e] *= share
-
-
-def __getattr__(name: str) -> Any:
-    """`ends_under`, for those who look for it here: it is in bed_law, which imports this module."""
-    if name == "ends_under":
-        from mechanics.kernels import bed_law
-
-        return bed_law.ends_under
-    raise AttributeError(name)

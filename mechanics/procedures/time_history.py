@@ -52,9 +52,9 @@ class HistoryTolerances:
 
     `accepted`: residual of a program, per weight and span; `chunk`: steps after which collapse is looked for.
 
-    Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `taken`: share of the
-    integrator in the dissipated energy above which one is given; `nothing`: energy, as a share of the weight lifted by
-    a block's size, below which nothing moves.
+    Warnings. `balanced`: imbalance, or what the integrator took, as a share of the energy turned over, that needs none;
+    `taken`: share of the integrator in the dissipated energy above which one is given; `nothing`: energy, as a share of
+    the weight lifted by a block's size, below which nothing moves.
     """
 
     few: int = 3
@@ -389,7 +389,8 @@ def _notes(
                 share=energy.imbalance,
             ),
         )
-    if moves and energy.integrator_share > tolerances.taken:
+    taken = float(abs(energy.integrator[-1])) > tolerances.balanced * energy.turnover
+    if moves and taken and energy.integrator_share > tolerances.taken:
         notes += (
             message(
                 "the integrator itself took {share:.0%} of the energy dissipated: "
