@@ -18,6 +18,7 @@ from assessment.report.chapters.grid import summary_grids
 from assessment.report.chapters.identification import identification_sentences, ready_lines
 from assessment.report.chapters.joints import assumptions, pressure_sentences
 from assessment.report.chapters.judgement import all_warnings, draft_judgement, worst_scenario
+from assessment.report.chapters.overlaps import overlap_sentences
 from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
 from assessment.report.chapters.remarks import (
     contacts_of,
@@ -165,6 +166,7 @@ def render_html(
         limits=list(displacement_limits(results, words)),
         fitted=list(fitted_above(results, words)),
         second_solver=list(comparison(results, words)),
+        overlaps=list(overlap_sentences(results, words)),
         vertical=list(vertical_sentences(results, words)),
         refused=_refused(results, words),
     )
