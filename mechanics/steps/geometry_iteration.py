@@ -74,6 +74,12 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             continue
         found = certified(problem, now)
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
+            if _lift_left(problem, now) > STEP.lift_left * model.size:
+                raise UnsettledError(
+                    message(
+                        "the slips of the step do not settle: joints would penetrate as the lift is taken back"
+                    )
+                )
             return _stable(found)
         # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
@@ -135,10 +141,15 @@ def _slips(iterate: Iterate) -> Array:
 
 def _slips_changed(problem: StepProblem, now: Round) -> bool:
     """Whether the slips differ so much from those whose lift was subtracted that a gap is left."""
+    return _lift_left(problem, now) > STEP.slip_gap * problem.size
+
+
+def _lift_left(problem: StepProblem, now: Round) -> float:
+    """Return the largest difference (m) between the lift of a round's slips and the lift that was subtracted."""
     if now.slips is None or now.iterate is None:
-        return False
-    gap = abs(problem.system.law[:, FRICTION] * (_slips(now.iterate) - now.slips)).max(initial=0.0)
-    return bool(gap > STEP.slip_gap * problem.size)
+        return 0.0
+    lift = problem.system.law[:, FRICTION] * (_slips(now.iterate) - now.slips)
+    return float(abs(lift).max(initial=0.0))
 
 
 def _other_contacts(problem: StepProblem, now: Round) -> Index | None:

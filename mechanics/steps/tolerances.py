@@ -18,8 +18,8 @@ class StepTolerances:
     rounding keeps it from a smaller one. `begin`: distance from the bounds, per weight and step, at which the first
     program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the last;
     `bend`: the same for a program that begins near that with its geometry held. `slip_rounds`: number of programs in
-    which Coulomb slips are updated; `slip_gap`: gap left by a change of the slips that is accepted, as a share of a
-    step.
+    which Coulomb slips are updated; `slip_gap`: gap left by a change of the slips that ends that, as a share of a step;
+    `lift_left`: the most of it that is accepted, as a share of the block size.
 
     Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
     to; `slow`: the same of rigid joints if forces and geometry approach each other only slowly. `fall`: a motion of
@@ -45,6 +45,7 @@ class StepTolerances:
     bend: float = 1e-2
     slip_rounds: int = 6
     slip_gap: float = 1e-3
+    lift_left: float = 2e-3
     rigid_certificate: float = 1e-8
     elastic_certificate: float = 1e-6
     slow: float = 1e-5
