@@ -18,7 +18,7 @@ def repairable(project: Project) -> bool:
     """Return whether a repair would change anything in the project's drawing."""
     try:
         return bool(repair_drawing(*how_to_read(project), project.geometry.tolerance_m).changes)
-    except (DrawingError, OSError, IndexError):  # an outline without any extent stops a repair
+    except (DrawingError, OSError):
         return False
 
 

@@ -156,7 +156,7 @@ def _uncross(plan: _Plan, reach: float) -> Iterator[str]:
             continue
         parts = shapely.get_parts(shapely.make_valid(drawn, method="structure", keep_collapsed=False))
         areas = plan.scale**2 * shapely.area(parts)
-        if not len(parts) or areas.sum() - areas.max() > reach**2 or len(parts[areas.argmax()].interiors):
+        if not areas.any() or areas.sum() - areas.max() > reach**2 or len(parts[areas.argmax()].interiors):
             continue
         ring = shapely.get_coordinates(shapely.get_exterior_ring(parts[areas.argmax()]))[:-1]
         if len(ring) <= len(file_points(outline)):

@@ -193,6 +193,14 @@ def test_what_is_not_plane_is_not_flattened(tmp_path):
     assert repair_drawing(tmp_path / "geometry.dxf", "mm", STONE, BASE).changes == ()
 
 
+def test_an_outline_without_extent_stays_as_it_is(tmp_path):
+    document, space = drawing()
+    outline(space, SQUARE, "BASE")
+    outline(space, [(1, 15), (1, 15), (1, 15), (1, 15)])
+    document.saveas(tmp_path / "geometry.dxf")
+    assert repair_drawing(tmp_path / "geometry.dxf", "mm", STONE, BASE).changes == ()
+
+
 def test_an_arc_of_more_than_half_a_circle_stays(tmp_path):
     """Moved by 0.05 mm its ends, 1 mm apart, would turn a circle of 10 mm by a twentieth."""
     document, space = drawing()
