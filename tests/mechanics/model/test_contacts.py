@@ -160,7 +160,8 @@ def test_forces_on_blocks_are_the_gradient_of_the_energy_and_stiffness_the_secon
         spring[[0, -1]] *= 0.5
         c = [spring @ s**power for power in range(3)]
     else:
-        ends = u + phi * np.array([-half, half])  # where they open, or begin to crush, differences have a kink
+        # where ends open, or begin to crush, differences have a kink
+        ends = u + phi * np.array([-half, half])
         assume(min(abs(ends).min(), abs(ends + strength / k).min()) > 1e-5)
         n, p, *c = crushed(u, phi, half, k, min(strength, 1e3 * k), np.zeros(LAW - LEFT))
     forces = np.array([n, p, -K_SHEAR * v])
