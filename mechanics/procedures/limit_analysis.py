@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.errors import NoEquilibriumError
+from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import U
 from mechanics.kernels.law import FRICTION
 from mechanics.messages import message
@@ -49,9 +49,9 @@ def limit_analysis(
     """Return the largest α with equilibrium under f_D + α f_L over the joints closed in a state (paper, eq. 5).
 
     `state`: default as drawn. `sliding`: "associative", as in the paper, opens a joint that slides; "coulomb" does not:
-    its multiplier is not unique, see limit_in. Raises UnstableError if the joints
-    cannot carry gravity alone, NoEquilibriumError if the load meets no mechanism (an interlocked assembly),
-    ArgumentError for an argument out of its range.
+    its multiplier is not unique, see limit_in. Raises UnstableError if the joints cannot carry gravity alone,
+    NoEquilibriumError if the load meets no mechanism (an interlocked assembly), ConvergenceError if hinges that crush do
+    not settle, ArgumentError for an argument out of its range.
     """
     Assembly.check(model)
     check_sliding(sliding)
@@ -96,7 +96,7 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
 
     With Coulomb friction the program is repeated, and each repetition subtracts the lift of the last slips: once the
     slips settle, no joint is lifted. If they do not, see _without_lift: the lift that is left is returned. Raises
-    NoEquilibriumError if the load meets no mechanism.
+    NoEquilibriumError if the load meets no mechanism, ConvergenceError if hinges that crush do not settle.
     """
     return _limit(model, direction, closed_program(model, state), sliding)
 
@@ -104,7 +104,7 @@ def limit_in(model: Assembly, direction: Direction, state: State, sliding: Slidi
 def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, sliding: Sliding) -> Limit:
     """Return the onset of collapse over the closed joints of a state. Raises as limit_in.
 
-    Hinges that crush their edges are where their forces have them: the program is repeated until they are.
+    A hinge that crushes its edge lies N/2s within it: the program is repeated until N is that of the solution.
     """
     closed = standing.pushed(model, model.lateral_load(direction))
     for _ in range(LIMIT.repeats):
@@ -116,6 +116,8 @@ def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, slidi
         if again is None:
             break
         closed = again
+    else:
+        raise ConvergenceError(message("the hinges that crush do not settle where their forces have them"))
     if abs(solution.alpha) > 0.99 * LARGEST_MULTIPLIER:
         raise NoEquilibriumError(
             message(

@@ -47,9 +47,8 @@ class Mirror:
         if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
             return None
         contacts = model.contacts
-        apart = (
-            10.0 * extent
-        )  # what belongs to other blocks is shifted so far: only what is of the same can match
+        # corners and joints are shifted by their blocks: only those of the same blocks can match
+        apart = 10.0 * extent
         corner = np.concatenate([block.polygon for block in model.blocks])
         of = np.repeat(np.arange(len(model.blocks)), [len(block.polygon) for block in model.blocks])
         flipped = [2.0 * axis, 0.0] + corner * [-1.0, 1.0]

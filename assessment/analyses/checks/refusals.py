@@ -54,7 +54,7 @@ def _refusal(note: Message) -> Message | None:
 
 
 def _kind(note: Message) -> object:
-    """Return what notes that are told as one have in common."""
+    """Return the key of a note: notes of the same key are reported as one."""
     reason = _refusal(note)
     return str(note) if reason is None else (str(note.fields["direction"]), reason.template)
 

@@ -16,7 +16,7 @@ from assessment.results.schema.static import RigidPush
 
 PLACES = 2  # of a displacement in mm: what is less is none that a drawing shows
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
-NEAR = 0.9  # of α_0: an earlier peak that comes so near is told
+NEAR = 0.9  # of α_0: an earlier peak above it is reported
 
 
 def onsets(results: Results, words: Words) -> Iterator[Markup]:

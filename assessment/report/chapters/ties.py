@@ -10,8 +10,8 @@ from assessment.report.text.language import Words
 from assessment.results.schema import Results
 from assessment.results.schema.static import TieTension
 
-LEFT = 0.5  # of a pretension: a tie at rest that has less left is told
-NEARLY = 0.99  # of the yield force: a tie that comes so near and is not found to yield is told
+LEFT = 0.5  # of a pretension: a tie at rest with less tension is reported
+NEARLY = 0.99  # of the yield force: a tie above it that does not yield is reported
 
 
 def tie_assumptions(results: Results, words: Words, contacts: Sequence[str]) -> Iterator[Markup]:

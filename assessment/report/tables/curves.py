@@ -15,7 +15,7 @@ from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import RigidPush
 from assessment.results.table import sense
 
-ABOVE = 0.2  # of the elastic curve: a fitted curve that lies higher by more is told
+ABOVE = 0.2  # of the elastic curve: a larger excess of the fitted curve is reported
 
 
 class Excess(NamedTuple):

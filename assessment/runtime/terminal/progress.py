@@ -24,7 +24,7 @@ OVER = 1.0  # s: since when
 class TimeLeft:
     """Time left until a moment (s, of the performance counter), written as h:mm:ss of now; None: not known.
 
-    Past the moment it is told that it takes longer, not that nothing is left.
+    After that moment the text is LATE instead of a time of zero.
     """
 
     until: float | None = None
