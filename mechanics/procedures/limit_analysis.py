@@ -50,8 +50,8 @@ def limit_analysis(
 
     `state`: default as drawn. `sliding`: "associative", as in the paper, opens a joint that slides; "coulomb" does not:
     its multiplier is not unique, see limit_in. Raises UnstableError if the joints cannot carry gravity alone,
-    NoEquilibriumError if the load meets no mechanism (an interlocked assembly), ConvergenceError if hinges that crush do
-    not settle, ArgumentError for an argument out of its range.
+    NoEquilibriumError if the load meets no mechanism (an interlocked assembly), ConvergenceError if hinges that crush
+    do not settle, ArgumentError for an argument out of its range.
     """
     Assembly.check(model)
     check_sliding(sliding)
