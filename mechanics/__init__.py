@@ -15,6 +15,7 @@ from mechanics.model.assembly import Assembly, State
 from mechanics.model.block import Block, Material
 from mechanics.model.dxf import Layer, read_drawing
 from mechanics.model.tie import Tie
+from mechanics.procedures.following import Following
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.pushdown import pushdown
 from mechanics.procedures.pushover import pushover
@@ -28,6 +29,7 @@ __all__ = [
     "ControlError",
     "ConvergenceError",
     "DrawingError",
+    "Following",
     "Layer",
     "Material",
     "MechanicsError",
