@@ -70,12 +70,13 @@ def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> lis
     site = project.assessment.site if project.assessment else None
     if site is None:
         return []
-    typed = {name: table for name in ("SLD", "SLV", "SLC") if (table := getattr(site, name))}
-    values = {name: (f"assessment.site.{name}", each.ag_g, each.Tc_star_s) for name, each in typed.items()}
-    if site.grid is not None:
+    values = {
+        name: (f"assessment.site.{name}", each.ag_g, each.Tc_star_s) for name, each in site.typed.items()
+    }
+    if not site.typed:
         grounds = {name: getattr(spectrum, "ground", spectrum) for name, spectrum in demands.items()}
         values = {
-            name: (f"assessment.site.grid, {name}", ground.ag, ground.Tc_star)
+            name: (f"assessment.site, {name}", ground.ag, ground.Tc_star)
             for name, ground in grounds.items()
             if isinstance(ground, ElasticSpectrum)
         }

@@ -87,12 +87,12 @@ def demand_return_periods(project: Project) -> dict[str, float]:
     if assessment is None or assessment.spectrum == "record" or assessment.site is None:
         return {}
     site = assessment.site
-    if site.grid is not None:
+    if not site.typed:
         return {
             name: return_period(name, site.nominal_life_years, site.use_class)
             for name in assessment.limit_states
         }
-    typed = {name: getattr(site, name).return_period_years for name in assessment.limit_states}
+    typed = {name: site.typed[name].return_period_years for name in assessment.limit_states}
     return {name: T_R for name, T_R in typed.items() if T_R is not None}
 
 
@@ -107,7 +107,7 @@ def _site_spectra(project: Project, assessment: AssessmentTable) -> Demands:
             hazard = curve.at(return_period(limit_state, site.nominal_life_years, site.use_class))
             ag, F0, Tc_star = hazard.ag, hazard.F0, hazard.Tc_star
         else:
-            typed = getattr(site, limit_state)
+            typed = site.typed[limit_state]
             ag, F0, Tc_star = typed.ag_g, typed.F0, typed.Tc_star_s
         ground = ElasticSpectrum(ag, F0, Tc_star, site.soil, site.topography, ACTIVATION_DAMPING)
         spectra[limit_state] = _at_height(ground, assessment)
@@ -129,10 +129,10 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
 
 
 def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
-    if site.grid is None:
+    if site.typed:
         return None
     try:
-        return site_curve(project.path(site.grid), site.latitude, site.longitude)
+        return site_curve(site.grid and project.path(site.grid), site.latitude, site.longitude)
     except HazardError as error:
         raise ProjectError(f"{project.source}: assessment.site: {error}") from None
 

@@ -16,6 +16,7 @@ from assessment.ntc.demand.hazard_grid import (
     RETURN_PERIODS,
     HazardError,
     HazardGrid,
+    allegato_b,
     read_grid,
     read_site_table,
 )
@@ -123,14 +124,16 @@ def return_period_steps(limit_state: str, nominal_life: float = 50.0, use_class:
 
 
 def site_curve(
-    grid: HazardGrid | str | Path, latitude: float | None = None, longitude: float | None = None
+    grid: HazardGrid | str | Path | None = None, latitude: float | None = None, longitude: float | None = None
 ) -> HazardCurve:
     """Return the hazard of a site for the nine return periods: p = Σ(p_i/d_i)/Σ(1/d_i) over its cell's nodes.
 
-    latitude and longitude in degrees, in the datum of the grid (ED50 in Allegato B [k]). A file of nine lines,
-    one per return period, is the site's own table and needs no coordinates.
+    Without `grid` the nodes are those of Allegato B. latitude and longitude in degrees, in the datum of the grid (ED50
+    in Allegato B [k]). A file of nine lines, one per return period, is the site's own table and needs no coordinates.
     Raises HazardError where no cell of four nodes holds the site: outside the grid, at its edge, on an island.
     """
+    if grid is None:
+        grid = allegato_b()
     if not isinstance(grid, HazardGrid):
         own = read_site_table(grid)
         if own is not None:
@@ -157,12 +160,19 @@ def site_curve(
 
 
 def site_hazard(
-    grid: HazardGrid | str | Path, latitude: float, longitude: float, return_period: float
+    grid: HazardGrid | str | Path | None = None,
+    latitude: float | None = None,
+    longitude: float | None = None,
+    return_period: float | None = None,
 ) -> Hazard:
-    """Return a_g (g), F0 and T_C* (s) of a site for a return period (years), from the grid or its file.
+    """Return a_g (g), F0 and T_C* (s) of a site for a return period (years).
 
-    Raises ArgumentError for a file that cannot be read, HazardError for one that is no grid and a site outside it.
+    `grid`: a grid, its file or a site's own table; without it the grid of D.M. 14/01/2008, Allegato B. Raises
+    ArgumentError without a return period and for a file that cannot be read, HazardError for a file that is no grid
+    and for a site outside the grid.
     """
+    if return_period is None:
+        raise ArgumentError("return_period: missing; must be from 30 to 2475 years")
     try:
         curve = site_curve(grid, latitude, longitude)
     except OSError as error:
@@ -209,7 +219,7 @@ def _outside(grid: HazardGrid, latitude: float, longitude: float, node: int, dis
         f"it; the nearest node is {distance:.1f} km away (latitude {lat[node]:g}, longitude {lon[node]:g}; "
         f"the grid spans latitude {lat.min():g}–{lat.max():g}, longitude {lon.min():g}–{lon.max():g}). {swapped}Check "
         "the coordinates; at the edge of the grid and on islands (Allegato B, table 2) give ag_g, F0 and "
-        "Tc_star_s of each limit state instead of latitude, longitude and grid"
+        "Tc_star_s of each limit state instead of coordinates"
     )
 
 

@@ -1,9 +1,11 @@
-"""Files of seismic hazard: the grid of D.M. 14/01/2008, Allegato B, and the nine lines of one site."""
+"""Seismic hazard: the grid of D.M. 14/01/2008, Allegato B, other grids, and the nine lines of one site."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,8 @@ Array = NDArray[np.float64]
 
 RETURN_PERIODS = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])  # years
 _COLUMNS = 2 + 3 * len(RETURN_PERIODS)
+ALLEGATO_B = "D.M. 14/01/2008, Allegato B"
+_DIGITS = {"longitude": 4, "latitude": 3, "ag": 3, "F0": 2, "Tc_star": 2}  # decimals that the act prints
 MOST_BYTES = 50_000_000  # of a file; Allegato B has two and a half
 MOST_AG, MOST_F0, MOST_TC = 10.0, 100.0, 10.0  # g, –, s: beyond them it is another quantity, or another unit
 _Rows = list[tuple[int, list[str]]]
@@ -30,6 +34,19 @@ class HazardGrid:
     longitude: Array
     latitude: Array
     values: Array
+
+
+@cache
+def allegato_b() -> HazardGrid:
+    """Return the reference grid of D.M. 14/01/2008 (Gazzetta Ufficiale 29, 4/2/2008), Allegato B, table 1.
+
+    The text of an official act of the State is in no one's copyright (L. 633/1941, art. 5). `allegato_b.npz` holds the
+    digits that the act prints, as whole numbers: degrees, a_g in g/10, F0 and T_C* (s) for nine return periods.
+    """
+    with files("assessment.ntc.demand").joinpath("allegato_b.npz").open("rb") as file, np.load(file) as table:
+        read = {name: table[name] / 10.0**digits for name, digits in _DIGITS.items()}
+    values = np.stack([read["ag"].T / 10.0, read["F0"].T, read["Tc_star"].T], axis=2)
+    return HazardGrid(ALLEGATO_B, read["longitude"], read["latitude"], values)
 
 
 def read_grid(path: str | Path) -> HazardGrid:

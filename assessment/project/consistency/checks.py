@@ -45,10 +45,8 @@ def assessment_problems(project: ProjectContent, assessment: AssessmentTable) ->
         yield Problem(("assessment", "spectrum"), text)
     if assessment.spectrum == "ntc" and assessment.site is None:
         yield Problem(("assessment", "site"), 'missing; add [assessment.site] or write spectrum = "record"')
-    if assessment.method == "grid" and (assessment.site is None or assessment.site.grid is None):
-        text = (
-            'there is no grid; add latitude, longitude and grid to [assessment.site] or write "demand-shape"'
-        )
+    if assessment.method == "grid" and (assessment.site is None or assessment.site.typed):
+        text = 'the hazard is typed in, there is no grid; write latitude and longitude of the site, or "demand-shape"'
         yield Problem(("assessment", "method"), text)
 
 
@@ -112,22 +110,17 @@ def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: P
     path: KeyPath = ("assessment", "site")
     yield from missing_file(folder, (*path, "grid"), site.grid)
     by_place = {key: getattr(site, key) for key in ("latitude", "longitude", "grid")}
-    by_state = {key: getattr(site, key) for key in ("SLD", "SLV", "SLC")}
     placed = [key for key, value in by_place.items() if value is not None]
-    typed = [key for key, value in by_state.items() if value is not None]
+    typed = site.typed
     if placed and typed:
         text = f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
         yield Problem(path, text)
-    elif placed and placed != [
-        "grid"
-    ]:  # a grid alone may be the hazard of the site itself; its reader checks that
-        for key in sorted(by_place.keys() - placed):
-            yield Problem((*path, key), "missing; latitude, longitude and grid go together")
-    elif placed:
-        return
+    elif placed:  # a file alone may be the hazard of the site itself; its reader checks that
+        for key in {"latitude", "longitude"}.difference(placed) if placed != ["grid"] else ():
+            yield Problem((*path, key), "missing; latitude and longitude go together")
     elif typed:
-        for key, table in by_state.items():
-            if table is not None and table.return_period_years is not None:
+        for key, table in typed.items():
+            if table.return_period_years is not None:
                 yield from _return_period(
                     (*path, key, "return_period_years"), key, table.return_period_years, site
                 )
@@ -136,7 +129,7 @@ def site_problems(site: SiteTable, limit_states: Iterable[LimitState], folder: P
                 text = "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
                 yield Problem((*path, key), text)
     else:
-        text = "no hazard; add latitude, longitude and grid, or ag_g, F0 and Tc_star_s per limit state"
+        text = "no hazard; add latitude and longitude, or ag_g, F0 and Tc_star_s per limit state"
         yield Problem(path, text)
 
 

@@ -38,7 +38,7 @@ class HazardTable(Table):
 
 
 class SiteTable(Table):
-    """[assessment.site]: hazard by coordinates and grid, or typed in per limit state; ground and use."""
+    """[assessment.site]: hazard by coordinates, by a file, or typed in per limit state; ground and use."""
 
     latitude: Annotated[float, Field(ge=-90, le=90)] | None = Field(
         default=None, description="latitude, degrees north"
@@ -46,16 +46,14 @@ class SiteTable(Table):
     longitude: Annotated[float, Field(ge=-180, le=180)] | None = Field(
         default=None, description="longitude, degrees east"
     )
-    grid: Name | None = Field(default=None, description="file of the reference hazard grid (Allegato B)")
-    SLD: HazardTable | None = Field(
-        default=None, description="hazard at SLD, instead of coordinates and grid"
+    grid: Name | None = Field(
+        default=None,
+        description="file of another hazard grid in the form of Allegato B, or of the nine lines of the site itself; "
+        "absent: Allegato B of D.M. 14/01/2008, which comes with the program",
     )
-    SLV: HazardTable | None = Field(
-        default=None, description="hazard at SLV, instead of coordinates and grid"
-    )
-    SLC: HazardTable | None = Field(
-        default=None, description="hazard at SLC, instead of coordinates and grid"
-    )
+    SLD: HazardTable | None = Field(default=None, description="hazard at SLD, instead of coordinates")
+    SLV: HazardTable | None = Field(default=None, description="hazard at SLV, instead of coordinates")
+    SLC: HazardTable | None = Field(default=None, description="hazard at SLC, instead of coordinates")
     soil: Literal["A", "B", "C", "D", "E"] = Field(description="ground type A to E, NTC 2018 Tab. 3.2.II")
     topography: Literal["T1", "T2", "T3", "T4"] = Field(
         default="T1", description="topographic class T1 to T4, NTC 2018 Tab. 3.2.III"
@@ -66,6 +64,11 @@ class SiteTable(Table):
     use_class: Literal["I", "II", "III", "IV"] = Field(
         default="II", description="use class I to IV, NTC 2018 §2.4.2"
     )
+
+    @property
+    def typed(self) -> dict[str, HazardTable]:
+        """The hazards that are typed in, by limit state; none where coordinates or a file give them."""
+        return {key: table for key in ("SLD", "SLV", "SLC") if (table := getattr(self, key)) is not None}
 
 
 class FloorTable(Table):

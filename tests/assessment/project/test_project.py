@@ -82,6 +82,11 @@ def test_typed_in_hazard_replaces_coordinates_and_grid(folder):
     assert load(folder, CONTRACT.replace(place, typed)).assessment.site.SLV.Tc_star_s == 0.35
 
 
+def test_coordinates_need_no_grid_of_ones_own(folder):
+    project = load(folder, CONTRACT.replace('grid = "allegato_b.txt"\n', ""))
+    assert "allegato_b.txt" not in project.digests() and not project.assessment.site.typed
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [

@@ -285,7 +285,7 @@ WRONG = [  # old text, new text, key, what the message must hold
     ("normal_stiffness_kN_m3 = 1.2e5", "", "material.normal_stiffness_kN_m3", "add it, in kN/m³"),
     ('["rigid", "elastic"]', '["rigid"]', "pushover.contacts", 'write ["rigid", "elastic"]'),
     ('["rigid", "elastic"]', '["elastic"]', "pushover.contacts", "rigid missing"),
-    ('grid = "allegato_b.txt"', "", "assessment.site.grid", "go together"),
+    ("longitude = 13.40", "", "assessment.site.longitude", "latitude and longitude go together"),
     ("latitude = 42.35", "", "assessment.site.latitude", "go together"),
     ('soil = "B"', f'soil = "B"\nSLV = {HAZARD}', "assessment.site", "keep one of the two"),
     (
@@ -322,7 +322,7 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
     [
         (MINIMAL + "[pushover]\n", "control", "add [[control]]"),
         (MINIMAL + '[assessment]\nmodel = "none"\nspectrum = "record"\n', "assessment", "add [pushover]"),
-        (CONTRACT.replace(SITE, ""), "assessment.site", "add latitude, longitude and grid"),
+        (CONTRACT.replace(SITE, ""), "assessment.site", "add latitude and longitude"),
         (CONTRACT.replace(SITE, f"SLV = {HAZARD}\n"), "assessment.site.SLD", "limit_states asks for it"),
         (
             CONTRACT.replace(SITE, "".join(f"{s} = {HAZARD}\n" for s in ("SLD", "SLV", "SLC"))).replace(

@@ -1,24 +1,57 @@
 """Reference grid, interpolation, return periods: D.M. 14/01/2008, Allegati A and B; NTC 2018, §2.4, §3.2."""
 
+import hashlib
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.ntc.demand.hazard import return_period_steps, site_curve, site_hazard
-from assessment.ntc.demand.hazard_grid import RETURN_PERIODS, read_grid
+from assessment.ntc.demand.hazard_grid import RETURN_PERIODS, allegato_b, read_grid
 from assessment.ntc.demand.return_period import return_period
 from tests import ROOT
 
+DIGEST = "060961e1a03e9b8d0af155e2632f74e7abfeae77e592d626848b9ddab3b8eb16"  # of the lines of the act
 GRID_FILE = ROOT / ".." / "shared" / "data" / "allegato_b.txt"
-needs_grid = pytest.mark.skipif(
-    not GRID_FILE.exists(), reason="the reference grid is not beside the checkout"
-)
 
 
 @pytest.fixture(scope="module")
 def grid():
-    return read_grid(GRID_FILE)
+    return allegato_b()
+
+
+def test_the_grid_that_comes_with_the_program_has_every_digit_of_the_act(grid):
+    """The 10 751 nodes as lines of text, lon, lat, then a_g (g/10), F0, T_C* with the decimals that the act prints."""
+    columns = np.column_stack(
+        [grid.longitude, grid.latitude, (grid.values * [10.0, 1.0, 1.0]).reshape(-1, 27)]
+    )
+    decimals = [4, 3, *[3, 2, 2] * 9]
+    lines = ["\t".join(f"{v:.{n}f}" for v, n in zip(row, decimals, strict=True)) for row in columns.tolist()]
+    assert len(lines) == 10751
+    assert lines[0].startswith("6.5448\t45.134\t0.263\t2.50\t0.18\t0.340\t2.51\t0.21")
+    assert hashlib.sha256("\n".join(lines).encode()).hexdigest() == DIGEST
+
+
+@pytest.mark.skipif(not GRID_FILE.exists(), reason="the table of the act is not beside the checkout")
+def test_the_grid_is_that_of_the_table_to_the_last_bit(grid):
+    table = read_grid(GRID_FILE)
+    for own, read in (
+        (grid.longitude, table.longitude),
+        (grid.latitude, table.latitude),
+        (grid.values, table.values),
+    ):
+        assert np.array_equal(own, read)
+
+
+def test_coordinates_suffice(grid):
+    assert site_hazard(latitude=42.35, longitude=13.40, return_period=475) == site_hazard(
+        grid, 42.35, 13.40, 475
+    )
+    with pytest.raises(ValueError, match="return_period: missing"):
+        site_hazard(latitude=42.35, longitude=13.40)
+    with pytest.raises(ValueError, match="give the latitude and longitude of the site"):
+        site_hazard(return_period=475)
 
 
 def test_a_grid_that_is_not_there_is_named():
@@ -51,7 +84,6 @@ def small(tmp_path):
     return _write(tmp_path / "grid.txt", [_row(i, j) for i in range(4) for j in range(4)])
 
 
-@needs_grid
 def test_laquila(grid):
     """42.35 N 13.40 E, 475 years: 0.2607 g, 2.36, 0.35 s, the value in everyday use for L'Aquila."""
     hazard = site_hazard(grid, latitude=42.35, longitude=13.40, return_period=475)
@@ -59,7 +91,6 @@ def test_laquila(grid):
     assert [hazard.F0, hazard.Tc_star] == pytest.approx([2.36, 0.35], abs=5e-3)
 
 
-@needs_grid
 def test_laquila_by_hand(grid):
     """The same from four rows of the table and their distances, the formula of Allegato A written out."""
     curve = site_curve(grid, 42.35, 13.40)
@@ -73,7 +104,6 @@ def test_laquila_by_hand(grid):
     assert curve.at(475).ag == pytest.approx((np.array(ag) * weights).sum() / weights.sum(), rel=1e-12)
 
 
-@needs_grid
 def test_exact_at_nodes_and_at_the_return_periods_of_the_table(grid):
     for k in (0, 5000, 10750):  # edge nodes too: a node needs no cell
         curve = site_curve(grid, grid.latitude[k], grid.longitude[k])
@@ -85,7 +115,6 @@ def test_exact_at_nodes_and_at_the_return_periods_of_the_table(grid):
         assert curve.at(float(T_R)).ag == pytest.approx(curve.values[column, 0], rel=1e-13)
 
 
-@needs_grid
 @given(data=st.data())
 def test_interpolation_stays_between_the_nodes_of_a_small_cell(grid, data):
     lat, lon = data.draw(st.floats(41.6, 42.5)), data.draw(st.floats(13.2, 14.0))
@@ -98,7 +127,6 @@ def test_interpolation_stays_between_the_nodes_of_a_small_cell(grid, data):
     assert curve.return_period(curve.at(T_R).ag) == pytest.approx(T_R, rel=1e-9)
 
 
-@needs_grid
 @pytest.mark.parametrize(
     ("latitude", "longitude"),
     [(39.22, 9.12), (35.50, 12.60), (48.0, 12.0), (13.40, 42.35)],
