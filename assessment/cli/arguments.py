@@ -46,7 +46,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
     "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
     "report": ("assesto report arch", "assesto report arch --out trial"),
-    "status": ("assesto status arch", "assesto status arch --out trial"),
+    "status": ("assesto status arch", "assesto status arch --json"),
     "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
 }
 COMMANDS = tuple(EXAMPLES)[1:]
@@ -130,8 +130,10 @@ def _check(parsers: Parsers) -> None:
 
 
 def _status(parsers: Parsers) -> None:
-    what = "tell what a run under way is at, what failed, and how long it takes"
-    _add_project(_added(parsers, "status", commands.status, what), "the results")
+    what = "tell what a run is at, what failed and how long it takes, or how the last one ended"
+    parser = _added(parsers, "status", commands.status, what)
+    _add_project(parser, "the results")
+    _add_flag(parser, "--json", "print it as JSON")
 
 
 def _new(parsers: Parsers) -> None:

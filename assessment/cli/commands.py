@@ -52,22 +52,15 @@ def check(options: argparse.Namespace) -> int:
 
     With `--repair` first write a repaired drawing beside the project's, tell every change, and check that one.
     """
-    from assessment.analyses.checks.capacity import refused_as_drawn
-    from assessment.analyses.checks.demand import demand_spectra
-    from assessment.analyses.static.paths import stand
-    from assessment.project.plausibility import implausible_hazard
     from assessment.project.project import load_project
     from assessment.project.repair import repairable
-    from assessment.project.schema import ORIGINAL
-    from assessment.project.structure.model import build_model
     from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.report.figures.drawings.faults import draw_faults
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
     from assessment.runtime.terminal.summary import model_summary, warning_lines
-    from assessment.workflow.dynamic import read_motions
-    from assessment.workflow.skeleton import describe
+    from assessment.workflow.checking import checked
     from mechanics.faults import FaultyDrawingError
 
     project = load_project(options.project)
@@ -77,7 +70,7 @@ def check(options: argparse.Namespace) -> int:
     if options.repair:
         project = _repaired(project)
     try:
-        model = build_model(project)
+        found = checked(project)
     except FaultyDrawingError as faulty:
         tell_error(faulty)
         if faulty.outlines:
@@ -87,20 +80,10 @@ def check(options: argparse.Namespace) -> int:
         if mendable and not options.repair and repairable(project):
             tell("small faults can be repaired in a copy of the drawing: assesto check --repair")
         return WRONG_INPUT
-    results = describe(project, model)
-    motions = read_motions(project)
-    warnings = [*results.model.warnings, *motions.notes]
-    if project.assessment:
-        demands = demand_spectra(project, motions.history)  # refused here if a run would refuse it
-        warnings += implausible_hazard(project, demands.spectra)
-    warnings += refused_as_drawn(project, model.states[ORIGINAL])
-    if unstable := stand(model.assembly):
-        results = results.replace(model=results.model.replace(self_weight_stable=False))
-        warnings.append(unstable)
-    save_svg(lambda: draw_model(results, words_of(results)), drawing)
-    say(model_summary(results))
+    save_svg(lambda: draw_model(found.results, words_of(found.results)), drawing)
+    say(model_summary(found.results))
     say(f"drawing of the model: {drawing}")
-    for line in warning_lines(warnings):
+    for line in warning_lines(found.warnings):
         say(line)
     return DONE
 
@@ -120,12 +103,13 @@ def _repaired(project: Project) -> Project:
 
 
 def status(options: argparse.Namespace) -> int:
-    """Print the progress of a run under way. Raises ValueError for a folder that is not there."""
-    from assessment.runtime.terminal.status import status as status_of
+    """Print where a run is, or how the last one ended. Raises ValueError for a folder that is not there."""
+    from assessment.runtime.status import status as as_text
+    from assessment.runtime.status import status_json
 
     if not options.project.is_dir():
         raise ValueError(f"{options.project}: no such folder; give the folder of the project")
-    say(status_of(options.out or options.project / "output"))
+    say((status_json if options.json else as_text)(options.out or options.project / "output"))
     return DONE
 
 

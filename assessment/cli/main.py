@@ -6,18 +6,20 @@ import logging
 import os
 import sys
 import warnings
+from functools import partial
 from typing import TYPE_CHECKING
 
 from assessment.cli import commands
 from assessment.cli.arguments import options_of
 from assessment.cli.exit_codes import INCOMPLETE, WRONG_INPUT, incomplete, is_input_error, tell_error
+from assessment.runtime.files.lock import BusyError
 from assessment.runtime.processes.garbage import collect_rarely
 from assessment.runtime.processes.interruption import interrupted, leave, watch
 from assessment.runtime.terminal.console import prepare, tell
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,31 +34,44 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return WRONG_INPUT
     except OSError as error:
         return tell_error(error)
-    kept = "; finished analyses are kept: run again to go on" if options.command is commands.run else ""
+    running = options.command is commands.run
+    kept = "; finished analyses are kept: run again to go on" if running else ""
     unchanged = f"nothing of an earlier result was changed{kept}"
+    record: Callable[[int], object] = partial(_record, options) if running else (lambda _: None)
     if whole:
-        watch(f"interrupted: {unchanged}", INCOMPLETE)
+        watch(f"interrupted: {unchanged}", INCOMPLETE, lambda: record(INCOMPLETE))
         collect_rarely()
         _silence_libraries()
     try:
         code = _carry_out(options)
+    except BusyError as error:
+        return tell_error(error)  # the journal is that of the other run
     except (ValueError, OSError) as error:
         if not is_input_error(error):
             raise
         code = tell_error(error)
-        if options.command is commands.run and getattr(error, "outlines", None):
+        if running and getattr(error, "outlines", None):
             tell("assesto check draws model.svg with the faults marked")
     except (RuntimeError, MemoryError) as error:
         if (cause := incomplete(error, unchanged)) is None:
             raise
         tell(f"error: {cause}")
-        return INCOMPLETE
+        code = INCOMPLETE
     except KeyboardInterrupt:
+        record(INCOMPLETE)
         if whole:
             leave(f"interrupted: {unchanged}", INCOMPLETE)
         tell(f"interrupted: {unchanged}")
         return INCOMPLETE
+    record(code)
     return code
+
+
+def _record(options: argparse.Namespace, code: int) -> None:
+    """Leave the exit code of a run in the journal of its folder, where `assesto status` finds it."""
+    from assessment.runtime.journal import record_exit
+
+    record_exit(options.out or options.project / "output", code)
 
 
 def _carry_out(options: argparse.Namespace) -> int:

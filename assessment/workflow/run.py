@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.journal import journal
 from assessment.runtime.files.lock import locked
 from assessment.runtime.files.swap import clear
+from assessment.runtime.journal import Journal
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.processes.pool import KilledError
 from assessment.workflow.earlier import (
@@ -55,12 +55,12 @@ def carry_out(
         return last.outcome(folder), last.warnings
     with locked(folder):
         clear(folder)
+        show = Journal(folder, show)
         last = None if fresh else recall(folder)
         if last and last.results == keys.results and last.intact(folder, RESULTS):
             outcome = _retitled(last.outcome(folder), project)
         else:
-            with journal(folder, show) as recorded:
-                outcome = _analysed(project, folder, jobs, fresh, report, recorded, scheduler)
+            outcome = _analysed(project, folder, jobs, fresh, report, show, scheduler)
         standing = last.standing(folder, keys) if last else frozenset()
         show.begin("report" if report else "figures and tables", 1, 0, 1.0)
         from assessment.workflow.output import write
@@ -71,6 +71,7 @@ def carry_out(
         if last and REPORT in standing:
             warnings = [*last.warnings, *warnings]
         remember(folder, outcome, keys, parts | standing, warnings)
+        show.advance(1.0)
         show.end()
     return outcome, warnings
 

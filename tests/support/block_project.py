@@ -12,7 +12,7 @@ from typing import Any
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.runtime.cache import FOLDER
-from assessment.runtime.files.journal import NAME as JOURNAL
+from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.earlier import ENTRY
 from tests import ROOT
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from assessment.runtime.errors import ProjectError
@@ -20,6 +22,15 @@ except ImportError:  # Windows
 
 NAME = ".assesto.lock"  # in the output folder, while a run writes there
 BEYOND = 1 << 20  # byte that Windows locks and nobody can read then: behind the text
+PATIENCE = 0.2  # s: `holder` takes the lock for an instant, to see whether it is free
+
+
+@dataclass(frozen=True)
+class Holder:
+    """The process that writes into a folder: as a sentence names it, and its number; None where it is not known yet."""
+
+    text: str
+    pid: int | None
 
 
 class BusyError(ProjectError):
@@ -38,9 +49,10 @@ def locked(folder: Path) -> Iterator[None]:
     descriptor = _claimed(path)
     try:
         os.ftruncate(descriptor, 0)
-        os.write(
-            descriptor, f"process {os.getpid()} on {platform.node()} since {time.strftime('%H:%M')}".encode()
-        )
+        host = platform.node()
+        text = f"process {os.getpid()} on {host} since {time.strftime('%H:%M')}"
+        facts = json.dumps({"pid": os.getpid(), "host": host, "since": time.time()})
+        os.write(descriptor, f"{text}\n{facts}\n".encode())
         yield
     finally:
         # before the lock is released: a process that holds the removed file opens a new one
@@ -54,27 +66,41 @@ def locked(folder: Path) -> Iterator[None]:
                 folder.rmdir()
 
 
-def holder(folder: Path) -> str | None:
+def holder(folder: Path) -> Holder | None:
     """Return the process that writes into a folder; None if there is none."""
     try:
         descriptor = os.open(folder / NAME, os.O_RDWR)
     except OSError:
         return None
     try:
-        return None if _lock(descriptor) else os.read(descriptor, 200).decode(errors="replace")
+        return None if _lock(descriptor) else _read(descriptor)
     finally:
         os.close(descriptor)
 
 
+def _read(descriptor: int) -> Holder:
+    """Return who holds the lock of an open file; its text may not be written yet."""
+    text, _, facts = os.read(descriptor, 1000).decode(errors="replace").partition("\n")
+    try:
+        pid = int(json.loads(facts)["pid"])
+    except (ValueError, TypeError, KeyError, RecursionError):
+        pid = None
+    return Holder(text or "a process which has just begun", pid)
+
+
 def _claimed(path: Path) -> int:
     """Return the descriptor of a lock that no other process holds."""
+    began = time.monotonic()
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         if not _lock(descriptor):
-            holder = os.read(descriptor, 200).decode(errors="replace") or "which has just begun"
+            other = _read(descriptor)
             os.close(descriptor)
+            if time.monotonic() - began < PATIENCE:
+                time.sleep(0.02)
+                continue
             raise BusyError(
-                f"{path}: another run is writing into this folder ({holder}); wait until it has ended, stop it, "
+                f"{path}: another run is writing into this folder ({other.text}); wait until it has ended, stop it, "
                 "or give another folder with --out DIR"
             )
         with suppress(FileNotFoundError):

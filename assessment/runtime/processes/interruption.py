@@ -8,6 +8,7 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from typing import NoReturn
 
@@ -22,8 +23,10 @@ ASKED = (
 _came = threading.Event()
 
 
-def watch(message: str, code: int) -> None:
+def watch(message: str, code: int, last: Callable[[], object] = lambda: None) -> None:
     """From now on an interruption ends the process, soon after it came if KeyboardInterrupt has not yet.
+
+    `last`: is called before the process ends.
 
     A callback from C swallows that exception, and a library at work in C does not see it before it comes back: the
     interpreter's own signal handler, which is in C too, wakes a thread.
@@ -40,6 +43,7 @@ def watch(message: str, code: int) -> None:
         with wake:
             woken.recv(1)
             time.sleep(GRACE)
+            last()
             leave(message, code)
 
     threading.Thread(target=follow, daemon=True).start()

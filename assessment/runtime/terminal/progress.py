@@ -33,7 +33,7 @@ class TimeLeft:
         if self.until is None:
             return "-:--:--"
         left = self.until - time.perf_counter()
-        return LATE if left < -OVER else _clock(left)
+        return LATE if left < -OVER else clock(left)
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,10 @@ class AtWork:
     since: float
 
     def __str__(self) -> str:
-        return f"{self.stage}: {_clock(time.perf_counter() - self.since)} on {self.title}"
+        return f"{self.stage}: {clock(time.perf_counter() - self.since)} on {self.title}"
 
 
-def _clock(seconds: float) -> str:
+def clock(seconds: float) -> str:
     """Return a time as h:mm:ss."""
     whole = max(0, round(seconds))
     return f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"

@@ -11,6 +11,7 @@ from ezdxf.filemanagement import readfile
 
 from assessment.cli.main import main
 from assessment.runtime.cache import FOLDER
+from assessment.runtime.journal import NAME as JOURNAL
 from tests.support.block_project import ASSESSMENT, PROJECT, command, edit, read_results, run
 
 pytestmark = pytest.mark.usefixtures("quick")
@@ -21,7 +22,7 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     out, err = capsys.readouterr()
     assert str(project / "output") in out
     assert err == ""  # silent: no terminal
-    found = {path.name for path in (project / "output").iterdir() if path.name != FOLDER}
+    found = {path.name for path in (project / "output").iterdir() if path.name not in {FOLDER, JOURNAL}}
     assert found == {
         "results.json",
         "report.html",

@@ -19,7 +19,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.figures import index as figures
 from assessment.results.plain import plain
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.files.journal import NAME as JOURNAL
+from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests.support.block_project import command, contents, edit, read_results, timeless
 from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage

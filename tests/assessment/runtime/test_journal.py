@@ -10,36 +10,105 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.cli.main import main
-from assessment.results.file import as_bytes
+from assessment.runtime import journal as journals
+from assessment.runtime import status as statuses
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.files import journal as journals
-from assessment.runtime.files.journal import NAME, journal, read_journal
 from assessment.runtime.files.lock import locked
+from assessment.runtime.journal import NAME, Journal, read_journal, record_exit
 from assessment.runtime.show import Show
-from assessment.runtime.terminal import status as statuses
-from assessment.runtime.terminal.status import status
+from assessment.runtime.status import status
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.forked import forked
-from tests.support.results_example import results_example
-from tests.support.typed import typed
 
 
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
-    with locked(tmp_path), journal(tmp_path, Show()) as show:
+    with locked(tmp_path):
+        show = Journal(tmp_path, Show())
         show.begin("campaign", 10, 4, 600.0)
         show.fault("wave", ["a step was not solved"])
         show.advance(100.0)
         show.advance(200.0)
         told = status(tmp_path)
-        [stage] = read_journal(tmp_path)
+        [stage] = read_journal(tmp_path).stages
         stage.pace.began, stage.pace.latest = 0.0, 20.0
     assert stage.open == 4 and stage.pace.ends == pytest.approx(60.0)
     assert told.startswith("at work: process ")
     assert "campaign: 6 of 10 done (4 taken over), 1 failed, 4 in flight or waiting" in told
     assert "  failed: wave: a step was not solved" in told
-    assert not (tmp_path / NAME).exists()
-    assert status(tmp_path).startswith("nothing has been run in")
+    assert status(tmp_path).startswith("not at work: the run was interrupted or killed")
+
+
+def test_a_folder_in_which_nothing_has_been_run(tmp_path):
+    assert status(tmp_path) == f"nothing has been run in {tmp_path}"
+    (tmp_path / "results.json").touch()
+    assert status(tmp_path).startswith("results of an earlier run: ")
+
+
+def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
+    output = tmp_path / "output"
+
+    def told():
+        assert main(["status", str(tmp_path), "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    assert told()["stage"] is None and told()["exit_code"] is None
+    with locked(output):
+        show = Journal(output, Show())
+        show.begin("pushover", 1, 0, 1.0)
+        show.fault("wall +x", ["no capacity"])
+        show.advance(1.0)
+        show.end()
+        show.begin("campaign", 10, 4, 600.0)
+        show.under_way("wave, +x")
+        show.advance(100.0)
+        found = told()
+        ends = read_journal(output).stages[-1].pace.ends
+    assert found["running"] is True and found["pid"] == os.getpid() and found["exit_code"] is None
+    assert [found[key] for key in ("stage", "done", "total", "failed", "under_way")] == [
+        "campaign", 5, 10, 1, "wave, +x"
+    ]  # fmt: skip
+    assert 0.0 <= found["seconds_left"] <= max(0.0, ends - time.time()) + 60.0
+    assert found["stages"][0]["failures"] == [{"title": "wall +x", "reasons": ["no capacity"]}]
+    record_exit(output, 3)
+    found = told()
+    assert (found["running"], found["exit_code"], found["seconds_left"]) == (False, 3, None)
+
+
+def test_the_analysis_under_way_is_written_once_and_at_most_every_second(tmp_path, monkeypatch):
+    clock = SimpleNamespace(now=1000.0)
+    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now))
+    show = Journal(tmp_path, Show())
+    show.begin("history", 3, 0, 3.0)
+    for title in ("a", "b", "c"):
+        show.under_way(title)
+    clock.now += 1.5
+    for _ in range(3):
+        show.reached(0.5)
+    events = [json.loads(line) for line in (tmp_path / NAME).read_text().splitlines()]
+    assert [each["title"] for each in events if each["event"] == "under_way"] == ["a", "c"]
+    assert read_journal(tmp_path).stages[0].under_way == "c"
+
+
+def test_the_exit_code_of_every_run_is_kept(project, capsys):
+    """Of one that is refused too, and none of one that could not begin because another was at work."""
+    output = project / "output"
+    assert main(["run", str(project), "--no-report", "--only", "nothing"]) == 2
+    assert not output.exists()
+    assert main(["run", str(project), "--no-report"]) == 0
+    stages = [stage.name for stage in read_journal(output).stages]
+    assert read_journal(output).exit_code == 0 and stages[0] == "self-weight" and stages[-1] != stages[0]
+    before = (output / NAME).read_bytes()
+    assert main(["run", str(project), "--no-report"]) == 0
+    assert (output / NAME).read_bytes() == before
+    with locked(output):
+        assert main(["run", str(project), "--no-report", "--fresh"]) == 2
+    assert (output / NAME).read_bytes() == before
+    assert main(["run", str(project), "--no-report", "--only", "nothing"]) == 2
+    assert read_journal(output).exit_code == 2
+    capsys.readouterr()
+    assert main(["status", str(project)]) == 0
+    assert ", exit code 2\n" in capsys.readouterr().out
 
 
 def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypatch):
@@ -47,7 +116,8 @@ def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypa
     clock = SimpleNamespace(now=1000.0)
     monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now))
     monkeypatch.setattr(statuses, "time", SimpleNamespace(time=lambda: clock.now))
-    with locked(tmp_path), journal(tmp_path, Show()) as show:
+    with locked(tmp_path):
+        show = Journal(tmp_path, Show())
         show.begin("history", 1, 0, 500.0)
         clock.now += 0.5
         show.reached(10.0)
@@ -73,7 +143,7 @@ def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
         {"event": "done", "work": 1.0, "time": 2.0},
     ]
     (tmp_path / NAME).write_text("\n".join(map(json.dumps, lines)) + '\n{"event": "do')
-    [stage] = read_journal(tmp_path)
+    [stage] = read_journal(tmp_path).stages
     assert (stage.done, stage.open) == (1, 2)
     assert status(tmp_path).splitlines() == [
         "not at work: the run was interrupted or killed",
@@ -113,19 +183,6 @@ def test_a_journal_that_is_damaged_is_read_as_far_as_it_tells_of_events(tmp_path
     assert status(tmp_path).startswith("nothing has been run in")
 
 
-@pytest.mark.parametrize("content", ["", "[]", "{}", '{"assesto": "0.1.0"}', "[" * 10_000])
-def test_the_status_of_damaged_results_is_told_in_a_message(tmp_path, capsys, content):
-    """They were a traceback, or nothing was said to have been run."""
-    (tmp_path / "output").mkdir()
-    (tmp_path / "output" / "results.json").write_text(content, encoding="utf-8")
-    assert main(["status", str(tmp_path)]) == 2
-    said = capsys.readouterr().err
-    assert (
-        said.startswith(f"error: {tmp_path / 'output' / 'results.json'}: ")
-        and "run the project again" in said
-    )
-
-
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="the child is not to write figures either")
 @pytest.mark.usefixtures("no_figures")
 def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
@@ -135,7 +192,7 @@ def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_
         with forked(*arguments, "--jobs", "1") as run:
             while not any(
                 stage.name == "campaign" and stage.done and stage.taken + stage.done >= number
-                for stage in read_journal(folder / "output")
+                for stage in read_journal(folder / "output").stages
             ):
                 assert run.at_work
                 time.sleep(0.02)
@@ -153,9 +210,3 @@ def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_
     assert contents(folder / "output" / "tables") == tables
     assert main(["status", str(folder)]) == 0
     assert "finished: " in capsys.readouterr().out
-
-
-def test_a_finished_run_without_a_campaign_has_no_failures_of_one(tmp_path):
-    results = typed(results_example())
-    (tmp_path / "results.json").write_bytes(as_bytes(results))
-    assert status(tmp_path) == f"finished: {tmp_path}, {results.quality.solves} solves"

@@ -81,7 +81,9 @@ def written(folder: Path, before: dict[str, tuple[int, ...]]) -> set[str]:
     return {
         name
         for name in before.keys() | now.keys()
-        if before.get(name) != now.get(name) and (folder / name).is_file() and ".stages" not in name
+        if before.get(name) != now.get(name)
+        and (folder / name).is_file()
+        and not name.startswith((".stages", ".assesto"))
     }
 
 

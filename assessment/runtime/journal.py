@@ -1,0 +1,165 @@
+"""The progress of a run in a file that remains: written line by line, read by `assesto status` and by the app."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from assessment.runtime.pace import Pace
+from assessment.runtime.show import Show
+
+MOST_BYTES = 100_000_000  # that are read: half a million analyses
+SELDOM = 0.01  # of the time of a stage: how often it is written what is reached, 1 s at least
+NAME = ".assesto.journal"  # in the output folder: of the last run that computed or wrote something there
+
+
+def record_exit(folder: Path, code: int) -> None:
+    """Append the exit code of a run to the journal of its folder, where that does not end with it already."""
+    if folder.is_dir() and read_journal(folder).exit_code != code:
+        _append(folder / NAME, event="result", code=code)
+
+
+class Journal(Show):
+    """Writes each event as a line of JSON, so that a kill leaves all lines before it; passes it on to `show`.
+
+    It takes the place of the journal of an earlier run in the folder.
+    """
+
+    def __init__(self, folder: Path, show: Show) -> None:
+        self.path, self.show = folder / NAME, show
+        self.began = self.latest = self.named = 0.0  # times of the stage, the last event, the last title
+        self.title: str | None = None  # of the analysis under way, not written yet
+        self.path.unlink(missing_ok=True)
+
+    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
+        """See Show."""
+        self._write(event="begin", stage=stage, total=total, taken=taken, work=work)
+        self.began, self.named, self.title = self.latest, 0.0, None
+        self.show.begin(stage, total, taken, work)
+
+    def under_way(self, title: str) -> None:
+        """See Show."""
+        self.title = title
+        self._name()
+        self.show.under_way(title)
+
+    def reached(self, done: float) -> None:
+        """See Show."""
+        self._name()
+        if time.time() - self.latest >= max(1.0, SELDOM * (time.time() - self.began)):
+            self._write(event="reached", work=done)
+        self.show.reached(done)
+
+    def advance(self, done: float) -> None:
+        """See Show."""
+        self._write(event="done", work=done)
+        self.show.advance(done)
+
+    def fault(self, title: str, reasons: Sequence[str]) -> None:
+        """See Show."""
+        self._write(event="fault", title=title, reasons=list(reasons))
+        self.show.fault(title, reasons)
+
+    def end(self) -> None:
+        """See Show."""
+        self._write(event="end")
+        self.show.end()
+
+    def _name(self) -> None:
+        """Write the title of the analysis under way, once, and at most one title a second."""
+        if self.title is not None and time.time() - self.named >= 1.0:
+            self._write(event="under_way", title=self.title)
+            self.named, self.title = self.latest, None
+
+    def _write(self, **event: Any) -> None:
+        self.latest = _append(self.path, **event)
+
+
+def _append(path: Path, **event: Any) -> float:
+    """Append a line and return its time; if it cannot be written, the run goes on without it."""
+    now = time.time()
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
+        try:
+            os.write(descriptor, (json.dumps({"time": now} | event) + "\n").encode())
+        finally:
+            os.close(descriptor)
+    return now
+
+
+@dataclass
+class Stage:
+    """A stage as read from its journal; times in s since the epoch.
+
+    `under_way`: the analysis that the run is at; `faults`: title and reasons of those that could not be completed.
+    """
+
+    name: str
+    total: int
+    taken: int
+    pace: Pace
+    done: int = 0
+    ended: bool = False
+    under_way: str | None = None
+    faults: list[tuple[str, list[str]]] = field(default_factory=list)
+
+    @property
+    def open(self) -> int:
+        """Analyses that are not finished."""
+        return self.total - self.taken - self.done
+
+
+@dataclass
+class Recorded:
+    """What a journal tells: the stages of the last run that began any, and the exit code of the last that ended."""
+
+    stages: list[Stage] = field(default_factory=list)
+    exit_code: int | None = None
+
+
+def read_journal(folder: Path) -> Recorded:
+    """Return what the journal in a folder tells; nothing where there is none.
+
+    An incomplete line is left out, and so is one that is no event: the file is what a kill or a full disk left.
+    """
+    recorded = Recorded()
+    try:
+        with (folder / NAME).open("rb") as file:
+            lines = file.read(MOST_BYTES).decode(errors="replace").splitlines()
+    except OSError:
+        return recorded
+    for line in lines:
+        with suppress(ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError):
+            _add(recorded, json.loads(line))
+    return recorded
+
+
+def _add(recorded: Recorded, event: Mapping[str, Any]) -> None:
+    """Add an event to the stage that it is of, the last one; an event that is none raises and changes nothing."""
+    kind, moment = event["event"], float(event["time"])
+    work = float(event["work"]) if kind in {"begin", "reached", "done"} else 0.0
+    if not math.isfinite(moment) or not math.isfinite(work):
+        raise ValueError(f"time: {moment}, work: {work}")
+    if kind == "result":
+        recorded.exit_code = int(event["code"])
+        return
+    if kind == "begin":
+        pace = Pace(work, moment)
+        recorded.stages.append(Stage(str(event["stage"]), int(event["total"]), int(event["taken"]), pace))
+    stage = recorded.stages[-1]
+    if kind in {"reached", "done"}:
+        stage.pace.reached(work, moment)
+        stage.done += kind == "done"
+    elif kind == "under_way":
+        stage.under_way = str(event["title"])
+    elif kind == "fault":
+        stage.faults.append((str(event["title"]), [str(reason) for reason in event["reasons"]]))
+    elif kind == "end":
+        stage.ended, stage.under_way = True, None
