@@ -11,6 +11,7 @@ from assessment.results.quality import quality_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.summary import summary_of
 from mechanics.messages import Message
 
 
@@ -61,6 +62,7 @@ class Draft:
             convergence = convergence.replace(incremental=self.search_errors)
         return with_messages(
             self.results.replace(
+                summary=summary_of(self.results),
                 convergence=convergence,
                 quality=quality_of(self.quality, self.warnings),
                 timing_s=self.seconds,

@@ -29,6 +29,7 @@ from assessment.results.schema.model import (
 )
 from assessment.results.schema.static import Settlement, Strengthening
 from assessment.results.schema.studies import Convergence
+from assessment.results.summary import EMPTY
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
 from mechanics.types import GRAVITY
@@ -63,6 +64,7 @@ def describe(project: Project, model: ProjectModel) -> Results:
         format=FORMAT,
         assesto=installed("assesto"),
         title=project.title,
+        summary=EMPTY,
         inputs={visible(name): digest for name, digest in project.digests().items()},
         model=_summary(project, model),
         geometry=_geometry(project, a),

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.schema import FORMAT
+from assessment.results.plain import plain
+from assessment.results.schema import FORMAT, Results
+from assessment.results.summary import EMPTY, summary_of
 
 G = 9.80665
 SETTLED = "right support 20 mm"
@@ -26,7 +28,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
         "original": _state(0.0, 0.153, 0.192),
         SETTLED: _state(0.02, 0.131, 0.161) | {"settlement": _settlement(), "pushdown": _pushdown()},
     }
-    return {
+    content = {
         "format": FORMAT,
         "assesto": "0.1.0",
         "title": "Arco di prova" if language == "it" else "Trial arch",
@@ -115,6 +117,8 @@ def results_example(language: str = "it") -> dict[str, Any]:
             "packages": {"numpy": "2.4.6"},
         },
     }
+    without = Results.model_validate(content | {"summary": EMPTY})
+    return content | {"summary": plain(summary_of(without))}
 
 
 def _frames(index: list[int], movement: float) -> dict[str, Any]:

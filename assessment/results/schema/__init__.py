@@ -23,6 +23,7 @@ from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSum
 from assessment.results.schema.part import Configuration, Part, key, optional
 from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement, Strengthening
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
+from assessment.results.schema.summary import Summary
 
 FORMAT: Final = 2
 """Of the file: it changes where a key goes, or gets another meaning."""
@@ -52,6 +53,7 @@ class Results(Part):
     format: Literal[2] = key("format of the file; a file of another one is refused")
     assesto: str = key("version of the program")
     title: str = key("title of the project")
+    summary: Summary = key("what the first page of a report prints")
     inputs: dict[str, str] = key("SHA-256 of each file that was read, by name")
     model: ModelSummary = key("what was read from the drawing")
     geometry: Geometry = key("blocks, joints, control points")

@@ -11,6 +11,25 @@ Contacts = Literal["rigid", "elastic"]
 Sliding = Literal["associative", "coulomb"]
 
 
+class Run(Part):
+    """`run`: which run of an ensemble everything printed of a state and direction comes from."""
+
+    increment_m: float = key("increment of the control point's displacement", "m")
+    member: int = key(
+        "1: the run itself; more: a member with other increments and corners moved by 1e-7 of a block"
+    )
+
+
+class OtherLaw(Part):
+    """`other_law`: α_0 and ζ_E by the law of friction that was not used, where they differ."""
+
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
+    alpha_0: float = key("multiplier of the rigid mechanism by that law", "–")
+    zeta_E: dict[str, float] | None = optional(
+        "by check, of the capacity that this α_0 has, where it differs by more than 2 %", "–"
+    )
+
+
 class TieTension(Part):
     """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
 
@@ -123,6 +142,7 @@ class RigidPush(Part):
     d_0_m_range: list[float | None] | None = optional(
         "least and largest of an ensemble; null: none in some", "m"
     )
+    other_law: OtherLaw | None = optional("by the other law of friction, where it differs by 1 % or more")
     alpha_0_associative: float | None = optional(
         "α_0 where what slides lifts, if it differs by 1 % or more", "–"
     )
@@ -187,6 +207,7 @@ class Pushovers(Part):
     """`pushover.+x`, `.-x`: the pushover in a direction; each curve where asked for and found."""
 
     control: str = key("control point that was followed")
+    run: Run | None = optional("which run its curves are; null: not told")
     rigid: RigidPush | None = optional("rigid joints")
     elastic: ElasticPush | None = optional("elastic joints")
 

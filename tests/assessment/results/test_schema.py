@@ -112,6 +112,7 @@ def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
         "capacity",
         "scalings",
         "messages",
+        "checks",
     }  # one level of names
     found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     for path in places(results):

@@ -1,0 +1,166 @@
+"""The summary of results: per state and direction the indices, their loss, and the capacities on one reference."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from assessment.ntc.limit_states import INDEXED, SURFACE
+from assessment.results.echo import limit_states
+from assessment.results.schema import Results, State
+from assessment.results.schema.checks import Capacity, Check, Direction
+from assessment.results.schema.static import Mechanism, Pushovers
+from assessment.results.schema.summary import (
+    Summary,
+    SummaryCheck,
+    SummaryGoverning,
+    SummaryMechanism,
+    SummaryRow,
+)
+from assessment.results.table import quoted_limit_state, reduction
+from assessment.results.undetermined import directions_asked
+
+ORIGINAL = "original"
+EMPTY = Summary(reference=SURFACE, governing=None, verified=None, rows=[])
+"""Of results without any analysis."""
+
+
+def summary_of(results: Results) -> Summary:
+    """Return the summary of every state and direction asked for, and where ζ_E is least."""
+    asked: list[Direction | None] = [*directions_asked(results)]
+    shaken = any(state.incremental.records is not None for state in results.states.values())
+    if not asked and shaken:
+        asked = [None]
+    limits = limit_states(results.echo)
+    rows = [_row(results.states, name, way, limits) for name in results.states for way in asked]
+    index = next((limit for limit in INDEXED if limit in limits), None)
+    found = [
+        SummaryGoverning(state=row.state, direction=row.direction, limit_state=limit, zeta_E=ratio)
+        for row in rows
+        for limit, check in row.checks.items()
+        if (ratio := check.zeta_E) is not None and row.direction is not None and limit == (index or limit)
+    ]
+    least = min(found, key=lambda each: each.zeta_E, default=None)
+    return Summary(reference=SURFACE, governing=least, verified=_all(row.verified for row in rows), rows=rows)
+
+
+def _row(
+    states: dict[str, State], name: str, direction: Direction | None, limits: Iterable[str]
+) -> SummaryRow:
+    """Return the row of a state in a direction, its losses from the original state in the same direction."""
+    state, original = states[name], states.get(ORIGINAL)
+    capacity = state.capacity.get(direction) if direction else None
+    pushed = state.pushover.get(direction) if direction else None
+    checks = {limit: _counting(capacity, limit) for limit in limits}
+    if original is not None and name != ORIGINAL:
+        was = original.capacity.get(direction) if direction else None
+        checks = {
+            limit: check.replace(loss=reduction(_counting(was, limit).zeta_E, check.zeta_E))
+            for limit, check in checks.items()
+        }
+    if (made := state.strengthening) is not None and made.of in states:
+        was = states[made.of].capacity.get(direction) if direction else None
+        checks = {
+            limit: check.replace(gain=_opposite(reduction(_counting(was, limit).zeta_E, check.zeta_E)))
+            for limit, check in checks.items()
+        }
+    ratios = {limit: ratio for limit, check in checks.items() if (ratio := check.zeta_E) is not None}
+    indexed = [limit for limit in INDEXED if limit in checks] or list(checks)
+    farthest = quoted_limit_state(capacity.checks) if capacity else None
+    quoted = capacity.checks[farthest] if capacity and farthest else None
+    row = SummaryRow(
+        state=name,
+        direction=direction,
+        reached=_reached(states, state),
+        checks=checks,
+        governing=min(ratios, key=lambda limit: ratios[limit], default=None),
+        verified=_all(checks[limit].verified for limit in indexed),
+        limit_state=farthest,
+        static_pga_g=quoted.pga_g if quoted else None,
+    )
+    if direction is not None:
+        row = _with_curves(row, pushed, original.pushover.get(direction) if original else None)
+    if state.incremental.records is not None:
+        dynamic = state.incremental.pga_collapse_g
+        nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
+        row = row.replace(
+            dynamic_pga_g=dynamic,
+            static_nominal_pga_g=nominal,
+            dynamic_to_static=dynamic / nominal if dynamic is not None and nominal else None,
+        )
+        if original is not None and name != ORIGINAL:
+            row = row.replace(dynamic_loss=reduction(original.incremental.pga_collapse_g, dynamic))
+    return row
+
+
+def _with_curves(row: SummaryRow, pushed: Pushovers | None, before: Pushovers | None) -> SummaryRow:
+    """Return the row with the run, the multipliers and the mechanism of its curves, and the loss of its multiplier."""
+    if pushed is None:
+        return row
+    rigid, elastic = pushed.rigid, pushed.elastic
+    row = row.replace(control=pushed.control, run=pushed.run)
+    if elastic is not None:
+        row = row.replace(alpha_u=elastic.alpha_u)
+    if rigid is not None:
+        row = row.replace(alpha_0=rigid.alpha_0, d_0_m=rigid.d_0_m, mechanism=_mechanism(rigid.mechanism))
+        if rigid.other_law is not None:
+            row = row.replace(other_law=rigid.other_law)
+    if row.state == ORIGINAL or before is None:
+        return row
+    if rigid is not None and before.rigid is not None:
+        return row.replace(alpha_loss=reduction(before.rigid.alpha_0, rigid.alpha_0))
+    if elastic is not None and before.elastic is not None:
+        return row.replace(alpha_loss=reduction(before.elastic.alpha_u, elastic.alpha_u))
+    return row
+
+
+def _mechanism(found: Mechanism) -> SummaryMechanism:
+    slides, turns = len(found.sliding_joints), found.hinges
+    return SummaryMechanism(
+        kind="mixed"
+        if slides and turns
+        else "sliding"
+        if slides
+        else "overturning"
+        if turns == 1
+        else "hinges",
+        hinges=turns,
+        sliding_joints=slides,
+        moving_weight_kN=found.moving_weight_kN,
+    )
+
+
+def _counting(capacity: Capacity | None, limit: str) -> SummaryCheck:
+    """Return the check that counts at a limit state; without numbers where none has a ratio."""
+    made = _of_limit(capacity.checks if capacity else {}, limit)
+    known = [(check.zeta_E, name, check) for name, check in made if check.zeta_E is not None]
+    if not known:
+        return SummaryCheck(check=limit, zeta_E=None, verified=None)
+    # at SLV the linear check stands in for the nonlinear one
+    ratio, name, check = known[0] if limit in INDEXED else min(known, key=lambda each: each[0])
+    found = SummaryCheck(check=name, zeta_E=ratio, verified=check.verified)
+    return found.replace(zeta_E_range=check.zeta_E_range) if check.zeta_E_range else found
+
+
+def _of_limit(checks: dict[str, Check], limit: str) -> Iterator[tuple[str, Check]]:
+    """Yield the checks at a limit state by their names, its own first."""
+    for name in (limit, f"{limit} linear", f"{limit} elastic"):
+        if name in checks:
+            yield name, checks[name]
+
+
+def _reached(states: dict[str, State], state: State) -> bool:
+    """Whether a state was reached: where it was not, its configuration is that of the drawing."""
+    before = states.get(state.strengthening.of) if state.strengthening else state
+    return before is None or before.settlement is None or any(map(any, state.configuration))
+
+
+def _opposite(change: float | None) -> float | None:
+    return None if change is None else -change
+
+
+def _all(verified: Iterable[bool | None]) -> bool | None:
+    """Whether all are true; None where none is false and one is not known, or there is none."""
+    found = list(verified)
+    if not found or (None in found and False not in found):
+        return None
+    return all(found)
