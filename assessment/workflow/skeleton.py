@@ -188,7 +188,7 @@ def _loads(project: Project, a: Assembly) -> list[LayerLoads]:
 
 def _geometry(project: Project, a: Assembly) -> Geometry:
     """Return blocks, control points and joints as drawn."""
-    return Geometry(
+    found = Geometry(
         blocks=[
             Block(
                 vertices_m=block.polygon.tolist(),
@@ -213,3 +213,5 @@ def _geometry(project: Project, a: Assembly) -> Geometry:
         joint_tolerance_m=a.joint_tolerance,
         gravity_m_s2=GRAVITY,
     )
+    far = a.as_drawn([0.0, 0.0])
+    return found.replace(origin_m=far.tolist()) if far.any() else found

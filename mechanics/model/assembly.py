@@ -23,6 +23,7 @@ from mechanics.types import GRAVITY, Array, Index, Mask
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
+FAR = 10.0  # of the drawing's size: beyond it coordinates lose more than one digit to their distance from the origin
 
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
@@ -48,7 +49,7 @@ class MotionMemory:
 class State:
     """Positions and velocities of the blocks, and the forces that their joints remember.
 
-    `positions` (b, 3): x, z (m) of each centroid and rotation (rad) from the drawing, supports included;
+    `positions` (b, 3): x, z (m) of each centroid, from the assembly's origin, and rotation (rad) from the drawing;
     `velocities` (b, 3): m/s and rad/s. `shear` (j,): tangential forces (kN) in the springs of the drawn joints; `met`
     (k, 3): the same for faces that came into contact, by their two edges. `carrying` (j,): which drawn joints carry in
     the equilibrium of this state; rigid ones count as closed whatever gap dilatant sliding has left. None: the state is
@@ -73,6 +74,10 @@ class Assembly:
     (m): edges closer than this touch (default: a thousandth of the median edge). `collisions`: blocks that are apart as
     drawn may come to touch. `ties` between them. Raises ArgumentError for blocks that cannot be analysed, and for a tie
     that does not join two of them.
+
+    `origin` (2,) m: where the positions of states count from; by default (0, 0), or, for the sake of their digits,
+    whole metres near the corner of what is drawn far away beside its size. Blocks, joints and points that are given are
+    those of the drawing.
     """
 
     blocks: Sequence[Block]
@@ -80,6 +85,7 @@ class Assembly:
     tolerance: float | None = None
     collisions: bool = True
     ties: Sequence[Tie] = ()
+    origin: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         require(isinstance(self.blocks, Iterable), "blocks", self.blocks, "a sequence of Block")
@@ -87,6 +93,7 @@ class Assembly:
         odd = next((each for each in self.blocks if not isinstance(each, Block)), None)
         require(odd is None, "blocks", odd, "a sequence of Block")
         require(len(self.blocks) > 0, "blocks", 0, "at least one block")
+        object.__setattr__(self, "origin", _origin(self.blocks) if self.origin is None else self.origin)
         n = self.segments_per_joint
         require(
             n is None or (is_whole(n) and 1 <= n <= MOST_SEGMENTS),
@@ -123,6 +130,16 @@ class Assembly:
         """Return the assembly with these ties in the place of its own."""
         return replace(self, ties=tuple(ties))
 
+    def from_origin(self, points: ArrayLike) -> Array:
+        """Return points (…, 2) m of the drawing as they count from the origin."""
+        assert self.origin is not None
+        return np.asarray(points, dtype=float) - self.origin
+
+    def as_drawn(self, points: ArrayLike) -> Array:
+        """Return points (…, 2) m that count from the origin as those of the drawing."""
+        assert self.origin is not None
+        return np.asarray(points, dtype=float) + self.origin
+
     @cached_property
     def tie_blocks(self) -> Index:
         """The two blocks (t, 2) of each tie. Raises ArgumentError for an end that is in no block."""
@@ -154,22 +171,35 @@ class Assembly:
 
     @cached_property
     def joints(self) -> Joints:
-        """Joints between the blocks."""
-        return find_joints(self.blocks, self.joint_tolerance)
+        """Joints between the blocks, as drawn."""
+        return replace(self._joints, ends=self.as_drawn(self._joints.ends))
+
+    @cached_property
+    def _moved(self) -> Sequence[Block]:
+        """The blocks as they count from the origin: far from it corners and centroids would lose digits."""
+        if not np.any(self.origin):
+            return self.blocks
+        return [replace(block, vertices=self.from_origin(block.polygon)) for block in self.blocks]
+
+    @cached_property
+    def _joints(self) -> Joints:
+        """The joints as they count from the origin."""
+        return find_joints(self._moved, self.joint_tolerance)
 
     @cached_property
     def contacts(self) -> Contacts:
         """The contacts of the joints as drawn, then the ties."""
-        drawn = drawn_contacts(self.blocks, self.joints, self.segments_per_joint or 0, self.joint_tolerance)
+        drawn = drawn_contacts(self._moved, self._joints, self.segments_per_joint or 0, self.joint_tolerance)
         if not self.ties:
             return drawn
+        ends = self.from_origin([tie.points for tie in self.ties])
         centroid = self.initial.positions[:, :2]
-        return drawn.joined(tie_contacts(self.ties, self.tie_blocks, centroid, drawn))
+        return drawn.joined(tie_contacts(self.ties, ends, self.tie_blocks, centroid, drawn))
 
     @cached_property
     def outlines(self) -> Outlines:
         """Edges and corners of the blocks."""
-        return Outlines.of(self.blocks)
+        return Outlines.of(self._moved)
 
     @cached_property
     def radius(self) -> Array:
@@ -238,7 +268,7 @@ class Assembly:
     @cached_property
     def initial(self) -> State:
         """The state as drawn, at rest."""
-        centroid = np.array([b.centroid for b in self.blocks])
+        centroid = np.array([b.centroid for b in self._moved])
         return State(np.column_stack([centroid, np.zeros(len(centroid))]), np.zeros((len(centroid), 3)))
 
     @cached_property
@@ -282,7 +312,7 @@ class Assembly:
         return index
 
     def support_centre(self, name: str) -> Array:
-        """Return the centroid (2,) of a support's blocks as drawn, m."""
+        """Return the centroid (2,) of a support's blocks as drawn, m, from the origin."""
         index = self.support(name)
         area = np.array([self.blocks[i].area for i in index])
         centre: Array = area @ self.initial.positions[index, :2] / area.sum()
@@ -313,6 +343,7 @@ class Assembly:
         pivot = array_of("about", about, "a point (x, z) in m")
         require(pivot.shape == (2,) and bool(np.isfinite(pivot).all()), "about", about, "a point (x, z) in m")
         require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
+        pivot = self.from_origin(pivot)
         positions = self.initial.positions.copy()
         arm = positions[block, :2] - pivot
         cos, sin = np.cos(rotation), np.sin(rotation)
@@ -359,8 +390,17 @@ class Assembly:
 
     def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:
         """Return the displacement (2,), m, of a drawn point (2,) m of a block at positions (b, 3)."""
-        arm = np.asarray(point, dtype=float) - self.initial.positions[block, :2]
+        at = self.from_origin(point)
+        arm = at - self.initial.positions[block, :2]
         cos, sin = np.cos(positions[block, 2]), np.sin(positions[block, 2])
         turned = np.array([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])
-        moved: Array = positions[block, :2] + turned - np.asarray(point, dtype=float)
+        moved: Array = positions[block, :2] + turned - at
         return moved
+
+
+def _origin(blocks: Sequence[Block]) -> Array:
+    """Return the origin (2,) m of blocks: (0, 0), or whole metres where they are FAR times their extent away."""
+    points = np.concatenate([block.polygon for block in blocks])
+    low = points.min(axis=0)
+    near = np.abs(points).max() <= FAR * np.ptp(points, axis=0).max()
+    return np.zeros(2) if near else np.floor(low)

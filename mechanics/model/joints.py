@@ -121,7 +121,8 @@ def _corners(v: Array, owner: Index) -> Mask:
     after, before = v[following] - v, np.empty_like(v)
     before[following] = after
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    found: Mask = abs(turn) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)
+    one, other = np.hypot(*before.T), np.hypot(*after.T)
+    found: Mask = abs(turn) > 1e-9 * one * other + 2.0 * np.spacing(abs(v).max()) * (one + other)
     return found
 
 

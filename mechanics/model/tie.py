@@ -92,15 +92,18 @@ class Tie:
         return self.length
 
 
-def tie_contacts(ties: Sequence[Tie], blocks: Index, centroid: Array, drawn: Contacts) -> Contacts:
-    """Return the contacts of ties between the `blocks` (t, 2) with centroids (b, 2) m, beside the `drawn` joints.
+def tie_contacts(
+    ties: Sequence[Tie], ends: Array, blocks: Index, centroid: Array, drawn: Contacts
+) -> Contacts:
+    """Return the contacts of ties with `ends` (t, 2, 2) m in the `blocks` (t, 2), beside the `drawn` joints.
+
+    Ends and the centroids (b, 2) m of all blocks count from one origin.
 
     Their length along the joint is 1 m: bed and strength are stiffness and yield force. A rigid one is as stiff as
     RIGID times the stiffest joint where joints are elastic.
     """
     count = len(ties)
     faces = np.zeros((count, FACE))
-    ends = np.array([tie.points for tie in ties]).reshape(count, 2, 2)
     faces[:, [PX, PZ]], faces[:, [QX, QZ]] = (
         ends[:, 0] - centroid[blocks[:, 0]],
         ends[:, 1] - centroid[blocks[:, 1]],

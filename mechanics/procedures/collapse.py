@@ -35,8 +35,8 @@ class ControlPoint:
 
     def velocity(self, model: Assembly, x: Array, v: Array) -> float:
         """Return the horizontal velocity, m/s, at positions x (b, 3) and velocities v (b, 3)."""
-        displaced = model.point_displacement(self.point, self.block, x) + self.point - x[self.block, :2]
-        return float(v[self.block, 0] - v[self.block, 2] * displaced[1])
+        moved = model.point_displacement(self.point, self.block, x) + model.from_origin(self.point)
+        return float(v[self.block, 0] - v[self.block, 2] * (moved[1] - x[self.block, 1]))
 
 
 def collapse(

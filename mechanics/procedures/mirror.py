@@ -34,7 +34,8 @@ class Mirror:
     @classmethod
     def of(cls, model: Assembly, behaviour: Behaviour) -> Mirror | None:
         """Return the mirror of a model; None if the image of a block, load, joint or tie is not exactly one of it."""
-        x = np.concatenate([block.polygon[:, 0] for block in model.blocks])
+        corner = model.from_origin(np.concatenate([block.polygon for block in model.blocks]))
+        x = corner[:, 0]
         axis, extent = 0.5 * float(x.min() + x.max()), float(np.ptp(x))
         centre = model.initial.positions[:, :2]
         block = _matched(centre, [2.0 * axis, 0.0] + centre * [-1.0, 1.0], EXACT * extent)
@@ -49,7 +50,6 @@ class Mirror:
         contacts = model.contacts
         # corners and joints are shifted by their blocks: only those of the same blocks can match
         apart = 10.0 * extent
-        corner = np.concatenate([block.polygon for block in model.blocks])
         of = np.repeat(np.arange(len(model.blocks)), [len(block.polygon) for block in model.blocks])
         flipped = [2.0 * axis, 0.0] + corner * [-1.0, 1.0]
         shapes = _matched(
@@ -58,7 +58,7 @@ class Mirror:
             EXACT * apart,
         )
         ties = np.array([tie.points for tie in model.ties]).reshape(-1, 2, 2)
-        ends = np.concatenate([model.joints.ends, ties])
+        ends = model.from_origin(np.concatenate([model.joints.ends, ties]))
         owner = np.sort(np.stack([contacts.a, contacts.b], axis=1), axis=1)
         middle, along = ends.mean(axis=1), _along(ends)
         joint = _matched(
@@ -92,8 +92,8 @@ class Mirror:
 
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether two control points (2,) m, and the blocks that they are fixed to, are each other's image."""
-        image = np.asarray(one, dtype=float) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
-        if abs(image - np.asarray(other, dtype=float)).max() > EXACT * self.model.size:
+        image = self.model.from_origin(one) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
+        if abs(image - self.model.from_origin(other)).max() > EXACT * self.model.size:
             return False
         return bool(self.block[self.model.block_at(one)] == self.model.block_at(other))
 

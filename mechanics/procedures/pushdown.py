@@ -392,7 +392,7 @@ def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotat
     support.
     """
     corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
-    far = float(np.hypot(*(corners - model.support_centre(support)).T).max())
+    far = float(np.hypot(*(model.from_origin(corners) - model.support_centre(support)).T).max())
     return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * far
 
 

@@ -380,7 +380,7 @@ def _controls(project: Project, model: Assembly, positions: NDArray[np.float64])
     for direction in project.pushover.directions if project.pushover else ():
         point = project.pushover_control(direction).point_m
         block = model.block_at(point)
-        x, z = np.add(point, model.point_displacement(point, block, positions)).tolist()
+        x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
         found[direction] = Control((x, z), block)
     return found
 

@@ -66,7 +66,7 @@ GIVEN = GivenTolerances()
 
 @dataclass(frozen=True)
 class Control:
-    """A point (x, z), m, of a block, and its horizontal virtual displacement `delta_x` in a mechanism."""
+    """A point (x, z) m, from the origin, of a block, and its horizontal displacement `delta_x` in a mechanism."""
 
     point: tuple[float, float]
     block: int
@@ -181,7 +181,7 @@ def evaluate(
 
     by_hand = [*work.steps, *work.result_steps(), *others, participation]
     steps = [*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]
-    found = _given(chosen, delta, direction, work, capacity, control).replace(
+    found = _given(model, chosen, delta, direction, work, capacity, control).replace(
         penetration=motion.penetration,
         sliding_joints=sliding,
         met=met.joints,
@@ -192,6 +192,7 @@ def evaluate(
 
 
 def _given(
+    model: Assembly,
     chosen: Chosen,
     delta: Array,
     direction: parts.Direction,
@@ -210,7 +211,7 @@ def _given(
         alpha_0=work.alpha_0,
         e_star=work.e_star,
         gamma_star=capacity.gamma_star,
-        control_m=list(control.point),
+        control_m=model.as_drawn(control.point).tolist(),
         a_0_star_g=capacity.a_0_star,
         d_0_m=finite(capacity.fit.d_0),
         d_0_star_m=finite(capacity.d_0_star),
@@ -218,7 +219,9 @@ def _given(
         moving_weight_kN=work.moving,
         macro_blocks=[
             parts.GivenMacroBlock(
-                about_m=part.about.tolist(), rotation=part.rotation, blocks=part.blocks.tolist()
+                about_m=model.as_drawn(part.about).tolist(),
+                rotation=part.rotation,
+                blocks=part.blocks.tolist(),
             )
             for part in chosen.parts
         ],

@@ -121,7 +121,7 @@ def _mechanism(model: Assembly, control: ControlTable, path: Pushover, met: Met)
         gamma_star=gamma_star,
         displacements=displacements.tolist(),
         control_displacement_x=control_dx,
-        hinge_points_m=found.points.tolist(),
+        hinge_points_m=model.as_drawn(found.points).tolist(),
         sliding_joints=met.numbers(path.contacts, slides)[found.sliding].tolist(),
         moving_weight_kN=float(found.moving_weight),
     )

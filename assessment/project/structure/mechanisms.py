@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MacroBlock:
-    """Blocks (n,) that rotate as one about the point `about` (2,), m, by `rotation`, anticlockwise positive."""
+    """Blocks (n,) that rotate as one by `rotation`, anticlockwise, about the point `about` (2,) m, from the origin."""
 
     about: NDArray[np.float64]
     rotation: float
@@ -52,7 +52,9 @@ def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
                     f'block {twice[0]} is in another macro-block of "{entry.name}"; a block has one rotation'
                 )
                 raise ProjectError(f"{key}: {text}")
-        found[entry.name].append((index, MacroBlock(np.array(entry.about_m), entry.rotation, blocks)))
+        found[entry.name].append(
+            (index, MacroBlock(model.from_origin(entry.about_m), entry.rotation, blocks))
+        )
         states[entry.name] = entry.state
     return [Chosen(name, states[name], tuple(part for _, part in parts)) for name, parts in found.items()]
 

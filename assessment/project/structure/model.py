@@ -15,7 +15,7 @@ from assessment.project.structure.state_models import StateModel, state_models
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError, Material
 from mechanics.faults import Fault, FaultyDrawingError
-from mechanics.messages import Message
+from mechanics.messages import Message, headed, message
 from mechanics.model import Drawing, Layer, default_tolerance, survey_drawing, survey_layout
 
 if TYPE_CHECKING:
@@ -72,6 +72,15 @@ def build_model(project: Project) -> ProjectModel:
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
     gauges(project, assembly)  # likewise
     states = state_models(project, assembly)
+    far = assembly.as_drawn([0.0, 0.0])
+    if far.any():
+        told = message(
+            "drawn far from (0, 0): in hand checks and in the steps of given mechanisms x and z count from ({x:.0f}, "
+            "{z:.0f}) m",
+            x=far[0],
+            z=far[1],
+        )
+        warnings += (headed(geometry.drawing, told),)
     return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)))
 
 

@@ -21,7 +21,7 @@ def described(model: Assembly, contacts: Contacts) -> list[Face]:
     The `middle_m` of each face are the points from which slips count; of drawn joints they are one.
     """
     depth = np.array([block.depth for block in model.blocks])
-    lines = face_lines(contacts, model.initial.positions[:, :2])
+    lines = face_lines(contacts, model.as_drawn(model.initial.positions[:, :2]))
     found = []
     for a, b, ends, middle, strength in zip(
         contacts.a, contacts.b, lines.ends, lines.middle, contacts.strength, strict=True

@@ -49,7 +49,8 @@ class HandCheck:
 class MacroBlock:
     """Blocks that move as one: members, weight and seismic weight kN, centroid (2,) m, motion (3,) of the centroid.
 
-    The motion is δ_x, δ_z, ω, scaled so that the largest displacement of a centroid in the mechanism is 1 m.
+    The motion is δ_x, δ_z, ω, scaled so that the largest displacement of a centroid in the mechanism is 1 m. Of a
+    drawing far from (0, 0) centroids count from its origin: four figures would not tell them apart.
     """
 
     members: tuple[int, ...]
@@ -144,9 +145,9 @@ def _groups(results: Results, state: str, direction: Direction) -> list[MacroBlo
         if moving[i] and moving[j] and _as_one(joint, drawn.centroids, at, shape.centroids, rate, fastest):
             group[group == group[j]] = group[i]
     weight, seismic = weights(results)
+    centroids = shape.centroids - np.array(results.geometry.origin_m or (0.0, 0.0))
     return [
-        _whole(np.flatnonzero(group == g), weight, seismic, shape.centroids, rate)
-        for g in np.unique(group[moving])
+        _whole(np.flatnonzero(group == g), weight, seismic, centroids, rate) for g in np.unique(group[moving])
     ]
 
 
@@ -323,7 +324,7 @@ def weights(results: Results) -> tuple[Array, Array]:
 
 def outline_area(vertices: Any) -> float:
     """Return the area of a simple polygon in m² (shoelace)."""
-    x, z = np.asarray(vertices, dtype=float).T
+    x, z = (np.asarray(vertices, dtype=float) - vertices[0]).T
     return float(abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0)
 
 

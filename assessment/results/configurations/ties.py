@@ -68,7 +68,7 @@ def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
     for point, motion in enumerate(moved):
         least = NOTICED * float(abs(motion[:, :2]).max())
         for k, (tie, (a, b)) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
-            arm = tie.points[0] - model.initial.positions[[a, b], :2]
+            arm = model.from_origin(tie.points[0]) - model.initial.positions[[a, b], :2]
             at = [
                 motion[block, :2] + motion[block, 2] * np.array([-z, x])
                 for block, (x, z) in zip((a, b), arm, strict=True)
@@ -118,7 +118,7 @@ def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:
     for k, (tie, blocks) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
         ends, moved = np.zeros((2, 2)), np.zeros((2, 2))
         for end, (point, block) in enumerate(zip(tie.points, blocks, strict=True)):
-            ends[end] = point + model.point_displacement(point, block, positions)
+            ends[end] = model.from_origin(point) + model.point_displacement(point, block, positions)
             arm = ends[end] - positions[block, :2]
             moved[end] = delta[block, :2] + delta[block, 2] * np.array([-arm[1], arm[0]])
         along = ends[1] - ends[0]

@@ -96,6 +96,9 @@ class Geometry(Part):
     blocks: list[Block] = key("the blocks")
     controls: list[Control] = key("the control points, the default one first")
     joints: list[Joint] = key("the joints")
+    origin_m: Point | None = optional(
+        "of a drawing far from (0, 0): where coordinates of hand checks count from", "m"
+    )
     joint_tolerance_m: float = key("edges closer than this form a joint", "m")
     gravity_m_s2: float = key("acceleration of gravity", "m/s²")
 
