@@ -132,13 +132,13 @@ class Assembly:
 
     def from_origin(self, points: ArrayLike) -> Array:
         """Return points (…, 2) m of the drawing as they count from the origin."""
-        assert self.origin is not None
-        return np.asarray(points, dtype=float) - self.origin
+        found: Array = np.asarray(points, dtype=float) - np.asarray(self.origin, dtype=float)
+        return found
 
     def as_drawn(self, points: ArrayLike) -> Array:
         """Return points (…, 2) m that count from the origin as those of the drawing."""
-        assert self.origin is not None
-        return np.asarray(points, dtype=float) + self.origin
+        found: Array = np.asarray(points, dtype=float) + np.asarray(self.origin, dtype=float)
+        return found
 
     @cached_property
     def tie_blocks(self) -> Index:
