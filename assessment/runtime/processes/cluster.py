@@ -24,21 +24,26 @@ Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 TOPIC = "assesto: share that is done"  # one for all runs: a scheduler keeps a log of each
 GONE = ("closing", "closed")  # status of a client without its scheduler
-LOST = "the Dask scheduler or its workers were lost; start them and run again: finished analyses are kept"
-NONE_LEFT = (
-    "the Dask scheduler has had no worker for {seconds:g} s; start one (dask worker) and run again: "
-    "finished analyses are kept"
+LOST = "the Dask scheduler or its workers were lost; start them and run again"
+NONE_LEFT = "the Dask scheduler has had no worker for {seconds:g} s; start one (dask worker) and run again"
+SILENT = "the Dask scheduler has not answered for {seconds:g} s; start it and its workers, and run again"
+MUTE = (
+    "--scheduler: {address}: accepts connections and has not answered as a Dask scheduler for {seconds:g} s; "
+    "start one (dask scheduler) with its workers (dask worker), or correct the address, and run again"
 )
+CLOSING = 2.0  # s that the library has for leaving the cluster in good order
 
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """Times, s. `answer`: that a scheduler has to answer; `look`: between two looks at the workers.
+    """Times, s: deadlines of our own, as the library waits for ever where a peer accepts and says nothing.
 
-    `workerless`: in which work waits and no worker is there: a scheduler would wait for ever.
+    `answer`: until a scheduler has taken us on; `silent`: until a scheduler at work has answered; `workerless`: in
+    which work waits and no worker is there; `look`: between two looks at the workers.
     """
 
     answer: float = 10.0
+    silent: float = 60.0
     workerless: float = 300.0
     look: float = 2.0
 
@@ -50,26 +55,13 @@ class Cluster:
     """Computes functions on the workers of the scheduler at an address such as tcp://host:8786.
 
     Functions are found by their names and arguments are pickled, as by Pool. Raises ProjectError where dask.distributed
-    is not installed or no scheduler answers.
+    is not installed or no scheduler is at the address, KilledError where what is there says nothing.
     """
 
     def __init__(self, address: str, patience: Patience = PATIENCE) -> None:
         self._patience = patience
-        try:
-            from distributed import Client
-        except ImportError:
-            raise ProjectError(
-                '--scheduler: dask.distributed is not installed; install it: pip install "assesto[cluster]"'
-            ) from None
-        # `close` closes it; one that could not begin waits 20 s for that when it is deleted, and prints a traceback
-        connect: Any = type("Client", (Client,), {"__del__": lambda _: None})
-        try:
-            self._client = connect(address, timeout=patience.answer, set_as_default=False)
-        except Exception as error:  # what an address of another kind raises is up to its library
-            raise ProjectError(
-                f"--scheduler: {address}: no Dask scheduler answers there ({type(error).__name__}); start one "
-                "(dask scheduler) with its workers (dask worker), or correct the address"
-            ) from None
+        self._client = _connected(address, patience.answer)
+        self._executor = self._client.get_executor(pure=False)
         self._open: set[Future[Any]] = set()
         self._shares: dict[int, float] = {}
         self._client.subscribe_topic(TOPIC, self._hear)
@@ -82,14 +74,13 @@ class Cluster:
         self._open.add(done)
         done.add_done_callback(self._open.discard)
         try:
-            remote = self._client.submit(_checked, program(), function, arguments, pure=False)
+            remote = self._executor.submit(_outcome, program(), function, arguments)
         except Exception as error:
-            if not _is_loss(error, self._client):
+            if self._client.status not in GONE and not _is_of_cluster(error):
                 raise
-            done.set_exception(KilledError(LOST))
+            _fail(done, KilledError(LOST))
             return done
-        remote.add_done_callback(lambda ended: _hand_over(ended, self._client, done))
-        done.remote = remote  # type: ignore[attr-defined]  # released, it would be cancelled
+        remote.add_done_callback(lambda ended: _hand_over(ended, done))
         return done
 
     def teller(self, number: int) -> Callable[[float | None], None]:
@@ -113,21 +104,70 @@ class Cluster:
     def close(self, at_once: bool) -> None:
         """Leave the cluster; its work for this process is given up."""
         self._closed.set()
-        self._client.close()
+        _within(CLOSING, self._client.close)
+        for done in tuple(self._open):
+            _fail(done, KilledError(LOST))
 
     def _watch(self) -> None:
-        """Fail all open tasks once there has been no worker for too long."""
-        seen = time.monotonic()
-        while not self._closed.wait(self._patience.look):
-            try:
-                workers = self._client.nthreads()
-            except Exception:  # the scheduler is lost: the client fails every future itself
+        """Fail all open tasks once the scheduler is silent, or has had no worker, for too long."""
+        patience, now = self._patience, time.monotonic()
+        answered = staffed = now
+        while not self._closed.wait(patience.look):
+            workers, now = _within(patience.silent, self._client.nthreads), time.monotonic()
+            if isinstance(workers, Exception):
+                if now - answered > patience.silent:
+                    self._give_up(SILENT.format(seconds=patience.silent))
                 continue
+            answered = now
             if workers or not self._open:  # one that adapts has none while there is nothing to do
-                seen = time.monotonic()
-            elif time.monotonic() - seen > self._patience.workerless:
-                for done in tuple(self._open):
-                    _fail(done, KilledError(NONE_LEFT.format(seconds=self._patience.workerless)))
+                staffed = now
+            elif now - staffed > patience.workerless:
+                self._give_up(NONE_LEFT.format(seconds=patience.workerless))
+
+    def _give_up(self, reason: str) -> None:
+        for done in tuple(self._open):
+            _fail(done, KilledError(reason))
+
+
+def _connected(address: str, seconds: float) -> Any:
+    """Return a client of the scheduler at an address. Raises as Cluster."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise ProjectError(
+            '--scheduler: dask.distributed is not installed; install it: pip install "assesto[cluster]"'
+        ) from None
+    # `close` closes it; one that could not begin waits 20 s for that when it is deleted, and prints a traceback
+    connect: Any = type("Client", (Client,), {"__del__": lambda _: None})
+    found = _within(2.0 * seconds, lambda: connect(address, timeout=seconds, set_as_default=False))
+    if isinstance(found, LateError):
+        raise KilledError(MUTE.format(address=address, seconds=2.0 * seconds))
+    if isinstance(found, Exception):  # what an address of another kind raises is up to its library
+        raise ProjectError(
+            f"--scheduler: {address}: no Dask scheduler answers there ({type(found).__name__}); start one "
+            "(dask scheduler) with its workers (dask worker), or correct the address"
+        )
+    return found
+
+
+class LateError(TimeoutError):
+    """A call did not come back in time."""
+
+
+def _within(seconds: float, call: Callable[[], Any]) -> Any:
+    """Return what a call returns, or the exception that it raises; LateError where it does not come back in time."""
+    found: list[Any] = []
+
+    def carry_out() -> None:
+        try:
+            found.append(call())
+        except Exception as error:
+            found.append(error)
+
+    thread = threading.Thread(target=carry_out, daemon=True)
+    thread.start()
+    thread.join(seconds)
+    return found[0] if found else LateError()
 
 
 @dataclass
@@ -146,39 +186,46 @@ class _Teller:
             get_worker().log_event(TOPIC, (self.client, self.number, share))
 
 
-def _checked(expected: str, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:
+@dataclass(frozen=True)
+class _Failed:
+    """The error of an analysis: what a future of the cluster itself raises is always a loss of the cluster."""
+
+    error: Exception
+
+
+def _outcome(expected: str, function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result | _Failed:
     """Compute in a worker, where it runs the same program."""
     if program() != expected:
-        raise ProjectError(
-            f"--scheduler: the worker on {platform.node()} has another version of the program, its libraries or "
-            "Python; install the same ones there"
+        return _Failed(
+            ProjectError(
+                f"--scheduler: the worker on {platform.node()} has another version of the program, its libraries or "
+                "Python; install the same ones there"
+            )
         )
-    return function(*arguments)
-
-
-def _hand_over(ended: Any, client: Any, done: Future[Any]) -> None:
-    """Pass the result or the error of a task on the cluster to its future in this process."""
     try:
-        result = ended.result()
-    except BaseException as error:
-        own = ended.status == "error" and not _is_of_cluster(error)
-        _fail(done, error if own or not _is_loss(error, client) else KilledError(LOST))
-    else:
-        with suppress(InvalidStateError):  # it had failed, for want of a worker
-            done.set_result(result)
+        return function(*arguments)
+    except Exception as error:
+        return _Failed(error)
+
+
+def _hand_over(ended: Future[Any], done: Future[Any]) -> None:
+    """Pass the outcome of a task on the cluster to its future in this process."""
+    try:
+        outcome = ended.result()
+    except MemoryError as error:  # of the result, here
+        outcome = _Failed(error)
+    except BaseException:
+        outcome = _Failed(KilledError(LOST))
+    if isinstance(outcome, _Failed):
+        _fail(done, outcome.error)
+        return
+    with suppress(InvalidStateError):  # it had failed, for want of a worker
+        done.set_result(outcome)
 
 
 def _fail(done: Future[Any], error: BaseException) -> None:
     with suppress(InvalidStateError):  # it had failed before
         done.set_exception(error)
-
-
-def _is_loss(error: BaseException, client: Any) -> bool:
-    """Whether the cluster was lost.
-
-    A client without its scheduler raises errors of several kinds, plain RuntimeErrors too: its status shows the loss.
-    """
-    return client.status in GONE or _is_of_cluster(error)
 
 
 def _is_of_cluster(error: BaseException) -> bool:

@@ -14,10 +14,9 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -32,6 +31,7 @@ from assessment.workflow.stages import run
 from tests import ROOT
 from tests.support.block_project import read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
+from tests.support.scheduler import LONG, scheduler, wait_for
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="signals"),
@@ -40,8 +40,6 @@ pytestmark = [
 COMBINATIONS = 8  # two records, both signs, two shares
 STATIC = 6  # self-weight, a pushdown, two pushovers and the linear programs of their multipliers
 ALL = STATIC + COMBINATIONS
-LONG = 600  # s: what hangs fails, a busy machine does not
-PAUSE = 0.01  # s
 
 
 @pytest.fixture(scope="module")
@@ -73,18 +71,7 @@ def of_campaign(folder: Path) -> Stage | None:
     return stages[0] if stages else None
 
 
-def wait_for(happened: Callable[[], bool], *alive: subprocess.Popen[Any]) -> None:
-    """Wait until something has happened that no process needs more than LONG for, and that needs all of these."""
-    for _ in range(round(LONG / PAUSE)):
-        ended = [process.args for process in alive if process.poll() is not None]
-        if happened():
-            return
-        assert not ended
-        time.sleep(PAUSE)
-    raise AssertionError(f"not within {LONG} s")
-
-
-def wait_for_one(folder: Path, *alive: subprocess.Popen[Any]) -> None:
+def wait_for_one(folder: Path, *alive: subprocess.Popen[bytes] | subprocess.Popen[str]) -> None:
     """Wait until a combination is finished."""
     wait_for(lambda: bool((stage := of_campaign(folder)) and stage.done), *alive)
 
@@ -146,30 +133,6 @@ def check_rest(folder: Path, kept: int, whole, capsys, *options: str) -> None:
     assert json.loads(capsys.readouterr().out)["analyses"] == {"computed": ALL - kept, "taken_over": kept}
     assert timeless(read_results(folder / "output"))["campaign"] == whole
     assert read_journal(folder / "output").exit_code == 0
-
-
-@contextmanager
-def dask(*command: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Start a command of Dask; end it."""
-    started = subprocess.Popen([sys.executable, "-m", "dask", *command], cwd=ROOT, stderr=subprocess.DEVNULL)
-    try:
-        yield started
-    finally:
-        started.kill()
-        started.wait(timeout=LONG)
-
-
-@contextmanager
-def scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[bytes], subprocess.Popen[bytes]]]:
-    """Start a scheduler and a worker, as one does; yield the address, the scheduler and the worker."""
-    file = folder / "scheduler.json"
-    options = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file))
-    with dask("scheduler", *options) as started:
-        wait_for(lambda: file.exists() and bool(file.read_text()), started)
-        address = json.loads(file.read_text())["address"]
-        ending = ("--no-nanny", "--death-timeout", "60")
-        with dask("worker", address, "--nthreads", "1", "--no-dashboard", *ending) as worker:
-            yield address, started, worker
 
 
 @contextmanager

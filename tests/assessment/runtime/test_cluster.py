@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 from concurrent.futures import Future
-from types import SimpleNamespace
 
 import pytest
 
+from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
+from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes import cluster
@@ -20,13 +22,12 @@ from assessment.runtime.processes.pool import KilledError
 from assessment.runtime.show import Show
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
-from tests.support.block_project import command, timeless, write_block
+from tests.support.block_project import command, contents, edit, timeless, write_block
 from tests.support.campaign_project import SEARCHES, write_campaign
+from tests.support.scheduler import LONG, scheduler
 from tests.support.told import Seen, quarter
 
 distributed = pytest.importorskip("distributed")
-
-LONG = 600  # s: a cluster that hangs fails, a busy machine does not
 
 
 @pytest.fixture(scope="module")
@@ -109,33 +110,68 @@ def test_work_under_way_when_the_connection_is_lost_is_no_bug(local):
     assert future.result(timeout=LONG) == 8
     waiting = engine.submit(signal.pause if hasattr(signal, "pause") else input)
     engine.close(at_once=True)
-    with pytest.raises(KilledError, match="finished analyses are kept"):
+    with pytest.raises(KilledError, match="were lost; start them"):
         waiting.result(timeout=LONG)
-    with pytest.raises(KilledError, match="finished analyses are kept"):
+    with pytest.raises(KilledError, match="were lost; start them"):
         engine.submit(pow, 2, 3).result(timeout=LONG)
 
 
 @pytest.mark.parametrize(
-    ("error", "ended", "client", "lost"),
+    ("outcome", "expected"),
     [
-        (RuntimeError("IOLoop is closed"), "cancelled", "closed", True),
-        (RuntimeError("IOLoop is closed"), "finished", "closing", True),
-        (distributed.CancelledError("of a task"), "cancelled", "connecting", True),
-        (distributed.KilledWorker("a task", None, 3), "error", "running", True),
-        (RuntimeError("of the analysis"), "error", "running", False),
-        (RuntimeError("of the analysis"), "error", "closing", False),
-        (MemoryError("of the result, here"), "finished", "running", False),
+        (RuntimeError("IOLoop is closed"), cluster.LOST),
+        (distributed.CancelledError("of a task"), cluster.LOST),
+        (distributed.KilledWorker("a task", None, 3), cluster.LOST),
+        (cluster._Failed(RuntimeError("of the analysis")), "of the analysis"),
+        (MemoryError("of the result, here"), "of the result, here"),
     ],
 )
-def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(error, ended, client, lost):
-    def result():
-        raise error
-
-    done: Future[int] = Future()
-    cluster._hand_over(SimpleNamespace(result=result, status=ended), SimpleNamespace(status=client), done)
-    assert done.done()
+def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(outcome, expected):
+    ended: Future[object] = Future()
+    if isinstance(outcome, BaseException):
+        ended.set_exception(outcome)
+    else:
+        ended.set_result(outcome)
+    done: Future[object] = Future()
+    cluster._hand_over(ended, done)
     found = done.exception()
-    assert str(found) == cluster.LOST if lost else found is error
+    assert str(found) == expected and isinstance(found, KilledError) == (expected == cluster.LOST)
+
+
+@pytest.fixture
+def mute():
+    """The address of a server that accepts and says nothing."""
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        server.listen(50)
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+
+
+def test_a_port_that_says_nothing_is_not_waited_for_without_end(mute, project, capsys, monkeypatch):
+    """The library's own timeouts do not end it; what is finished is kept."""
+    assert main(["run", str(project), "--no-report"]) == 0
+    edit(project, "increment_m = 0.2", "increment_m = 0.1")
+    monkeypatch.setattr(tasks, "large", lambda *_: True)
+    monkeypatch.setattr(cluster.Cluster.__init__, "__defaults__", (Patience(answer=0.1),))
+    before = contents(project / "output")
+    capsys.readouterr()
+    assert main(["run", str(project), "--no-report", "--scheduler", mute]) == 3
+    said = capsys.readouterr().err
+    assert f"--scheduler: {mute}: accepts connections and has not answered as a Dask scheduler" in said
+    assert "finished analyses are kept" in said and said.count("\n") == 1
+    assert contents(project / "output") == before
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no such signal")
+def test_a_scheduler_that_is_stopped_midway_is_not_waited_for_without_end(tmp_path):
+    with scheduler(tmp_path) as (address, stopped, _):
+        engine = Cluster(address, Patience(silent=1.0, look=0.05))
+        assert engine.submit(pow, 2, 3).result(timeout=LONG) == 8
+        stopped.send_signal(signal.SIGSTOP)
+        with pytest.raises(KilledError, match="has not answered for 1 s; start it"):
+            engine.submit(pow, 2, 4).result(timeout=LONG)
+        engine.close(at_once=True)
+        stopped.send_signal(signal.SIGCONT)
 
 
 def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end():
