@@ -15,8 +15,8 @@ from assessment.analyses.checks.capacity import (
     safety_index,
 )
 from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
+from assessment.analyses.checks.governing import Paths, governed
 from assessment.analyses.checks.indices import knowledge_of, state_indices
-from assessment.analyses.checks.ranges import Paths, with_ranges
 from assessment.analyses.checks.refusals import joined
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.paths import stand
@@ -96,7 +96,7 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
     ensembles = _ensembles(project, states, converged, workers)
     _add_states(draft, converged)
     assessed = _add_capacities(draft, project, states, demands, ensembles)
-    _add_second_solver(draft, converged, workers)
+    _add_second_solver(draft, converged, ensembles, workers)
 
     statics = Statics(draft.states, converged.stages, converged.halvings)
     studied = add_studies(draft, project, states, statics, demands, motions.campaign, workers)
@@ -213,7 +213,7 @@ def _add_capacity(
 
     state = draft.states[name]
     if ensemble is not None:
-        state = with_ranges(state, [_paths(member) for member in ensemble], checked)
+        state = governed(state, [_paths(member) for member in ensemble], checked)
     else:
         found = checked(state.pushover)
         curves_of = {direction: each.curves for direction, each in found.items()}
@@ -237,21 +237,21 @@ def _add_capacity(
     return not without(state.capacity, state.pushover)
 
 
-def _add_second_solver(draft: Draft, converged: Convergence, workers: Workers) -> None:
-    """Add to every rigid curve that is reported the multiplier of limit analysis by a second program.
-
-    Of a state with an ensemble it is that of its own run, as drawn, whichever member's curve is reported.
-    """
+def _add_second_solver(
+    draft: Draft, converged: Convergence, ensembles: Mapping[str, Ensemble], workers: Workers
+) -> None:
+    """Add to every rigid curve that is reported the multiplier of limit analysis by a second program."""
+    runs = [
+        *converged.stages,
+        *(each for members in ensembles.values() for member in members for each in member),
+    ]
     found = [
-        (
-            known(stage.model),
-            stage.state,
-            direction,
-            activated,
-            known(stage.pushover[direction].rigid).alpha_0,
-        )
-        for stage in converged.stages
+        (known(stage.model), stage.state, direction, activated, rigid.alpha_0)
+        for stage in runs
         for direction, activated in stage.activated.items()
+        if (reported := draft.states[stage.state].pushover.get(direction))
+        and (rigid := reported.rigid)
+        and reported.run == stage.pushover[direction].run
     ]
     compared = workers.each(
         "second solver",
@@ -285,7 +285,7 @@ def told_of(ensemble: Ensemble) -> Iterator[Message]:
     """Yield warnings about an ensemble: how large it is, and which members have no result."""
     yield message(
         "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
-        "ten-millionth of their block give the ranges; of a capacity the lower end is used",
+        "ten-millionth of their block give the ranges; all numbers are those of the run with the least capacity",
         count=len(ensemble) + 1,
     )
     failed = [each for member in ensemble for each in member if each.failures]

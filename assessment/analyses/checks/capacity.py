@@ -124,6 +124,8 @@ def _assessed(
     warnings += [towards(direction, note) for note in (*beyond, *notes)]
 
     made = _capacity(mechanism, part, fit, capacity, checks)
+    if curves.run is not None:
+        made = made.replace(run=curves.run)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
     if demands.hazard is not None and "SLV" in demands.spectra:

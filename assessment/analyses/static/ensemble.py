@@ -105,6 +105,7 @@ def _follow(
         replace(
             request.within(in_increments(request.project, float(factors[number]))),
             model=request.model.varied(shaken[request.model.settling, number]),
+            member=number + 2,
         )
         for number in numbers
         for request in requests

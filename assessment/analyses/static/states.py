@@ -14,7 +14,7 @@ from assessment.analyses.static.paths import PathResult, configuration
 from assessment.analyses.static.settlement import path_title, rest_as_drawn, settle
 from assessment.results.quality import joined
 from assessment.results.schema.part import present
-from assessment.results.schema.static import Pushovers
+from assessment.results.schema.static import Pushovers, Run
 from assessment.runtime.tasks import Workers, large
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import Mirror
@@ -34,13 +34,17 @@ PAST_PEAK = 0.25  # of the peak of an elastic curve
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name."""
+    """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name.
+
+    `member`: its number in the ensemble of the state, 1: the run itself.
+    """
 
     project: Project
     model: StateModel
     settlement: SettlementTable | None
     behaviour: Behaviour
     what: str = ""
+    member: int = 1
 
     def within(self, project: Project) -> Request:
         """Return the request for a state of the project in a project of other increments, the settlement's too."""
@@ -261,7 +265,7 @@ def _result(
     result = StateResult(request.state, request.behaviour, begun.model if begun else request.model.assembly)
     if settled is not None and not request.strengthens:
         result.take("pushdown", [settled])
-        result.pushdown = settled.found
+        result.pushdown = _of_run(request, settled.found)
     elif settled is not None:
         result.scatters = settled.scatters
         if begun is None:
@@ -273,9 +277,20 @@ def _result(
         if settled is not None:
             result.configuration = configuration(begun.model, begun.state)
     result.take("pushover", list(pushed.values()))
-    result.pushover = present({direction: part.found for direction, part in pushed.items()})
+    if table := request.project.pushover:
+        run = Run(increment_m=table.increment_m, member=request.member)
+        found = present({direction: part.found for direction, part in pushed.items()})
+        result.pushover = {direction: each.replace(run=run) for direction, each in found.items()}
     result.activated = present({direction: part.activated for direction, part in pushed.items()})
     return result
+
+
+def _of_run(request: Request, path: PushdownPath | None) -> PushdownPath | None:
+    """Return a movement with the run that it is."""
+    if path is None or request.settlement is None:
+        return None
+    increment = path.applied_movement_m / request.settlement.increments
+    return path.replace(run=Run(increment_m=increment, member=request.member))
 
 
 def _push_arguments(request: Request, together: tuple[Direction, ...], begun: Beginning) -> tuple[Any, ...]:

@@ -131,12 +131,11 @@ def _points(pushovers: Iterable[Pushovers]) -> list[str]:
 
 
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
-    """Mark α0 (of an ensemble the least), d_0 and (d_y, α_y): named in the legend, beside a point they met others."""
+    """Mark α0, d_0 and (d_y, α_y): named in the legend, beside a point they met others."""
     rigid, elastic = pushover.rigid, pushover.elastic
     if rigid:
-        curve = min([rigid.curve, *(rigid.members or [])], key=lambda each: max(each.multiplier))
-        peak = int(np.argmax(curve.multiplier))
-        onset = 1000.0 * abs(curve.displacement_m[peak]), curve.multiplier[peak]
+        peak = int(np.argmax(rigid.curve.multiplier))
+        onset = 1000.0 * abs(rigid.curve.displacement_m[peak]), rigid.curve.multiplier[peak]
         axes.plot(*onset, color=colour, clip_on=False, **MARKS[ONSET])
         if rigid.d_0_m is not None:
             axes.plot(

@@ -7,6 +7,7 @@ from typing import Literal, Self
 
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
+from assessment.results.schema.static import Run
 
 Direction = Literal["+x", "-x"]
 CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
@@ -110,6 +111,7 @@ class VerticalCheck(Part):
 class Capacity(_Checked):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
+    run: Run | None = optional("which run it is of; missing: not told")
     mechanism: Count = key("the mechanism")
     alpha_0: float | None = optional("multiplier of the rigid mechanism", "–")
     e_star: float = key("share of the mass that takes part, e*", "–")

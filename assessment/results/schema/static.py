@@ -12,9 +12,9 @@ Sliding = Literal["associative", "coulomb"]
 
 
 class Run(Part):
-    """`run`: which run of an ensemble everything printed of a state and direction comes from."""
+    """`run`: which run of an ensemble everything printed of a state and direction comes from, the governing one."""
 
-    increment_m: float = key("increment of the control point's displacement", "m")
+    increment_m: float = key("increment of the control point's displacement, or of a movement", "m")
     member: int = key(
         "1: the run itself; more: a member with other increments and corners moved by 1e-7 of a block"
     )
@@ -81,6 +81,7 @@ class PushdownPath(Part):
     ultimate_movement_m_range: list[float | None] | None = optional(
         "least and largest of an ensemble; null: none in some", "m"
     )
+    run: Run | None = optional("which run it is; missing: not told")
     local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
@@ -119,12 +120,9 @@ class Mechanism(Part):
 
 
 class SecondSolver(Part):
-    """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs.
+    """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs."""
 
-    Where an ensemble was run the configuration is that of the state's own run, not of another member.
-    """
-
-    alpha_0: float = key("α_0 of the state's own run, with the friction law of the curve", "–")
+    alpha_0: float = key("α_0 of the curve, with its law of friction", "–")
     alpha_program: float | None = key("by the program; null: none was found", "–")
     alpha_linear_program: float | None = key(
         "by a linear program written apart (static theorem, HiGHS); null: no optimum was found", "–"
@@ -207,7 +205,7 @@ class Pushovers(Part):
     """`pushover.+x`, `.-x`: the pushover in a direction; each curve where asked for and found."""
 
     control: str = key("control point that was followed")
-    run: Run | None = optional("which run its curves are; null: not told")
+    run: Run | None = optional("which run its curves are of; missing: not told")
     rigid: RigidPush | None = optional("rigid joints")
     elastic: ElasticPush | None = optional("elastic joints")
 

@@ -37,8 +37,8 @@ def mechanisms(results: Results) -> Table:
     """List the rigid mechanism of every state and direction.
 
     It is that of α0, beside it that by the other law of friction where the two differ, and how far Coulomb's flow is
-    from settled; where the control point takes no part in that mechanism, and where α0 is that of another run of an
-    ensemble, `mechanism_alpha` is the multiplier at which the one listed is activated.
+    from settled; where the control point takes no part in that mechanism, `mechanism_alpha` is the multiplier at which
+    the one listed is activated.
     """
     rows = []
     for name, direction, rigid in found_mechanisms(results):

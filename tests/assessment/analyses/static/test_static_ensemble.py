@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks.capacity import Assessed
-from assessment.analyses.checks.ranges import Paths, with_ranges
+from assessment.analyses.checks.governing import Paths, governed
 from assessment.analyses.static import ensemble
 from assessment.analyses.static.ensemble import (
     ENSEMBLE,
@@ -23,13 +23,12 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity
-from assessment.results.schema.model import Line
-from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush
+from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush, Run
 from assessment.runtime.tasks import Workers
 from mechanics import pushover
 from tests.support.block_project import TURNED, block, read_results, run, write_block
 from tests.support.structures import block_on_base, running_bond
-from tests.support.typed import filled, made
+from tests.support.typed import made
 
 PUSHOVER = '[pushover]\ndirections = ["+x"]\nincrement_m = 0.02\n'
 
@@ -121,51 +120,75 @@ def moved(ultimate: float) -> dict:
     return {"rigid": made(PushdownPath, {"ultimate_movement_m": ultimate})}
 
 
-def lines(symbol: str) -> list[dict]:
-    """A calculation of one line, known by its symbol."""
-    return [filled(Line, {"symbol": symbol})]
-
-
-def symbols(trace: list[Line]) -> list[str]:
-    return [line.symbol for line in trace]
-
-
-def test_a_range_is_open_where_a_member_slides_on_without_end():
-    state = made(State).replace(pushover={"+x": curve(0.10, 0.5)})
-    members = [Paths({}, {"+x": curve(0.12, None)}), Paths({}, {"+x": curve(0.11, 0.4)})]
-    rigid = with_ranges(state, members, lambda _: {}).pushover["+x"].rigid
-    assert (rigid.d_0_m, rigid.d_0_m_range) == (0.4, [0.4, None])
-    assert rigid.alpha_0_range == [0.10, 0.12]
-
-
-def test_the_least_member_is_used_and_its_range_told():
-    """In a direction the curve is that of the least a_g at SLC; every other number is the least of all."""
+def checked(**checks: float | None):
+    """An assessment of runs: of each d_0 at each limit state a multiple of it."""
 
     def assess(pushovers: dict) -> dict:
         ((direction, each),) = pushovers.items()
-        alpha, d = each.rigid.alpha_0, each.rigid.d_0_m
-        checks = {"SLC": {"a_g_g": d, "zeta_E": 2.0 * d, "trace": lines("c")}}
-        checks["SLV"] = {"a_g_g": alpha, "zeta_E": 3.0 * alpha, "trace": lines("v")}
-        return {direction: Assessed(each, made(Capacity, {"trace": lines(f"α0 = {alpha}"), **checks}))}
+        d = each.rigid.d_0_m
+        numbers = {name: {"a_g_g": factor * d, "zeta_E": 2.0 * factor * d} for name, factor in checks.items()}
+        return {direction: Assessed(each, made(Capacity, {"alpha_0": each.rigid.alpha_0, **numbers}))}
 
-    own = made(State).replace(pushdown=moved(0.3), pushover={"+x": curve(0.10, 0.5)})
-    others = [
-        Paths(moved(0.2), {"+x": curve(0.12, 0.4)}),
-        Paths({}, {"+x": curve(0.11, 0.6)}),
-        Paths({}, {}),
-    ]
-    state = with_ranges(own, others, assess)
-    rigid, capacity = state.pushover["+x"].rigid, state.capacity["+x"]
-    assert rigid.curve == curve(0.12, 0.4).rigid.curve and len(rigid.members) == 2
-    assert (rigid.alpha_0, rigid.alpha_0_range) == (0.10, [0.10, 0.12])
-    assert (rigid.d_0_m, rigid.d_0_m_range) == (0.4, [0.4, 0.6])
-    path = state.pushdown["rigid"]
-    assert (path.ultimate_movement_m, path.ultimate_movement_m_range) == (0.2, [0.2, 0.3])
+    return assess
+
+
+def state_of(*runs: Pushovers, ultimate: tuple[float, ...] = ()) -> tuple[State, list[Paths]]:
+    """A state of several runs, the first its own."""
+    numbered = [each.replace(run=Run(increment_m=0.01, member=k)) for k, each in enumerate(runs, 1)]
+    moves = [*map(moved, ultimate), *[{}] * (len(runs) - len(ultimate))]
+    own = made(State).replace(pushdown=moves[0], pushover={"+x": numbered[0]})
+    return own, [Paths(move, {"+x": each}) for move, each in zip(moves[1:], numbered[1:], strict=True)]
+
+
+def test_a_range_is_open_where_a_member_slides_on_without_end():
+    state, others = state_of(curve(0.10, 0.5), curve(0.12, None), curve(0.11, 0.4))
+    pushed = governed(state, others, lambda _: {}).pushover["+x"]
+    assert (pushed.rigid.d_0_m, pushed.rigid.d_0_m_range, pushed.run.member) == (0.5, [0.4, None], 1)
+    assert pushed.rigid.alpha_0_range == [0.10, 0.12]
+
+
+def test_without_checks_the_least_alpha_governs_and_of_those_that_agree_in_it_the_least_d_0():
+    state, others = state_of(curve(0.10002, 0.4), curve(0.10, 0.5), curve(0.10001, None), curve(0.2, 0.1))
+    pushed = governed(state, others, lambda _: {}).pushover["+x"]
+    assert (pushed.run.member, pushed.rigid.alpha_0, pushed.rigid.d_0_m) == (1, 0.10002, 0.4)
+
+
+def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
+    """The least of each quantity by itself would be figures of different runs in one table."""
+    state, others = state_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6), ultimate=(0.3, 0.2))
+    found = governed(state, others, checked(SLC=1.0, SLV=0.8, SLD=0.5))
+    pushed, capacity = found.pushover["+x"], found.capacity["+x"]
+    assert (pushed.run.member, pushed.rigid.alpha_0, pushed.rigid.d_0_m) == (2, 0.12, 0.4)
+    assert pushed.rigid.curve == curve(0.12, 0.4).rigid.curve and len(pushed.rigid.members) == 2
+    assert (pushed.rigid.alpha_0_range, pushed.rigid.d_0_m_range) == ([0.10, 0.12], [0.4, 0.6])
+    assert capacity.alpha_0 == 0.12
     assert (capacity.SLC.a_g_g, capacity.SLC.a_g_g_range) == (0.4, [0.4, 0.6])
-    assert capacity.SLV.zeta_E == pytest.approx(0.3)
-    assert capacity.SLV.zeta_E_range == pytest.approx([0.3, 0.36])
-    assert symbols(capacity.trace) == ["α0 = 0.12"]
-    assert symbols(capacity.SLC.trace) == ["c"] and symbols(capacity.SLV.trace) == ["α0 = 0.1", "v"]
+    assert [capacity.SLV.zeta_E, *capacity.SLV.zeta_E_range] == pytest.approx([0.64, 0.64, 0.96])
+    assert capacity.SLD.a_g_g_range == [0.2, 0.3]
+    path = found.pushdown["rigid"]
+    assert (path.ultimate_movement_m, path.ultimate_movement_m_range) == (0.2, [0.2, 0.3])
+
+
+def test_a_ratio_that_is_no_index_governs_only_where_no_index_was_checked():
+    """At SLD the first run is the least, at SLV the second: ζ_E is the index at SLV and SLC."""
+
+    def assess(pushovers: dict) -> dict:
+        ((direction, each),) = pushovers.items()
+        own = each.run.member
+        checks = {"SLD": {"zeta_E": 0.1 * own}, "SLV": {"zeta_E": 0.9 - 0.1 * own}}
+        return {direction: Assessed(each, made(Capacity, checks))}
+
+    state, others = state_of(curve(0.1, 0.5), curve(0.1, 0.5))
+    assert governed(state, others, assess).pushover["+x"].run.member == 2
+
+
+def test_a_run_without_capacity_does_not_govern():
+    def assess(pushovers: dict) -> dict:
+        return {} if pushovers["+x"].run.member == 2 else checked(SLV=1.0)(pushovers)
+
+    state, others = state_of(curve(0.1, 0.5), curve(0.1, 0.4), curve(0.1, 0.6))
+    found = governed(state, others, assess)
+    assert found.pushover["+x"].run.member == 1 and found.capacity["+x"].SLV.a_g_g_range == [0.5, 0.6]
 
 
 @pytest.mark.usefixtures("no_figures")
