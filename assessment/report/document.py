@@ -42,11 +42,11 @@ from assessment.report.chapters.ties import (
 )
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
-from assessment.report.formats.page_fill import pdf_of
 from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.tables.structure.loads import vertical_sentences
-from assessment.report.text.language import Words, unparted, words_of
+from assessment.report.text.fonts import embedded_faces, file_faces
+from assessment.report.text.language import Words, joined, words_of
 from assessment.report.text.messages import sentence, translated
 from assessment.results.echo import coulomb
 from assessment.results.schema import Results
@@ -73,6 +73,7 @@ CHAPTERS = (
 DYNAMIC = ("history", "incremental")  # chapters before the comparison, where the project has their stages
 STUDIES = ("scenarios", "sensitivity")  # likewise
 CAMPAIGN = "campaign"  # likewise, behind them
+FACES = "/* faces */"  # of the style: where the fonts of the page, or of the PDF, are put in
 IDENTIFICATION = "identification"  # before the settlements, likewise
 
 
@@ -84,7 +85,7 @@ def write_page(results: Results, folder: Path, edited: Markup | None = None) -> 
     """
     words = words_of(results)
     page = render_html(results, folder / "figures", words, edited, viewer(results, words))
-    write_atomically(folder / "report.html", page.encode())
+    write_atomically(folder / "report.html", page.replace(FACES, embedded_faces(page)).encode())
 
 
 def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
@@ -99,7 +100,9 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
         reason = str(error).partition("\n")[0]
         return [words.plain("warning.no_pdf", reason=reason, command=command())]
     page = render_html(results, folder / "figures", words, edited)
-    write_atomically(folder / "report.pdf", pdf_of(unparted(page), weasyprint))
+    write_atomically(
+        folder / "report.pdf", weasyprint.HTML(string=page.replace(FACES, file_faces())).write_pdf()
+    )
     return []
 
 
@@ -108,7 +111,7 @@ def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> 
     from assessment.report.formats.docx import to_docx  # late: only reports need it
 
     page = render_html(results, folder / "figures", words_of(results), edited)
-    write_atomically(folder / "report.docx", to_docx(unparted(page), folder))
+    write_atomically(folder / "report.docx", to_docx(page, folder))
 
 
 def render_html(
@@ -125,6 +128,7 @@ def render_html(
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=lambda value: joined(value) if type(value) in {str, Markup} else value,
     )
     environment.filters["unit_kept"] = _unit_kept
     attached = _attached(results, figures.parent)

@@ -13,7 +13,7 @@ from assessment.report.tables.capacity import SummaryLine, directions, summary_l
 from assessment.report.tables.ranges import Range
 from assessment.report.tables.structure.ties import gains
 from assessment.report.text.columns import cell, check_name, heading, is_text, written
-from assessment.report.text.language import Words, direction_name, unparted
+from assessment.report.text.language import Words, direction_name
 from assessment.results.schema import Results
 from assessment.results.table import Table, reference_of
 
@@ -123,7 +123,7 @@ def _lines(words: Sequence[float], width: float) -> int:
 
 
 def _parted(cell: Markup) -> list[str]:
-    return BLANKS.split(unparted(cell.striptags())) or [""]
+    return BLANKS.split(cell.striptags()) or [""]
 
 
 def _room(text: str) -> float:

@@ -21,7 +21,7 @@ from matplotlib.ticker import Formatter
 from matplotlib.transforms import Bbox
 from PIL import Image
 
-from assessment.report.figures.svg import lightened
+from assessment.report.text.fonts import with_fonts
 from assessment.report.text.language import Words
 from assessment.runtime.files.atomic_files import write_atomically
 
@@ -34,9 +34,9 @@ SHADES = 64  # of a PNG in colours
 BAND_MM = 1.0  # of white that is left above and below a figure
 PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
-    "font.family": "DejaVu Sans",  # shipped with matplotlib; any sans-serif will do to read the figure
+    "font.family": "DejaVu Sans",  # shipped with matplotlib
     "font.size": 7.5,
-    "svg.fonttype": "none",  # words stay words: searchable, and ten times faster to set in the PDF
+    "svg.fonttype": "none",  # words stay words: searchable, and faster to set in the PDF
     "svg.hashsalt": "assesto",
     "mathtext.fontset": "dejavusans",
     "text.parse_math": False,  # the dollar of a name is a dollar; what is a formula says so
@@ -120,7 +120,7 @@ def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     with mpl.rc_context(STYLE):  # type: ignore[arg-type]
         figure = typeset(draw())
         figure.savefig(buffer, format="svg", metadata={"Date": None}, bbox_inches=_without_bands(figure))
-    write_atomically(path, lightened(buffer.getvalue()))
+    write_atomically(path, with_fonts(buffer.getvalue().decode()).encode())
 
 
 def save_png(draw: Callable[[], Figure], path: Path) -> None:

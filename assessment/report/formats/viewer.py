@@ -26,12 +26,16 @@ from assessment.results.table import sense
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
+class Code(Markup):
+    """What is no text: printed as it is."""
+
+
 @dataclass(frozen=True)
 class Viewer:
     """The script of the page and its data, ready to be put between tags."""
 
-    data: Markup
-    script: Markup
+    data: Code
+    script: Code
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,7 @@ def viewer(results: Results, words: Words) -> Viewer | None:
     }
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     script = (files("templates") / "viewer.js").read_text(encoding="utf-8")
-    return Viewer(Markup(text), Markup(script))
+    return Viewer(Code(text), Code(script))
 
 
 def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import Any, TypeVar
 
 from markupsafe import Markup
 
@@ -19,7 +19,11 @@ from assessment.results.schema.messages import Worded
 
 LANGUAGES = ("it", "en")
 # blanks at which no line ends: before a unit, and around the equals sign before a number
-KEPT = re.compile(r"(?<=\d) (?=(?:mm|cm|m|kN|kNm|rad|mrad|°|%|s|g)(?!\w))|(?<=[\w>*]) = (?=[−\d])")
+KEPT = re.compile(
+    r"(?<=\d) (?=(?:mm|cm|m|kN|kNm|rad|mrad|°|%|s|g)(?!\w))|(?<=[\w>*]) = (?=[−\d])|(?<=[≤≥×]) (?=\d)"
+)
+NO_BREAK = "\u00a0"
+Label = TypeVar("Label", str, Markup)
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
@@ -100,9 +104,9 @@ class Words:
         return str(node)
 
 
-def unparted(text: str) -> str:
-    """Return a text in which no line ends between a number and its unit, or what it is the number of."""
-    return KEPT.sub(lambda found: found[0].replace(" ", "\u00a0"), text)
+def joined(text: Label) -> Label:
+    """Return a text, or HTML, in which no line ends between a number and its unit or its symbol."""
+    return type(text)(KEPT.sub(lambda found: found[0].replace(" ", NO_BREAK), text))
 
 
 def words_of(results: Results) -> Words:

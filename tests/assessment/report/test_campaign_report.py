@@ -25,6 +25,7 @@ from assessment.results.plain import plain
 from assessment.results.schema import Campaign
 from assessment.runtime.terminal.dynamic import dynamic_lines
 from assessment.studies.campaign.summary import Observed, Place, fragility, loss
+from tests.assessment.report.test_document import read
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -343,7 +344,7 @@ def test_the_terminal_has_a_line_of_each_motion_and_movement():
 def test_the_page_says_why_few_records_have_no_interval_and_no_value(make, few, tmp_path):
     results = make("en")
     draw_sections(typed(results), tmp_path, "campaign")
-    html = render_html(typed(results), tmp_path, words_of(typed(results)))
+    html = read(render_html(typed(results), tmp_path, words_of(typed(results))))
     for words in ("gives no PGA at collapse", "in place of the 95 % interval"):
         assert (words in html) == few
 

@@ -21,7 +21,7 @@ from assessment.results.configurations.hand_check import (
 )
 from assessment.results.configurations.reactions import balance, reactions
 from assessment.workflow.output import write
-from tests.assessment.report.test_document import one_direction, without_assessment, without_settlement
+from tests.assessment.report.test_document import one_direction, read, without_assessment, without_settlement
 from tests.support.analysed import SETTLED, analysed
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -167,4 +167,4 @@ def test_the_english_page_has_english_words_only(tmp_path, monkeypatch):
     )
     italian = ("cerniera", "giunto", "Tabella", "Macroblocc", "appoggio", "pesi", "Reazioni")
     assert [word for word in italian if word in html] == []
-    assert f"state “{SETTLED}”" in html
+    assert f"state “{SETTLED}”" in read(html)

@@ -15,7 +15,7 @@ from assessment.report.document import render_html
 from assessment.report.figures.index import pictures
 from assessment.report.figures.studies import LABEL_PT, _label
 from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
-from assessment.report.text.language import LANGUAGES, words_of
+from assessment.report.text.language import LANGUAGES, joined, words_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
@@ -150,7 +150,7 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
                      capacity=0.6, limit="SLC", reference=rock, among="")  # fmt: skip
     if not fallen:
         sentence += Markup(" ") + words("judgement.worst_reduction", reduction=25.0)
-    assert sentence in html and sentence in draft_judgement(typed(results), words)
+    assert joined(sentence) in html and sentence in draft_judgement(typed(results), words)
     widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
                    low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC", reference=rock)  # fmt: skip
     assert widest in draft_judgement(typed(results), words)
