@@ -1,37 +1,65 @@
-"""From the text of an accelerogram file to samples in g and a time step; four formats, recognised by content."""
+"""From the text of an accelerogram file to samples in g and a time step; the format is recognised by its content."""
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from mechanics.errors import RecordError
 from mechanics.faults import visible
-from mechanics.types import GRAVITY, Array
+from mechanics.records.headings import KNOWN, Column, HeadingError, column, labels, speaks_of_units, unit
+from mechanics.types import Array
 
-Samples = tuple[Array, float]  # acceleration (n,), g; time step, s
 
-UNITS = {"g": 1.0, "cm/s2": 0.01 / GRAVITY, "gal": 0.01 / GRAVITY, "m/s2": 1.0 / GRAVITY}  # in g
+class Samples(NamedTuple):
+    """What a file holds: acceleration (n,), g; time step, s; the unit in which the file has them."""
+
+    acceleration: Array
+    time_step: float
+    unit: str
+
 
 ESM_LINE = re.compile(r"[A-Z][A-Z0-9_/^]*\s*:")
 FIVE_COLUMN_KEY = re.compile(r"(Time Increment|Number of Data|PGA) *(\(.*\))? *:")
 PEER_SIGN = re.compile(r"\bNPTS\b|TIME (SERIES|HISTORY) IN UNITS OF", re.IGNORECASE)
-NUMBER = r"[\d.]+(?:[Ee][+-]?\d+)?"
+NUMBER = r"\d*\.?\d+(?:[Ee][+-]?\d+)?"
 PEER_SIZES = (
     re.compile(rf"NPTS\s*=\s*(?P<count>\d+)\s*,?\s*DT\s*=\s*(?P<step>{NUMBER})", re.IGNORECASE),
     re.compile(rf"^\s*(?P<count>\d+)\s*,?\s*(?P<step>{NUMBER})\s*,?\s*NPTS\s*,\s*DT", re.IGNORECASE),
 )
-KNOWN = "known are ESM/ITACA and PEER files, five-column .acc files and columns: g, or s and g"
+V2_BLOCK = re.compile(
+    rf"\s*(?P<count>\d+) points of accel data equally spaced at\s+(?P<step>{NUMBER}) sec, in (?P<unit>\S+?)\.?"
+    r"(?:\s*\(\d+f(?P<width>\d+)\.\d+\))?\s*$",
+    re.IGNORECASE,
+)
+FOREIGN = (  # formats that are recognised and not read: name, sign in the header
+    ("V1 file, uncorrected", r"^\s*uncorrected accelerogram|^\s*raw acceleration counts"),
+    ("V3 file of spectra", r"response and fourier amplitude spectra"),
+    ("V2 file of the COSMOS form", r"\(format v\d\d\.\d\d"),
+    ("GeoNet file", r"gns science|geonet"),
+    ("V2 file of another form", r"^\s*corrected accelerogram"),
+    ("SMC file", r"^\d (un)?corrected accelerogram"),
+    ("AFAD file of three components", r"strong ground motion records of t"),
+    ("CWB file of three components", r"^#\s*earthquake information"),
+)
+SUPPORTED = (
+    "supported are ESM/ITACA .ASC, PEER .AT2, K-NET, CESMD V2 of one channel, five-column .acc, "
+    "and text with a column of times and one of accelerations"
+)
 HEADER_LINES, HEADER_WIDTH = 100, 250  # lines, characters: no known header is longer, or wider
 MOST_BYTES = 100_000_000  # of a file
 MOST_VALUES = 2_000_000  # of a file: an hour at 250 Hz, with its times
 LARGEST = 1e6  # of a value in a file, in any of the units
 SHORTEST, LONGEST = 1e-6, 10.0  # s: time steps of a record
+SAME_PEAK = 0.02  # of the largest acceleration that a header states
 SHOWN = 40  # characters of a text that a message shows
 
 
@@ -49,11 +77,30 @@ class RecordText:
 
     def error(self, line: int | None, message: str) -> RecordError:
         """Return a RecordError that reads `FILE: line N: message`."""
-        return RecordError(
-            f"{visible(str(self.path))}: {message}"
-            if line is None
-            else f"{visible(str(self.path))}: line {line}: {message}"
-        )
+        place = visible(str(self.path)) if line is None else f"{visible(str(self.path))}: line {line}"
+        return RecordError(f"{place}: {visible(message)}")
+
+    def positive(self, line: int, key: str, value: str) -> float:
+        """Return a positive number of the header. Raises RecordError for anything else."""
+        if not _is_number(value, math.inf) or float(value) <= 0.0:
+            raise self.error(line, f"{key} is {value[:SHOWN]!r}; must be a positive number")
+        return float(value)
+
+    def step(self, line: int | None, step: float) -> float:
+        """Return a time step (s). Raises RecordError where no record has one like it."""
+        if not SHORTEST <= step <= LONGEST:
+            must = (
+                f"must be from {SHORTEST:g} to {LONGEST:g} s; name the unit in the heading, as in time [ms]"
+            )
+            raise self.error(line, f"a time step of {step:.3g} s; {must}")
+        return step
+
+    def unit(self, line: int, name: str) -> Column:
+        """Return a unit of acceleration. Raises RecordError for any other."""
+        found = unit(name)
+        if found is None or found.quantity != "acceleration":
+            raise self.error(line, f"{name[:SHOWN]!r} is no unit of acceleration; {KNOWN}")
+        return found
 
 
 @dataclass(frozen=True)
@@ -78,17 +125,17 @@ class Header:
     def number(self, key: str) -> float:
         """Return the positive number of `key`. Raises RecordError if it is absent or no such number."""
         value, line = self.value(key)
-        return _positive(self.text, line, key, value)
+        return self.text.positive(line, key, value)
 
     def step(self, key: str) -> float:
         """Time step (s) of `key`; RecordError if absent or no such number."""
-        return _check_step(self.text, self.value(key)[1], self.number(key))
+        return self.text.step(self.value(key)[1], self.number(key))
 
 
 def parse_record(path: Path, time_step: float | None) -> Samples:
-    """Acceleration (n,), g, and time step, s, of the file; `time_step` is for one column without times.
+    """Return the samples of a file; `time_step` is for one column without times.
 
-    Raises ValueError naming file, line and remedy.
+    Raises RecordError naming file, line and remedy.
     """
     try:
         size = path.stat().st_size
@@ -104,11 +151,26 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
         raise RecordError(
             f"{visible(str(path))}: more than {MOST_BYTES} bytes; give one record, of one component"
         )
-    content = raw.decode("utf-8-sig", errors="replace")
+    content = _decoded(raw)
     for line_end in ("\r\r\n", "\r\n", "\r"):  # the first is common in copies of PEER files
         content = content.replace(line_end, "\n")
-    text = RecordText(path, content.rstrip().split("\n"))
+    text = RecordText(path, content.rstrip().replace("\u2212", "-").replace("\xa0", " ").split("\n"))
+    if "\0" in content:
+        raise text.error(None, f"is no text; {SUPPORTED}")
     return _format_of(text)(text, time_step)
+
+
+def _decoded(raw: bytes) -> str:
+    """Return the text of a file, in UTF-8, UTF-16 with or without its mark, or as Windows writes it."""
+    if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return raw.decode("utf-16", errors="replace")
+    for start, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):
+        if raw[start:400:2] and not any(raw[start:400:2]) and all(raw[1 - start : 400 : 2]):
+            return raw.decode(encoding, errors="replace")
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", errors="replace")
 
 
 def _format_of(text: RecordText) -> Callable[[RecordText, float | None], Samples]:
@@ -119,6 +181,17 @@ def _format_of(text: RecordText) -> Callable[[RecordText, float | None], Samples
         return _five_column
     if any(PEER_SIGN.search(line) for line in head):
         return _peer
+    if any(line.startswith("Sampling Freq") for line in head):
+        return _knet
+    if any(V2_BLOCK.match(line) for line in head):
+        return _v2
+    for name, sign in FOREIGN:
+        if any(re.search(sign, line, re.IGNORECASE) for line in head):
+            raise text.error(None, f"this is a {name}; {SUPPORTED}")
+    if match := re.fullmatch(r"\.(v[0-3])\w?", text.path.suffix, re.IGNORECASE):
+        raise text.error(
+            None, f"this is a {match[1].upper()} file by its name, of an unknown form; {SUPPORTED}"
+        )
     return _columns
 
 
@@ -133,17 +206,21 @@ def _esm(text: RecordText, _: float | None) -> Samples:
             "the header does not end with a USER5 line, and no value follows; get the file again from its source",
         )
     header = Header.of(text, end)
-    unit = _unit(text, *header.value("UNITS"))
+    kind, line = header.entries.get("DATA_TYPE", ("", 0))
+    if kind.upper() not in ("", "ACCELERATION"):
+        raise text.error(line, f"DATA_TYPE is {kind[:SHOWN]!r}; give the file of the ACCELERATION")
+    name, line = header.value("UNITS")
+    own = text.unit(line, name)
     step, count = header.step("SAMPLING_INTERVAL_S"), header.number("NDATA")
-    return unit * _counted(text, end, count, "NDATA"), step
+    return Samples(own.size * _counted(text, end, count, "NDATA"), step, own.unit)
 
 
 def _five_column(text: RecordText, _: float | None) -> Samples:
     """`Key : value` lines, a line that names the unit, then values of 14 characters, mostly five a line."""
-    end, unit = _unit_line(text, r"^Acc\w* time series in (\S+)", len(text.lines))
+    end, own = _unit_line(text, r"^Acc\w* time series in (\S+)", len(text.lines))
     header = Header.of(text, end - 1)
     step, count = header.step("Time Increment (s)"), header.number("Number of Data")
-    return unit * _counted(text, end, count, "Number of Data"), step
+    return Samples(own.size * _counted(text, end, count, "Number of Data"), step, own.unit)
 
 
 def _peer(text: RecordText, _: float | None) -> Samples:
@@ -155,44 +232,201 @@ def _peer(text: RecordText, _: float | None) -> Samples:
     sizes = next((match for form in PEER_SIZES if (match := form.search(head[end - 1]))), None)
     if sizes is None:
         raise text.error(end, "must read 'NPTS= 4000, DT= 0.005 SEC' or '4000 0.005 NPTS, DT'")
-    _, unit = _unit_line(text, r"IN UNITS OF\s+(\S+)", end - 1)
-    step = _check_step(text, end, _positive(text, end, "DT", sizes["step"]))
-    return unit * _counted(text, end, float(sizes["count"]), "NPTS"), step
+    _, own = _unit_line(text, r"IN UNITS OF\s+(\S+)", end - 1)
+    step = text.step(end, text.positive(end, "DT", sizes["step"]))
+    return Samples(own.size * _counted(text, end, float(sizes["count"]), "NPTS"), step, own.unit)
+
+
+def _knet(text: RecordText, _: float | None) -> Samples:
+    """K-NET and KiK-net ASCII: 17 lines, then counts; the mean of the record is its offset, as in the header's peak."""
+    lines = {line[:18].strip(): (line[18:].strip(), n) for n, line in enumerate(text.head[:17], 1)}
+
+    def read(key: str, form: str) -> tuple[re.Match[str], int]:
+        value, n = next((lines[name] for name in lines if name.startswith(key)), ("", 0))
+        match = re.match(form, value, re.IGNORECASE)
+        if match is None:
+            raise text.error(n or None, f"{key} of a K-NET file is {value[:SHOWN]!r}; get the file again")
+        return match, n
+
+    rate, rated = read("Sampling Freq", NUMBER)
+    scale, scaled = read("Scale Factor", rf"({NUMBER})\((.+)\)/({NUMBER})")
+    peak, peaked = read("Max", NUMBER)
+    seconds = float(read("Duration Time", NUMBER)[0][0])
+    frequency = text.positive(rated, "Sampling Freq", rate[0])
+    counts, own = _values(text, 17, str.split), text.unit(scaled, scale[2])
+    if abs(counts.size - frequency * seconds) > frequency:
+        message = f"{counts.size} values where Duration Time says {frequency * seconds:g}"
+        raise text.error(len(text.lines), f"{message}; the file was cut or edited: get it again")
+    factor = float(scale[1]) / text.positive(scaled, "Scale Factor", scale[3])
+    acceleration = factor * (counts - counts.mean())
+    _check_peak(text, peaked, float(peak[0]), acceleration)
+    return Samples(own.size * acceleration, text.step(rated, 1.0 / frequency), own.unit)
+
+
+def _v2(text: RecordText, _: float | None) -> Samples:
+    """CESMD (CSMIP) V2 of one channel: the values of the block of accelerations, in columns of fixed width."""
+    blocks = [(n, match) for n, line in enumerate(text.lines, 1) if (match := V2_BLOCK.match(line))]
+    (start, block), *more = blocks
+    if more:
+        raise text.error(more[0][0], f"this is a V2 file of {len(blocks)} channels; give one channel a file")
+    count, width = int(block["count"]), int(block["width"] or 10)
+    end = next(
+        (n for n, line in enumerate(text.lines[start:], start) if re.search(r"points of|/&", line)),
+        len(text.lines),
+    )
+    own = text.unit(start, block["unit"])
+
+    def cells(line: str) -> list[str]:
+        return [line[k : k + width] for k in range(0, len(line.rstrip()), width)]
+
+    values = _values(RecordText(text.path, text.lines[:end]), start, cells)
+    if values.size != count:
+        raise text.error(end, f"{values.size} values where the V2 file says {count}; get the file again")
+    for n, line in enumerate(text.lines[:start], 1):
+        if match := re.match(rf"Peak acceleration = *(-?{NUMBER}) +(\S+)", line, re.IGNORECASE):
+            stated = float(match[1]) * text.unit(n, match[2]).size
+            _check_peak(text, n, stated, own.size * values)
+    return Samples(
+        own.size * values, text.step(start, text.positive(start, "the step", block["step"])), own.unit
+    )
+
+
+def _check_peak(text: RecordText, line: int, stated: float, acceleration: Array) -> None:
+    """Raise RecordError where the largest acceleration is not the one that the header states, in the same unit."""
+    found = float(abs(acceleration).max())
+    if abs(found - abs(stated)) > SAME_PEAK * abs(stated):
+        message = f"the largest acceleration is {abs(stated):.4g}, that of the values {found:.4g}"
+        raise text.error(line, f"{message}; the file was changed or is damaged: get it again from its source")
 
 
 def _columns(text: RecordText, time_step: float | None) -> Samples:
-    """Read one column (g) or two (s, g) after at most one header line.
+    """Read a column of accelerations, or one of times and one of accelerations among others that a heading names.
 
-    Semicolons separate wherever there are any; commas separate where points are used for decimals or the
-    header line holds commas too; in all other cases blanks separate and a comma is a decimal comma.
+    Semicolons separate wherever there are any; commas separate where points are used for decimals, cells are quoted or
+    the heading holds commas too; in all other cases blanks separate and a comma is a decimal comma.
     """
-    header = 0 if _is_number(re.split(r"[;,\s]", text.head[0].strip())[0]) else 1
-    title, lines = "".join(text.head[:header]), text.lines[header:]
-    if re.search(r"m/s|\bgal\b", title, re.IGNORECASE):
-        raise text.error(
-            header, f"{title.strip()[:SHOWN]!r}: columns must be in s and g; convert the accelerations"
-        )
-    body = "\n".join(lines)
-    commas_separate = "," in body and ";" not in body and ("." in body or "," in title)
-    separator = "," if commas_separate else ";" if ";" in body else None
+    start = next((n for n, line in enumerate(text.lines) if _numeric(line)), None)
+    if start is None:
+        if text.lines == [""]:
+            raise text.error(1, "fewer than two samples; the file is empty")
+        raise text.error(1, f"{text.lines[0].strip()[:SHOWN]!r}: no line of numbers follows; {SUPPORTED}")
+    body = "\n".join(text.lines[start:])
+    cells, separator = _cells(body, text.lines[start - 1] if start else "")
+    widths = np.array([len(cells(line)) for line in text.lines[start:]], dtype=int)
+    if (odd := np.flatnonzero((widths != widths[0]) | (widths < 1))).size:
+        message = f"{widths[odd[0]]} columns where the first line has {widths[0]}; correct the line"
+        raise text.error(start + int(odd[0]) + 1, message)
+    columns = _described(text, start, int(widths[0]), separator)
+    values = _values(text, start, cells).reshape(-1, len(columns))
+    if len(values) < 2:
+        raise text.error(len(text.lines), "fewer than two samples; give one column (g) or two (s, g)")
+    if separator is None and len(columns) == 1 and "," in body:
+        whole = np.diff(np.trunc(values[:, 0]))
+        if whole[0] > 0.0 and (whole == whole[0]).all():
+            raise text.error(
+                start + 1, "commas may part columns or decimals; part the columns with semicolons"
+            )
+    which = next(k for k, each in enumerate(columns) if each.quantity == "acceleration")
+    acceleration = columns[which].size * values[:, which]
+    times = next((k for k, each in enumerate(columns) if each.quantity == "time"), None)
+    if times is not None:
+        step = _uniform_step(text, start, columns[times].size * values[:, times])
+    elif time_step is None:
+        raise text.error(None, "one column of accelerations needs its time step; give time_step, in s")
+    else:
+        step = time_step
+    return Samples(acceleration, step, columns[which].unit)
+
+
+def _cells(body: str, title: str) -> tuple[Callable[[str], list[str]], str | None]:
+    """Return how a line is parted into cells, those that are empty at its end left out, and what parts them."""
+    bare = re.sub(r'"[^"\n]*"', "0", body) if '"' in body else body
+    commas = "," in bare and ";" not in bare and ("." in bare or "," in title or bare is not body)
+    separator = "," if commas and ("\t" not in bare or "." in bare) else ";" if ";" in bare else None
 
     def cells(line: str) -> list[str]:
-        return (line if commas_separate else line.replace(",", ".")).split(separator)
+        if '"' in line and separator:
+            parts = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+            parts = [part.replace(",", ".") for part in parts]
+        else:
+            parts = (line if separator == "," else line.replace(",", ".")).replace('"', "").split(separator)
+        while parts and not parts[-1].strip():
+            parts.pop()
+        return parts
 
-    widths = np.array([len(cells(line)) for line in lines], dtype=int)
-    odd = np.flatnonzero((widths != widths[:1]) | (widths > 2) | (widths < 1))
-    if odd.size:
-        message = "every line must hold one column (g) or two (s, g), separated alike throughout"
-        raise text.error(header + int(odd[0]) + 1, message)
-    values = _values(text, header, cells)
-    if len(lines) < 2:
-        raise text.error(len(text.lines), "fewer than two samples; give one column (g) or two (s, g)")
-    if widths[0] == 2:
-        times, acceleration = values.reshape(-1, 2).T
-        return acceleration, _uniform_step(text, header, times)
-    if time_step is None:
-        raise text.error(None, "one column of accelerations needs its time step; give time_step, in s")
-    return values, time_step
+    return cells, separator
+
+
+def _described(text: RecordText, start: int, count: int, separator: str | None) -> list[Column]:
+    """Return what each of the columns holds: one of accelerations, and one of times where there are several.
+
+    Raises RecordError where a line before the numbers is not understood, or what it says is no such record.
+    """
+    remedy = "write one name and unit a column, such as: time [s], acceleration [g]"
+    lines = [
+        (n, bool(re.match(r"\s*(#|%|//|!)", line)), re.sub(r"^\s*(#|%|//|!)+|\"", "", line).strip())
+        for n, line in enumerate(text.lines[:start], 1)
+        if line.strip(' ,;\t"#%')
+    ]
+    columns, number, heading = None, start + 1, ""
+    while lines and columns is None:
+        number, comment, heading = lines.pop()
+        _refuse_damaged(text, number, comment, heading, separator)
+        if lines and separator and _names_units(heading, separator):  # below a line of names
+            heading = _together(lines.pop()[2].split(separator), heading.split(separator), separator)
+        try:
+            columns = [column(label) for label in labels(heading, count, separator)]
+        except HeadingError as error:
+            if not comment or speaks_of_units(heading):
+                raise text.error(number, f"{error}; {KNOWN}; {remedy}") from None
+    for n, comment, line in lines:
+        _refuse_damaged(text, n, comment, line, separator)
+        if speaks_of_units(line):
+            wrong = f"{line[:SHOWN]!r} speaks of units or of time steps"
+            raise text.error(n, f"{wrong}; write them into the heading of the columns, and delete it")
+    if columns is None:
+        if count > 2:
+            names = "such as t [s], a [g], v [m/s], d [m]"
+            raise text.error(
+                start + 1, f"{count} columns without a heading; write a line that names them, {names}"
+            )
+        columns = [Column("time", "s", 1.0), Column("acceleration", "g", 1.0)][2 - count :]
+    kinds = [each.quantity for each in columns]
+    accelerations = kinds.count("acceleration")
+    if not accelerations:
+        raise text.error(
+            number, f"the heading {heading[:SHOWN]!r} names {' and '.join(kinds)}; give accelerations"
+        )
+    if accelerations > 1:
+        raise text.error(number, f"{accelerations} columns of accelerations; give a record of one component")
+    if kinds.count("time") != (count > 1):
+        raise text.error(number, f"{kinds.count('time')} columns of times beside the accelerations; {remedy}")
+    return columns
+
+
+def _refuse_damaged(text: RecordText, n: int, comment: bool, line: str, separator: str | None) -> None:
+    """Raise RecordError where a line before the numbers holds a number: it is one of them, damaged, or not known."""
+    cells = [] if comment else line.split(separator)
+    if bad := next((cell.strip() for cell in cells if _is_number(cell.replace(",", "."))), None):
+        wrong = f"{line[:SHOWN]!r} holds the number {bad[:SHOWN]!r} and is no line of numbers"
+        raise text.error(n, f"{wrong}; correct it, or delete it; {SUPPORTED}")
+
+
+def _names_units(line: str, separator: str) -> bool:
+    """Whether every cell of a line is a unit, or empty."""
+    cells = [cell.strip(" ()[]") for cell in line.split(separator)]
+    return any(cells) and all(unit(cell) is not None for cell in cells if cell)
+
+
+def _together(names: list[str], units: list[str], separator: str) -> str:
+    pairs = zip_longest(names, units, fillvalue="")
+    return separator.join(f"{name} [{own.strip(' ()[]')}]" if own.strip() else name for name, own in pairs)
+
+
+def _numeric(line: str) -> bool:
+    """Whether every cell of a line is a number, whatever parts them."""
+    cells = [cell for cell in re.split(r"[;,\s\"]+", line) if cell]
+    return bool(cells) and all(_is_number(cell) for cell in cells)
 
 
 def _uniform_step(text: RecordText, header: int, times: Array) -> float:
@@ -203,7 +437,7 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
         line = header + int(np.abs(steps - np.median(steps)).argmax()) + 2
         message = "the times are not evenly spaced; interpolate the record or give one column and time_step"
         raise text.error(line, message)
-    _check_step(text, None, step)
+    text.step(None, step)
     return float(f"{step:.9g}")  # the times are printed decimals: 0.005, not 0.00499999999
 
 
@@ -229,6 +463,8 @@ def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) ->
             found += map(float, cells(line))
         except ValueError:
             found.append(np.nan)
+        if "_" in line:  # which float() passes over
+            found.append(np.nan)
         if len(found) > MOST_VALUES:
             raise text.error(number, f"more than {MOST_VALUES} numbers; give one record, of one component")
     values = np.array(found)
@@ -236,48 +472,23 @@ def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) ->
         numbered = ((n, cell) for n, line in enumerate(lines, header + 1) for cell in cells(line))
         line_number, cell = next((n, cell) for n, cell in numbered if not _is_number(cell, LARGEST))
         wrong = f"is larger than {LARGEST:g}" if _is_number(cell, math.inf) else "is not a finite number"
-        raise text.error(line_number, f"{cell.strip()[:SHOWN]!r} {wrong}; correct it; {KNOWN}")
+        raise text.error(line_number, f"{cell.strip()[:SHOWN]!r} {wrong}; correct it")
     return values
 
 
-def _unit_line(text: RecordText, form: str, end: int) -> tuple[int, float]:
-    """Find the line of this form before line `end`: its number and the unit it states, in g."""
+def _unit_line(text: RecordText, form: str, end: int) -> tuple[int, Column]:
+    """Find the line of this form before line `end`: its number and the unit it states."""
     for n, line in enumerate(text.head[:end], 1):
         if match := re.search(form, line, re.IGNORECASE):
-            return n, _unit(text, match[1], n)
+            return n, text.unit(n, match[1])
     message = "no header line states the unit, such as 'Acceleration time series in units of g'; add it"
     raise text.error(None, message)
-
-
-def _unit(text: RecordText, name: str, line: int) -> float:
-    """Size of the unit in g, whichever way it is spelt (cm/s^2, cm/s/s, cm/sec**2, G.)."""
-    key = name.lower().rstrip(".,;").replace("²", "2").replace("^", "").replace("**", "")
-    key = key.replace("sec", "s").replace("s/s", "s2")
-    if key not in UNITS:
-        raise text.error(
-            line, f"{name[:SHOWN]!r} is no unit of acceleration; use a record in g, m/s^2 or cm/s^2"
-        )
-    return UNITS[key]
-
-
-def _positive(text: RecordText, line: int, key: str, value: str) -> float:
-    if not _is_number(value, math.inf) or float(value) <= 0.0:
-        raise text.error(line, f"{key} is {value[:SHOWN]!r}; must be a positive number")
-    return float(value)
-
-
-def _check_step(text: RecordText, line: int | None, step: float) -> float:
-    """Return a time step; RecordError where no record has one like it."""
-    if not SHORTEST <= step <= LONGEST:
-        must = f"must be from {SHORTEST:g} to {LONGEST:g} s: times are in seconds"
-        raise text.error(line, f"a time step of {step:.3g} s; {must}")
-    return step
 
 
 def _is_number(cell: str, most: float | None = None) -> bool:
     """Whether a cell is a number; one of that size at most, and finite, where `most` is given."""
     try:
-        number = float(cell)
+        number = math.nan if "_" in cell else float(cell)
     except ValueError:
         return False
-    return most is None or (math.isfinite(number) and abs(number) <= most)
+    return "_" not in cell and (most is None or (math.isfinite(number) and abs(number) <= most))

@@ -23,12 +23,14 @@ SAME_TIME = 1e-6  # of a time step: times closer than this are one
 class Record:
     """Base acceleration (n,) in g, linear between samples `time_step` (s) apart; `name` for reports.
 
-    The first sample is at time 0. Raises ArgumentError naming the argument.
+    The first sample is at time 0. `unit`: that of the file it was read from, whose values were converted. Raises
+    ArgumentError naming the argument.
     """
 
     acceleration: Array
     time_step: float
     name: str
+    unit: str = "g"
 
     def __post_init__(self) -> None:
         a = np.array(self.acceleration, dtype=float)
@@ -141,24 +143,28 @@ class Record:
 
 
 def read_record(path: str | Path, time_step: float | None = None) -> Record:
-    """Read an accelerogram; its name is the file's, without extension.
+    """Read an accelerogram; accelerations come in g, whatever the unit of the file, and its name is the file's.
 
-    ESM/ITACA ASCII, PEER AT2, the five-column form of corrected ITACA records, and text with one column (g)
-    or two (s, g) are distinguished by content; accelerations are converted to g by the unit their header
-    states. `time_step` (s) is used only by a file that does not state its own: one column. Time is counted
-    from the first sample. Raises ValueError naming file, line and remedy for anything else than a complete
-    record of finite numbers, for one that is constant, and for a peak above 10 g.
+    The format is recognised by its content: ESM and ITACA .ASC, PEER .AT2, K-NET (less the mean of the counts), CESMD
+    V2 of one channel, the five-column form of corrected ITACA records, and text with a column of times and one of
+    accelerations among others that a heading names, or accelerations alone. A heading says quantity and unit of each
+    column, as in `time [ms], acceleration [m/s²]`, in English or Italian; without one, columns are in s and g.
+    `time_step` (s) is for a single column, which states no time step. Time counts from the first sample.
+
+    Raises RecordError, a ValueError, naming file, line and remedy: for a unit that is not known, a velocity or a
+    displacement, a line that is not understood, another format, samples that are missing or not evenly spaced, a record
+    that is constant, and a peak above 10 g.
     """
     path = Path(path)
     require(time_step is None or 0.0 < time_step < np.inf, "time_step", time_step, "positive, in s, or None")
-    acceleration, step = parse_record(path, time_step)
-    record = Record(acceleration, step, path.stem)
+    acceleration, step, unit = parse_record(path, time_step)
+    record = Record(acceleration, step, path.stem, unit)
     if np.ptp(acceleration) < LOWEST_PGA:
         raise RecordError(
             f"{visible(str(path))}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
         )
     if record.pga > HIGHEST_CREDIBLE_PGA:
         raise RecordError(
-            f"{visible(str(path))}: peak of {record.pga:.4g} g; the unit is not the one stated (columns: s and g)"
+            f"{visible(str(path))}: peak of {record.pga:.4g} g; the unit is not {unit}: name it in the heading"
         )
     return record

@@ -1,0 +1,144 @@
+"""Headings: units and quantities however they are spelt, and what is refused."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mechanics.records.headings import ACCELERATIONS, HeadingError, column, labels, speaks_of_units, unit
+from mechanics.types import GRAVITY
+
+SPELT = {
+    "m/s²": "m/s2 m/s^2 m/s**2 m/s/s m/sec2 m/sec/sec m/sec^2 ms-2 ms^-2 m*s^-2 m.s-2 m·s⁻² m_s2 mps2 mpss "
+    "m/(s^2) m/(s*s) m/s-2 m/s^{2} m/s²",
+    "cm/s²": "cm/s2 cm/s^2 CM/SEC**2 cm/sec/sec cms-2 cm/s² cmps2",
+    "mm/s²": "mm/s2 mm/s/s mms-2",
+    "ft/s²": "ft/s2 ft/sec2 ft/s^2",
+    "in/s²": "in/s2 in/sec^2",
+    "g": "g G g's G.",
+    "% g": "%g",
+    "mg": "mg",
+    "gal": "gal Gal gals GAL",
+    "mgal": "mGal",
+}
+PHRASES = {
+    "m/s²": [
+        "m s^-2",
+        "m per s2",
+        "m s -2",
+        "metres per second squared",
+        "metri al secondo quadrato",
+        "m/s al quadrato",
+    ],
+    "% g": ["% g", "percent g", "per cento g", "% of g"],
+    "g": ["in g", "units of g"],
+}
+ALL = [(name, text) for name, own in SPELT.items() for text in own.split()]
+ALL += [(name, text) for name, own in PHRASES.items() for text in own]
+
+
+@pytest.mark.parametrize(("name", "text"), ALL)
+@pytest.mark.parametrize("label", ["{}", "acceleration [{}]", "Acc({})", "a {}", "Accelerazione NS, {}"])
+def test_a_unit_is_known_however_it_is_spelt(name, text, label):
+    found = column(label.format(text))
+    assert (found.quantity, found.unit, found.size) == ("acceleration", name, ACCELERATIONS[name])
+
+
+def test_sizes_of_units():
+    assert ACCELERATIONS["m/s²"] * GRAVITY == pytest.approx(1.0)
+    assert ACCELERATIONS["gal"] == pytest.approx(ACCELERATIONS["cm/s²"])
+    assert ACCELERATIONS["ft/s²"] == pytest.approx(1.0 / 32.17405, rel=1e-6)
+    assert ACCELERATIONS["in/s²"] == pytest.approx(1.0 / 386.0886, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("label", "unit_name", "size"),
+    [
+        ("time [ms]", "ms", 1e-3),
+        ("t s", "s", 1.0),
+        ("Time_s", "s", 1.0),
+        ("Tempo (secondi)", "s", 1.0),
+        ("time", "s", 1.0),
+        ("Time [µs]", "µs", 1e-6),
+        ("time (min)", "min", 60.0),
+    ],
+)
+def test_times(label, unit_name, size):
+    found = column(label)
+    assert (found.quantity, found.unit, found.size) == ("time", unit_name, size)
+
+
+@pytest.mark.parametrize(
+    "label", ["a", "acc", "NS", "Ground acceleration", "a_g", "ax", "accelerazione orizzontale"]
+)
+def test_accelerations_without_a_unit_are_in_g(label):
+    assert column(label).unit == "g" and not column(label).stated
+
+
+@pytest.mark.parametrize(
+    ("label", "quantity"),
+    [
+        ("velocity (cm per s)", "velocity"),
+        ("v [m/s]", "velocity"),
+        ("velocità", "velocity"),
+        ("cm/s", "velocity"),
+        ("kine", "velocity"),
+        ("Displacement (cm)", "displacement"),
+        ("spostamento [mm]", "displacement"),
+        ("index", "count"),
+        ("", "count"),
+    ],
+)
+def test_what_is_no_acceleration_is_told(label, quantity):
+    assert column(label).quantity == quantity
+
+
+NOT_UNDERSTOOD = (
+    "a[kN] a[m/s3] a[m/s] a[m] a[%] a[µg] a[ms] a[rad/s2] g/10 foo O.00 1e-3x t[h] t[m/s2] v[g] d[gal] Sa[g] "
+    "a[g][m/s2] acc(in) time[samples] a[g/10]"
+)
+
+
+@pytest.mark.parametrize("label", NOT_UNDERSTOOD.split())
+def test_what_is_not_understood_is_refused(label):
+    with pytest.raises(HeadingError, match="heading"):
+        column(label)
+
+
+@given(st.text(alphabet="abcgimstv/^-2²[]() _%", max_size=12))
+def test_no_text_is_a_unit_by_accident(text):
+    """Whatever is read as a unit of acceleration has its letters and nothing else."""
+    found = unit(text)
+    if found is not None and found.quantity == "acceleration":
+        assert set(text) <= set("gmalcinsp/^-2²() _%[]t")
+
+
+@pytest.mark.parametrize(
+    ("heading", "separator", "parted"),
+    [
+        ("t;a", ";", ["t", "a"]),
+        ("t;a;", ";", ["t", "a"]),
+        ("Time, s\tAcc, g", None, ["Time, s", "Acc, g"]),
+        ("Time (s)  Acceleration (m/s2)", None, ["Time (s)", "Acceleration (m/s2)"]),
+        ("Time (s) Acceleration (m/s2)", None, ["time (s) ", "acceleration (m/s2)"]),
+        ("t s a m s^-2", None, ["t s ", "a m s^-2"]),
+    ],
+)
+def test_a_heading_is_parted_as_its_numbers_or_by_its_words(heading, separator, parted):
+    assert labels(heading, 2, separator) == parted
+
+
+@pytest.mark.parametrize("heading", ["acceleration", "t;a;v", "L'Aquila 2009 north"])
+def test_a_heading_of_another_number_of_columns_is_refused(heading):
+    with pytest.raises(HeadingError, match="does not name 2 columns"):
+        labels(heading, 2, ";")
+
+
+def test_comments_that_speak_of_units():
+    assert all(
+        map(
+            speaks_of_units, ["in m/s", "cm/s^2", "gal", "Unità: g", "dt=0.01", "200 Hz", "passo", "velocità"]
+        )
+    )
+    assert not any(
+        map(speaks_of_units, ["L'Aquila 2009", "north", "made by hand", "filtered", "stazione AQG"])
+    )
