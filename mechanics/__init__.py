@@ -20,6 +20,7 @@ from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.pushdown import pushdown
 from mechanics.procedures.pushover import pushover
 from mechanics.procedures.time_history import TimeHistory, time_history
+from mechanics.records.record import Record, read_record
 
 __all__ = [
     "ArgumentError",
@@ -34,6 +35,7 @@ __all__ = [
     "Material",
     "MechanicsError",
     "NoEquilibriumError",
+    "Record",
     "RecordError",
     "State",
     "Tie",
@@ -43,5 +45,6 @@ __all__ = [
     "pushdown",
     "pushover",
     "read_drawing",
+    "read_record",
     "time_history",
 ]

@@ -52,6 +52,7 @@ def check(options: argparse.Namespace) -> int:
 
     With `--repair` first write a repaired drawing beside the project's, tell every change, and check that one.
     """
+    from assessment.project.motions import described
     from assessment.project.project import load_project
     from assessment.project.repair import repairable
     from assessment.report.chapters.judgement_file import refuse_unreadable
@@ -83,6 +84,8 @@ def check(options: argparse.Namespace) -> int:
     save_svg(lambda: draw_model(found.results, words_of(found.results)), drawing)
     say(model_summary(found.results))
     say(f"drawing of the model: {drawing}")
+    for record in found.motions.records:
+        say(described(record))
     for line in warning_lines(found.warnings):
         say(line)
     return DONE

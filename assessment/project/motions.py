@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,6 +60,44 @@ class BaseMotion:
         return replace(self, record=record, vertical=vertical, amplitude=factor * self.amplitude)
 
 
+def records_of(project: Project) -> list[Record]:
+    """Return the records of all files that the project names, each once and as it was read.
+
+    Raises RecordError naming file, line and remedy for one that cannot be used.
+    """
+    files = [
+        (project.path(name), table.time_step_s)
+        for table in project.history
+        for name in (table.record, table.vertical_record)
+        if name is not None
+    ]
+    if project.incremental is not None:
+        files += [(path, project.incremental.time_step_s) for path in project.incremental_records()]
+    if project.campaign is not None:
+        files += [(path, project.campaign.time_step_s) for path in project.campaign_records()]
+    return [_read(*file) for file in dict.fromkeys(files)]
+
+
+def described(record: Record) -> str:
+    """Return what `assesto check` prints of a record."""
+    pga, step, length = f"PGA {record.pga:.3g} g", f"step {record.time_step:g} s", f"{record.duration:.1f} s"
+    return f"record {visible(record.name)}: {pga}, {step}, {length}, unit {record.unit}"
+
+
+def _read(path: Path, time_step: float | None) -> Record:
+    """Read a record, or return it as it was read before of the same file."""
+    try:
+        changed = path.stat().st_mtime_ns
+    except OSError:
+        changed = 0
+    return _read_once(path, time_step, changed)
+
+
+@lru_cache(maxsize=64)
+def _read_once(path: Path, time_step: float | None, changed: int) -> Record:
+    return read_record(path, time_step)
+
+
 def history_motions(project: Project) -> list[BaseMotion]:
     """Return the base motion of each [[history]].
 
@@ -95,7 +134,7 @@ def _motion(
     project: Project, key: str, table: MotionTable, path: Path, history: HistoryTable | None = None
 ) -> BaseMotion:
     scale = history.scale if history else 1.0
-    record = read_record(path, table.time_step_s).scaled(scale)
+    record = _read(path, table.time_step_s).scaled(scale)
     original = replace(record, name=history.name if history and history.name else visible(record.name))
     motion = replace(motion_of(project, key, table, original, path.name), scale=scale)
     if history and history.vertical_record:
@@ -150,7 +189,7 @@ def _vertical(
     project: Project, key: str, history: HistoryTable, path: Path, horizontal: Record, start: float
 ) -> Array:
     """Vertical acceleration (n,) g at the samples of the horizontal one; both files begin at the same instant."""
-    whole = read_record(path, history.time_step_s).scaled(history.scale)
+    whole = _read(path, history.time_step_s).scaled(history.scale)
     missing = start + horizontal.duration - whole.duration
     if missing > horizontal.time_step:
         text = f"{path.name} ends {missing:.3g} s before the horizontal motion; give a longer record or a window_s"

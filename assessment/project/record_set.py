@@ -1,4 +1,4 @@
-"""Checks of a set of records before any analysis: names, duplicates, units and lengths."""
+"""Checks of records before any analysis: names, duplicates, units and lengths."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.runtime.errors import ProjectError
-from mechanics.messages import Message, message
+from mechanics.faults import visible
+from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
@@ -44,11 +45,24 @@ def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
     ]
 
 
+def doubtful_units(records: Sequence[Record]) -> list[Message]:
+    """Return a warning for each record that is too strong to be in the unit in which it was read."""
+    return [
+        headed(visible(record.name), _another_unit(record)) for record in records if record.pga >= STRONGEST
+    ]
+
+
+def _another_unit(record: Record) -> Message:
+    return message(
+        "a PGA of {pga:.3g} g, read in {unit}; check the unit of the file, and name it in its heading",
+        pga=record.pga,
+        unit=record.unit,
+    )
+
+
 def _doubts(record: Record) -> Iterator[Message]:
     if not WEAKEST < record.pga < STRONGEST:
-        yield message(
-            "a PGA of {pga:.3g} g; check the unit of the file, accelerations count in g", pga=record.pga
-        )
+        yield _another_unit(record)
     if record.duration < SHORTEST:
         yield message("lasts {duration:.3g} s; check that the record is whole", duration=record.duration)
     elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:

@@ -18,8 +18,9 @@ from assessment.project.motions import (
     campaign_motions,
     history_motions,
     incremental_motions,
+    records_of,
 )
-from assessment.project.record_set import check_record_set, doubtful_records
+from assessment.project.record_set import check_record_set, doubtful_records, doubtful_units
 from mechanics.messages import Message
 
 if TYPE_CHECKING:
@@ -29,17 +30,22 @@ if TYPE_CHECKING:
     from assessment.results.schema.dynamic import History, Search
     from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft
+    from mechanics.records import Record
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s
 
 
 @dataclass(frozen=True)
 class Motions:
-    """The base motions of [[history]], [incremental] and the files of [campaign], read before anything is analysed."""
+    """The base motions of [[history]], [incremental] and the files of [campaign], read before anything is analysed.
+
+    `records`: every file that was read, once and as it is.
+    """
 
     history: list[BaseMotion]
     incremental: list[BaseMotion]
     campaign: list[BaseMotion]
+    records: list[Record]
 
     @property
     def notes(self) -> list[Message]:
@@ -47,7 +53,13 @@ class Motions:
         notes = [
             note for motion in (*self.history, *self.incremental, *self.campaign) for note in motion.notes
         ]
-        return [*notes, *doubtful_records(self.campaign)]
+        doubted = doubtful_records(self.campaign)
+        told = {motion.name for motion in self.campaign}
+        return [
+            *notes,
+            *doubted,
+            *doubtful_units([record for record in self.records if record.name not in told]),
+        ]
 
 
 def read_motions(project: Project) -> Motions:
@@ -55,7 +67,9 @@ def read_motions(project: Project) -> Motions:
 
     Raises ProjectError or ValueError naming file, line or key.
     """
-    found = Motions(history_motions(project), incremental_motions(project), campaign_motions(project))
+    found = Motions(
+        history_motions(project), incremental_motions(project), campaign_motions(project), records_of(project)
+    )
     check_record_set(project, found.campaign)
     return found
 

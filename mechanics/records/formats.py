@@ -311,7 +311,7 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
             raise text.error(1, "fewer than two samples; the file is empty")
         raise text.error(1, f"{text.lines[0].strip()[:SHOWN]!r}: no line of numbers follows; {SUPPORTED}")
     body = "\n".join(text.lines[start:])
-    cells, separator = _cells(body, text.lines[start - 1] if start else "")
+    cells, separator = _cells(body, text.head[start - 1] if start else "")
     widths = np.array([len(cells(line)) for line in text.lines[start:]], dtype=int)
     if (odd := np.flatnonzero((widths != widths[0]) | (widths < 1))).size:
         message = f"{widths[odd[0]]} columns where the first line has {widths[0]}; correct the line"
@@ -365,7 +365,7 @@ def _described(text: RecordText, start: int, count: int, separator: str | None) 
     remedy = "write one name and unit a column, such as: time [s], acceleration [g]"
     lines = [
         (n, bool(re.match(r"\s*(#|%|//|!)", line)), re.sub(r"^\s*(#|%|//|!)+|\"", "", line).strip())
-        for n, line in enumerate(text.lines[:start], 1)
+        for n, line in enumerate(text.head[:start], 1)
         if line.strip(' ,;\t"#%')
     ]
     columns, number, heading = None, start + 1, ""

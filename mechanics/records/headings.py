@@ -7,6 +7,7 @@ import unicodedata
 from dataclasses import dataclass
 from typing import Literal
 
+from mechanics.errors import RecordError
 from mechanics.types import GRAVITY
 
 Quantity = Literal["time", "acceleration", "velocity", "displacement", "count"]
@@ -70,7 +71,7 @@ SPEAKS_OF_UNITS = re.compile(
 BRACKETS = re.compile(r"(?<!/)[(\[]([^()\[\]]*(?:\([^()]*\)[^()\[\]]*)*)[)\]]")
 
 
-class HeadingError(ValueError):
+class HeadingError(RecordError):
     """A heading that is not understood, or says what is no acceleration; the message tells which words."""
 
 

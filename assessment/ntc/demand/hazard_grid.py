@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -19,6 +20,7 @@ ALLEGATO_B = "D.M. 14/01/2008, Allegato B"
 _DIGITS = {"longitude": 4, "latitude": 3, "ag": 3, "F0": 2, "Tc_star": 2}  # decimals that the act prints
 MOST_BYTES = 50_000_000  # of a file; Allegato B has two and a half
 MOST_AG, MOST_F0, MOST_TC = 10.0, 100.0, 10.0  # g, –, s: beyond them it is another quantity, or another unit
+SITE_COLUMNS = ("T_R", "a_g", "F0", "T_C*")
 _Rows = list[tuple[int, list[str]]]
 
 
@@ -96,6 +98,14 @@ def read_site_table(path: str | Path) -> Array | None:
         raise HazardError(
             f"{path}: a site's table must have one line for each return period: {periods} years"
         )
+    names = re.split(r"[;\t]", header.strip().split("\n")[-1])
+    for name, column in zip(names, SITE_COLUMNS, strict=False):
+        plain = re.sub(r"[^a-z0-9]", "", name.lower())
+        if len(names) == 4 and not plain.startswith(re.sub(r"[^a-z0-9]", "", column.lower())):
+            raise HazardError(
+                f"{path}: the header calls a column {name.strip()[:12]!r} that is read as {column}; "
+                "the columns must be T_R; a_g [g]; F0; T_C*"
+            )
     unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in header.replace(" ", "")), None)
     if unit is None:
         raise HazardError(
@@ -130,6 +140,11 @@ def _read(path: Path) -> tuple[str, _Rows]:
     separator = ";" if any(";" in line for line in lines[:5]) else "\t"
     rows = [(i, line.replace(",", ".").split(separator)) for i, line in enumerate(lines, 1) if line.strip()]
     start = next((k for k, (_, cells) in enumerate(rows) if _is_number(cells[0])), len(rows))
+    for line, cells in rows[:start]:
+        if 2 * sum(map(_is_number, cells)) >= len(cells):
+            raise HazardError(
+                f"{path}: line {line}: {cells[0].strip()[:12]!r} is no number, and a heading has none; correct the line"
+            )
     return "\n".join(lines[: rows[start][0] - 1] if start < len(rows) else lines), rows[start:]
 
 

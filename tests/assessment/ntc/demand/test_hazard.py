@@ -189,6 +189,27 @@ def _site_table(path, header="T_R [anni];a_g [g];F0;T_C* [s]", factor=1.0):
     return path
 
 
+@pytest.mark.parametrize("header", ["T_R;F0;a_g [g];T_C*", "T_R;PGA [g];F0;T_C*", "a_g [g];T_R;F0;T_C*"])
+def test_a_header_that_names_other_columns_is_refused(tmp_path, header):
+    with pytest.raises(
+        ValueError, match=r"the header calls a column '.*' that is read as .*must be T_R; a_g"
+    ):
+        site_curve(_site_table(tmp_path / "site.csv", header))
+
+
+def test_a_first_line_damaged_by_a_letter_is_no_heading(tmp_path):
+    path = _site_table(tmp_path / "site.csv")
+    path.write_text(path.read_text(encoding="latin-1").replace("30;0", "3O;0", 1), encoding="latin-1")
+    with pytest.raises(ValueError, match=r"line 2: '3O' is no number, and a heading has none"):
+        site_curve(path)
+    rows = [_row(i, j) for i in range(4) for j in range(4)]
+    path = _write(tmp_path / "grid.txt", rows, "\t", False, "lon\tlat\r\n")
+    text = path.read_text(encoding="latin-1")
+    path.write_text(text.replace("lat\n", "lat\nO", 1).replace("O1", "Ol"), encoding="latin-1", newline="")
+    with pytest.raises(ValueError, match=r"line 2: '.*' is no number, and a heading has none"):
+        site_curve(path, *_row(1.3, 1.4)[1::-1])
+
+
 def test_the_nine_lines_of_one_site(tmp_path):
     """T_R; a_g; F0; T_C* as site programs print them: no coordinates; a_g in g or in g/10 as the header says."""
     curve = site_curve(_site_table(tmp_path / "site.csv"))
