@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from fnmatch import fnmatch
 from itertools import islice
 from pathlib import Path
@@ -13,9 +13,9 @@ from pathlib import Path
 from assessment.project.errors import Problem
 from assessment.project.schema import MOST_ENTRIES, KeyPath
 from assessment.runtime.errors import nearest
+from assessment.runtime.files.pictures import SUFFIXES, read_picture
 
 MOST_LOOKED_AT = 20_000  # names in folders that the search for a pattern reads at most
-PICTURES = (".png", ".jpg", ".jpeg")  # that a report can hold
 _WILD = re.compile(r"[*?[]")
 
 
@@ -78,30 +78,14 @@ def missing_file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Prob
 
 def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
     """Yield a problem for an attachment of the report that does not exist or is no picture that can be printed."""
-    from PIL import Image  # late: few projects have any
-
     if missing := list(missing_file(folder, path, name)):
         yield from missing
-    elif Path(name).suffix.lower() not in PICTURES:
+    elif Path(name).suffix.lower() not in SUFFIXES:
         yield Problem(
-            path, f'"{name}" is no {" or ".join(PICTURES)} file; export it, a PDF page by page, as one'
+            path, f'"{name}" is no {" or ".join(SUFFIXES)} file; export it, a PDF page by page, as one'
         )
     else:
         try:
-            with _truncated_refused(), Image.open(folder / name) as picture:
-                picture.load()
-        except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+            read_picture(folder / name)
+        except ValueError as error:
             yield Problem(path, f'"{name}" cannot be read as a picture ({error}); export it again')
-
-
-@contextmanager
-def _truncated_refused() -> Iterator[None]:
-    """Let Pillow refuse truncated pictures: WeasyPrint, once imported, makes it accept them in the whole process."""
-    from PIL import ImageFile
-
-    before = ImageFile.LOAD_TRUNCATED_IMAGES
-    ImageFile.LOAD_TRUNCATED_IMAGES = False
-    try:
-        yield
-    finally:
-        ImageFile.LOAD_TRUNCATED_IMAGES = before

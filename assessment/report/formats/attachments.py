@@ -6,9 +6,10 @@ import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from PIL import Image, ImageOps
+from PIL import ImageOps
 
 from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files.pictures import read_picture
 
 FOLDER = "attachments"
 LONGEST = 1800  # pixels: 200 per inch on the longer side of a page
@@ -19,15 +20,12 @@ def write_attachments(pictures: Sequence[Path], folder: Path) -> None:
     """Write the pictures into `folder`/attachments, turned upright; place and device of a photograph are left out."""
     for number, path in enumerate(pictures, 1):
         buffer = io.BytesIO()
-        with Image.open(path) as original:
-            upright = ImageOps.exif_transpose(original)
-            upright.thumbnail((LONGEST, LONGEST))
-            if (kind := _kind(path.name)) == "jpg":
-                upright.convert("RGB").save(buffer, "jpeg", quality=QUALITY)
-            else:
-                upright.convert("RGBA" if "A" in upright.getbands() else "RGB").save(
-                    buffer, "png", optimize=True
-                )
+        upright = ImageOps.exif_transpose(read_picture(path))
+        upright.thumbnail((LONGEST, LONGEST))
+        if (kind := _kind(path.name)) == "jpg":
+            upright.convert("RGB").save(buffer, "jpeg", quality=QUALITY)
+        else:
+            upright.convert("RGBA" if "A" in upright.getbands() else "RGB").save(buffer, "png", optimize=True)
         write_atomically(folder / FOLDER / f"{number:02d}.{kind}", buffer.getvalue())
 
 

@@ -49,6 +49,9 @@ class Explanation(Part):
     aic: float | None = key("Akaike's criterion, χ² plus twice the number of unknowns", "–")
     distinguished: bool = key("whether its AIC is more than 2 above the best one")
     undetermined: list[Sentence] = key("movements that the measurements do not determine")
+    kinked: list[Sentence] = key(
+        "components within whose standard error hinges move to other joints, and on which side"
+    )
     contradicting: list[str] = key("measurements more than 3 sigma from what is predicted")
     at_collapse: bool = key("whether the fit would improve beyond what the structure survives")
     fit: list[Fitted] = key("the measurements, each beside its prediction")

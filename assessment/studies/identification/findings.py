@@ -10,9 +10,14 @@ import numpy as np
 from assessment.results.schema.identification import Explanation, Identification
 from assessment.studies.identification.unknowns import Unknowns
 from mechanics.messages import Message, headed, message
-from mechanics.types import Array
+from mechanics.types import Array, Mask
 
 UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does not explain the measurements
+SIDES = {
+    (True, False): "{component}, towards lower values",
+    (False, True): "{component}, towards higher values",
+    (True, True): "{component}, on both sides",
+}
 IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
 
 
@@ -25,6 +30,15 @@ def open_movements(unknowns: Unknowns, directions: Array) -> list[Message]:
     alone = [_component(*unknowns.components[k]) for k in np.flatnonzero(free)]
     together = np.linalg.svd(np.where(free, 0.0, directions))[2][: len(directions) - len(alone)]
     return [*alone, *(_together(unknowns, direction) for direction in together)]
+
+
+def kinked_components(unknowns: Unknowns, kinked: Mask) -> list[Message]:
+    """Return the components (n, 2) whose prediction has a kink within a standard error, below or above, in words."""
+    return [
+        message(SIDES[below, above], component=_component(*each))
+        for each, (below, above) in zip(unknowns.components, kinked.tolist(), strict=True)
+        if below or above
+    ]
 
 
 def _together(unknowns: Unknowns, direction: Array) -> Message:
@@ -92,6 +106,12 @@ def _of_hypothesis(each: Explanation) -> Iterator[Message]:
         )
     for text in each.undetermined:
         yield message("the measurements do not determine {text}; measure where it shows", text=text)
+    for text in each.kinked:
+        yield message(
+            "the prediction has a kink within a standard error of {component}: hinges move to other joints there, and "
+            "the standard error holds up to there",
+            component=text,
+        )
     for row in each.fit:
         if row.measurement in each.contradicting:
             yield message(

@@ -2,6 +2,8 @@
 
 Gauss–Newton with central differences and bounds (Nocedal and Wright, Numerical Optimization, 2006, ch. 10); damped
 steps (Levenberg–Marquardt) are tried beside the full one, as each is a path of its own and paths run side by side.
+Predictions jump and have kinks where hinges move to other joints: a difference across a jump is the jump over its step,
+and no slope. Standard errors rest on slopes that two steps on one side of the fit agree on.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ class FitTolerances:
     `difference`: of finite differences, as a share of the length of the movement; `least` (m): of them, and of steps;
     `step`: of the movement, below which it counts as found; `iterations`: at most; `dampings`: of the trial steps,
     relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect;
-    `gain`: of χ², or of `exact` where it is less, below which a step has none.
+    `gain`: of χ², or of `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive
+    steps, by which they may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
     """
 
     difference: float = 0.01
@@ -36,6 +39,8 @@ class FitTolerances:
     singular: float = 1e-6
     gain: float = 1e-6
     exact: float = 1e-2
+    smooth: float = 0.1
+    linear: float = 0.5
 
 
 FIT = FitTolerances()
@@ -43,14 +48,15 @@ FIT = FitTolerances()
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The best values `u` (n,), m; `residual` (m,) over σ; `jacobian` (m, n) 1/m of the residuals.
+    """The best values `u` (n,), m; `residual` (m,) over σ; `slopes`: of each unknown derivatives (m,), 1/m.
 
-    `stopped`: whether a step towards a better fit ended in a movement that the structure does not survive.
+    An unknown has two slopes where the prediction has a kink. `stopped`: whether a step towards a better fit ended in a
+    movement that the structure does not survive.
     """
 
     u: Array
     residual: Array
-    jacobian: Array
+    slopes: tuple[tuple[Array, ...], ...]
     stopped: bool
 
     @property
@@ -104,14 +110,14 @@ def refined(
         short = length < max(tolerances.step * float(np.linalg.norm(u)), tolerances.least)
         if short or gained < tolerances.gain * max(square, tolerances.exact):
             break
-    return Fit(u, residual, jacobian, stopped)
+    return Fit(u, residual, _slopes(unknowns, u, residual, predict, tolerances), stopped)
 
 
 def _jacobian(
     unknowns: Unknowns, u: Array, residual: Array, predict: Predict, tolerances: FitTolerances
 ) -> Array:
     """Return the derivatives (m, n), 1/m, by central differences; one-sided at a bound, or where one side falls."""
-    size = max(tolerances.difference * float(np.linalg.norm(u)), tolerances.least)
+    size = _difference(u, tolerances)
     sides = [
         np.array([unknowns.bounded(u + sign * size * unit) for sign in (1.0, -1.0)])
         for unit in np.eye(len(u))
@@ -131,6 +137,76 @@ def _jacobian(
         else:
             columns.append(np.zeros_like(residual))
     return np.array(columns).T
+
+
+def _difference(u: Array, tolerances: FitTolerances) -> float:
+    """Return the step of finite differences, m."""
+    return max(tolerances.difference * float(np.linalg.norm(u)), tolerances.least)
+
+
+def _slopes(
+    unknowns: Unknowns, u: Array, residual: Array, predict: Predict, tolerances: FitTolerances
+) -> tuple[tuple[Array, ...], ...]:
+    """Return the slopes (m,), 1/m, of each unknown on either side of `u` (n,); where both agree, their mean alone.
+
+    A side whose slopes over two successive steps differ has a jump or a kink in the first one: where the other side has
+    none it is left out; where it has one too, the slopes of the second steps count.
+    """
+    size = _difference(u, tolerances)
+    steps = [
+        (k, sign, np.array([unknowns.bounded(u + n * sign * size * unit) for n in (1, 2)]))
+        for k, unit in enumerate(np.eye(len(u)))
+        for sign in (1.0, -1.0)
+    ]
+    found = predict([value for *_, pair in steps for value in pair])
+    smooth: list[list[Array]] = [[] for _ in u]
+    beyond: list[list[Array]] = [[] for _ in u]
+    for (k, sign, pair), first, second in zip(steps, found[::2], found[1::2], strict=True):
+        if first is None or pair[0][k] == u[k]:
+            continue
+        near = (first - residual) / (sign * size)
+        far = near if second is None else (second - first) / (sign * size)
+        (smooth if _alike(near, far, tolerances) else beyond)[k].append(far)
+    return tuple(
+        _distinct(sides or others, residual, tolerances) for sides, others in zip(smooth, beyond, strict=True)
+    )
+
+
+def _alike(one: Array, other: Array, tolerances: FitTolerances) -> bool:
+    largest = max(np.linalg.norm(one), np.linalg.norm(other))
+    return bool(np.linalg.norm(one - other) <= tolerances.smooth * largest)
+
+
+def _distinct(sides: list[Array], residual: Array, tolerances: FitTolerances) -> tuple[Array, ...]:
+    """Return the slopes (m,) of the sides, the flatter one first, or their mean; of none, those of no effect."""
+    if not sides:
+        return (np.zeros_like(residual),)
+    if len(sides) == 2 and _alike(sides[0], sides[1], tolerances):
+        return (0.5 * (sides[0] + sides[1]),)
+    return tuple(sorted(sides, key=lambda slope: float(np.linalg.norm(slope))))
+
+
+def kinks(
+    unknowns: Unknowns, fit: Fit, error: Array, predict: Predict, tolerances: FitTolerances = FIT
+) -> Mask:
+    """Return whether the prediction has a kink within a standard error `error` (n,), m, below and above: (n, 2).
+
+    There what is predicted departs by more than `linear` from its linear part. Unknowns without an error, and movements
+    that the structure does not survive, have none.
+    """
+    found = np.zeros((len(error), 2), dtype=bool)
+    known = np.flatnonzero(np.isfinite(error))
+    ends = [
+        (k, side, unknowns.bounded(fit.u + sign * error[k] * np.eye(len(error))[k]))
+        for k in known
+        for side, sign in enumerate((-1.0, 1.0))
+    ]
+    for (k, side, end), shown in zip(ends, predict([end for *_, end in ends]), strict=True):
+        far = end[k] - fit.u[k]
+        if shown is not None and far != 0.0:
+            departs = [np.linalg.norm(shown - fit.residual - far * slope) for slope in fit.slopes[k]]
+            found[k, side] = min(departs) > tolerances.linear
+    return found
 
 
 def _step(
@@ -155,7 +231,7 @@ def _least_squares(jacobian: Array, target: Array, damping: float, tolerances: F
     if not s.size or s[0] == 0.0:
         return np.zeros(jacobian.shape[1])
     kept = s > tolerances.singular * s[0]
-    factor = np.where(kept, s / (s**2 + damping * s[0] ** 2), 0.0)
+    factor = np.divide(s, s**2 + damping * s[0] ** 2, out=np.zeros_like(s), where=kept)
     found: Array = right.T @ (factor * (left.T @ target))
     return found
 
@@ -172,13 +248,26 @@ def sureness(fit: Fit, measured: float, part: float = 0.1) -> Sureness:
     """Return standard errors from (JᵀJ)⁻¹, and the directions that the measurements leave open.
 
     A direction is open where its standard error, infinite without an effect, is longer than the whole movement and than
-    the largest `measured` displacement (m); unknowns with more than a `part` in one have no error.
+    the largest `measured` displacement (m); unknowns with more than a `part` in one have no error. Of an unknown with
+    two slopes either may hold: the errors are the largest, the open directions those of the flatter ones.
     """
-    _, s, right = np.linalg.svd(fit.jacobian, full_matrices=True)
+    flat = np.array([slopes[0] for slopes in fit.slopes]).T
+    found, open_ = _sureness(fit, flat, measured, part)
+    for k, slopes in enumerate(fit.slopes):
+        for slope in slopes[1:]:
+            jacobian = flat.copy()
+            jacobian[:, k] = slope
+            found = np.maximum(found, _sureness(fit, jacobian, measured, part)[0])
+    return Sureness(found, open_)
+
+
+def _sureness(fit: Fit, jacobian: Array, measured: float, part: float) -> tuple[Array, Array]:
+    """Return standard errors (n,), m, and open directions (d, n) of derivatives (m, n), 1/m."""
+    _, s, right = np.linalg.svd(jacobian, full_matrices=True)
     n = len(fit.u)
     s = np.concatenate([s, np.zeros(n - len(s))])
     longest = max(float(np.linalg.norm(fit.u)), measured)
     open_ = s * longest < 1.0
     variance = np.sum((right[~open_] / s[~open_, None]) ** 2, axis=0)
     touched = (abs(right[open_]) > part).any(axis=0) if open_.any() else np.zeros(n, dtype=bool)
-    return Sureness(np.where(touched, np.inf, np.sqrt(variance)), right[open_])
+    return np.where(touched, np.inf, np.sqrt(variance)), right[open_]

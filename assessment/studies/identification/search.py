@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from assessment.project.structure.gauges import Gauge
 from assessment.runtime.tasks import Workers, large
-from assessment.studies.identification.fit import Fit, best_length, refined
+from assessment.studies.identification.fit import Fit, Predict, best_length, kinks, refined
 from assessment.studies.identification.path import Followed, follow
 from assessment.studies.identification.unknowns import Unknowns
 from mechanics.messages import Message
-from mechanics.types import Array
+from mechanics.types import Array, Mask
 
 if TYPE_CHECKING:
     from assessment.studies.variants import Study
@@ -73,7 +73,16 @@ class Search:
         [found] = self._followed(unknowns, [u], FINE, "best movement")
         return found
 
+    def kinks(self, unknowns: Unknowns, fit: Fit, error: Array) -> Mask:
+        """Return whether the prediction has a kink within a standard error (n,), m, below and above: (n, 2)."""
+        return kinks(unknowns, fit, error, self._predict(unknowns))
+
     def _refined(self, unknowns: Unknowns, start: Array) -> Fit | None:
+        predict = self._predict(unknowns)
+        [residual] = predict([start])
+        return None if residual is None else refined(unknowns, start, residual, predict)
+
+    def _predict(self, unknowns: Unknowns) -> Predict:
         def predict(values: Sequence[Array]) -> list[Array | None]:
             paths = self._followed(unknowns, values, FINE, "fit")
             return [
@@ -81,8 +90,7 @@ class Search:
                 for path in paths
             ]
 
-        [residual] = predict([start])
-        return None if residual is None else refined(unknowns, start, residual, predict)
+        return predict
 
     def _followed(
         self, unknowns: Unknowns, values: Sequence[Array], increments: int, what: str

@@ -17,7 +17,12 @@ from assessment.results.schema.identification import (
     SupportMovement,
 )
 from assessment.runtime.show import SILENCE
-from assessment.studies.identification.findings import findings, not_followed, open_movements
+from assessment.studies.identification.findings import (
+    findings,
+    kinked_components,
+    not_followed,
+    open_movements,
+)
 from assessment.studies.identification.fit import Fit, Sureness, sureness
 from assessment.studies.identification.search import Measured, Search
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
@@ -107,8 +112,8 @@ def _explained(project: Project, search: Search, unknowns: Unknowns) -> Explanat
     if fit is None:
         return Explanation(
             hypothesis=unknowns.title, unknowns=n, movement=[], chi_squared=None, degrees_of_freedom=freedom,
-            probability=None, aic=None, distinguished=True, undetermined=[], contradicting=[], at_collapse=False,
-            fit=[], configuration=None,
+            probability=None, aic=None, distinguished=True, undetermined=[], kinked=[], contradicting=[],
+            at_collapse=False, fit=[], configuration=None,
         )  # fmt: skip
     sure = sureness(fit, search.measured.largest)
     rows = [
@@ -125,6 +130,7 @@ def _explained(project: Project, search: Search, unknowns: Unknowns) -> Explanat
         aic=fit.chi_squared + 2.0 * n,
         distinguished=False,
         undetermined=[*open_movements(unknowns, sure.open)],
+        kinked=[*kinked_components(unknowns, search.kinks(unknowns, fit, sure.error))],
         contradicting=[row.measurement for row in rows if abs(row.residual_in_sigma) > CONTRADICTS],
         at_collapse=fit.stopped,
         fit=rows,

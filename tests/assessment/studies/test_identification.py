@@ -4,6 +4,8 @@ The measurements are made by a pushdown with other increments; the arch has no f
 open, so that a path predicts what any other path to the same movement does.
 """
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification import path as path_module
 from assessment.studies.identification.findings import open_movements
-from assessment.studies.identification.fit import Fit, best_length, refined, sureness
+from assessment.studies.identification.fit import Fit, best_length, kinks, refined, sureness
 from assessment.studies.identification.path import follow
 from assessment.studies.identification.stage import probability
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
@@ -85,6 +87,29 @@ def test_a_movement_is_found_again_from_exact_measurements(identify, model, tmp_
     assert not study.findings and not study.failures and study.quality
     [ready] = found.settlements
     assert ready.support == "destro" and ready.displacement_m == pytest.approx(TRUTH[:2], abs=1e-6)
+
+
+@pytest.mark.parametrize("z", [0.0, 1.5e-5, -1.5e-5, 2e-4])
+def test_standard_errors_do_not_divide_a_jump_by_a_step(identify, model, tmp_path, z):
+    """The crown opens at one edge or the other as the support rises or goes down: a jump of its crack at z = 0.
+
+    A level with σ 0.5 mm tells z: its standard error is that of z = −2 mm, 0.481 mm, far from the jump; a difference
+    across the jump made 0.014 mm of it.
+    """
+    seen = [
+        *synthetic(model, [PLACES[0], PLACES[1], PLACES[3]], (0.012, z, 0.0)),
+        entry("level", "foot", (0.27, 0.10), 1e3 * z, 0.5),
+    ]
+    found, study = identify(write_surveyed(tmp_path, DOES_NOT_TURN + "\ndownward_only = false", *seen))
+    [explained] = found.hypotheses
+    assert movement_of(explained)[:2] == pytest.approx([0.012, z], abs=1e-6)
+    assert explained.movement[0].z_standard_error_m == pytest.approx(4.81e-4, rel=0.01)
+    [told] = study.findings
+    towards = "higher" if z <= 0.0 else "lower"
+    assert (
+        "kink within a standard error of the movement along z" in told and f"towards {towards} values" in told
+    )
+    assert "scarto tipo" in in_italian(told)
 
 
 def test_noise_moves_it_within_its_standard_errors(identify, model, tmp_path):
@@ -298,6 +323,42 @@ def test_a_linear_problem_is_solved_with_its_standard_errors():
     assert not len(sureness(fit, 1.0).open)
 
 
+def test_a_jump_beside_the_fit_and_a_kink_in_it():
+    """r = (10 x, z ± 5 beyond a jump): at z = 0 the slope is 1 wherever the jump is. At a kink it has two."""
+    start = np.zeros(2)
+
+    def jump(at):
+        return lambda values: [
+            np.array([10.0 * u[0], u[1] + 5.0 * (u[1] > at) - 5.0 * (at < 0.0)]) for u in values
+        ]
+
+    for at, side in ((1e-9, 1), (-1e-9, 0), (1.5e-6, 1)):
+        fit = refined(two(), start, jump(at)([start])[0], jump(at))
+        error = sureness(fit, 10.0).error
+        assert error == pytest.approx([0.1, 1.0])
+        assert kinks(two(), fit, error, jump(at)).tolist() == [[False, False], [side == 0, side == 1]]
+
+    def kink(values):
+        return [np.array([10.0 * u[0], max(u[1], 2.0 * u[1])]) for u in values]
+
+    fit = refined(two(), start, np.zeros(2), kink)
+    assert sureness(fit, 10.0).error == pytest.approx([0.1, 1.0])
+    assert [len(slopes) for slopes in fit.slopes] == [1, 2]
+
+
+def test_a_part_of_the_fit_that_nothing_measures_divides_nothing():
+    """Of the singular values 2, 0 and no damping 0/0 was taken, and left out afterwards: a warning of NumPy."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fit = refined(
+            two(),
+            np.zeros(2),
+            np.array([-2.0, 0.0]),
+            lambda values: [np.array([2.0 * u[0] - 2.0, 0.0]) for u in values],
+        )
+    assert fit.u == pytest.approx([1.0, 0.0])
+
+
 def test_a_bound_holds_and_the_others_go_on():
     offset, start = np.array([1.0, 2.0, 4.0]), np.array([0.1, -0.1])
     fit = refined(two(True), start, LINEAR @ start - offset, linear(offset))
@@ -306,7 +367,7 @@ def test_a_bound_holds_and_the_others_go_on():
 
 
 def test_a_direction_without_effect_is_open():
-    fit = Fit(np.array([1.0, 1.0]), np.zeros(2), np.array([[10.0, 10.0], [10.0, 10.0]]), False)
+    fit = Fit(np.array([1.0, 1.0]), np.zeros(2), ((np.full(2, 10.0),), (np.full(2, 10.0),)), False)
     found = sureness(fit, 1.0)
     assert np.isinf(found.error).all()
     assert abs(found.open[0]) == pytest.approx([0.5**0.5] * 2)

@@ -2,7 +2,7 @@
 
 import pytest
 from docx import Document
-from PIL import Image, ImageFile
+from PIL import EpsImagePlugin, Image, ImageFile
 
 from assessment.cli.main import main
 from assessment.project.project import load_project
@@ -36,6 +36,20 @@ def refused(project):
     return str(error.value)
 
 
+def test_no_content_chooses_a_program_to_read_it(tmp_path, monkeypatch):
+    """Each of these names of PostScript, TIFF, BMP or GIF content is refused before a plugin of Pillow sees it."""
+    monkeypatch.setattr(EpsImagePlugin, "Ghostscript", lambda *_: pytest.fail("Ghostscript was run"))
+    postscript = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\n{} loop\n"
+    (tmp_path / "photo.png").write_bytes(postscript)
+    pictures = [tmp_path / "photo.png"]
+    for kind in ("tiff", "bmp", "gif"):
+        pictures.append(tmp_path / f"{kind}.jpg")
+        Image.new("L", (9, 9)).save(pictures[-1], kind)
+    for path in pictures:
+        with pytest.raises(ValueError, match="neither PNG nor JPEG"):
+            write_attachments([path], tmp_path)
+
+
 def test_pictures_are_upright_small_and_without_hidden_data(tmp_path):
     photograph(tmp_path / "a.JPG", (3 * LONGEST, LONGEST))
     write_attachments([tmp_path / "a.JPG"], tmp_path)
@@ -53,6 +67,8 @@ def test_what_is_no_picture_is_refused_with_one_message(project, monkeypatch, ac
         message.startswith("project.toml: report.attachments[2]: ")
         and "cannot be read as a picture" in message
     )
+    (project / "survey.png").write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EOF\n{} loop\n")
+    assert "its content is neither PNG nor JPEG" in refused(project)
     (project / "survey.pdf").write_bytes(b"%PDF-1.7")
     edit(project, "survey.png", "survey.pdf")
     assert "a PDF page by page" in refused(project) and "\n" not in refused(project)
