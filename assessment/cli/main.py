@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from assessment.cli import commands
 from assessment.cli.arguments import options_of
-from assessment.cli.exit_codes import INCOMPLETE, WRONG_INPUT, incomplete, is_input_error, tell_error
+from assessment.cli.exit_codes import INCOMPLETE, WRONG_INPUT, incomplete, tell_error
 from assessment.runtime.files.lock import BusyError
 from assessment.runtime.processes.garbage import collect_rarely
 from assessment.runtime.processes.interruption import interrupted, leave, watch
@@ -47,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BusyError as error:
         return tell_error(error)  # the journal is that of the other run
     except (ValueError, OSError) as error:
+        from assessment.runtime.errors import is_input_error  # late, as all that --help does not need
+
         if not is_input_error(error):
             raise
         code = tell_error(error)

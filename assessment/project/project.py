@@ -1,8 +1,8 @@
 """The project file: read as TOML or spreadsheet, checked as a whole, handed on frozen.
 
-`load_project` is the only entry: what it returns has passed every check that needs no drawing and no
-record. Wrong keys, types and ranges are all reported at once; where there are none, all that does not fit
-together (names, files, stages that need each other) is.
+What `load_project` returns has passed every check that needs no drawing and no record. Wrong keys, types and ranges
+are all reported at once; where there are none, all that does not fit together (names, files, stages that need each
+other) is.
 """
 
 from __future__ import annotations
@@ -112,6 +112,17 @@ def load_project(folder: Path | str) -> Project:
 
     Raises ProjectError with one line `FILE: KEY: what is wrong; what to do` per problem.
     """
+    project, contradictions = survey_project(folder)
+    if contradictions is not None:
+        raise contradictions
+    return project
+
+
+def survey_project(folder: Path | str) -> tuple[Project, ProjectError | None]:
+    """Return the project in `folder` and what does not fit together in it, None where all does.
+
+    Raises ProjectError, as `load_project`, where its keys, types and ranges are wrong already.
+    """
     try:
         file = _source(Path(folder).absolute())
         content, places = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {})
@@ -121,10 +132,10 @@ def load_project(folder: Path | str) -> Project:
         tables = ProjectContent.model_validate(content)
     except ValidationError as error:
         raise project_error(file.name, schema_problems(error, content), places) from None
-    if problems := list(content_problems(tables, file.parent)):
-        raise project_error(file.name, problems, places)
+    problems = list(content_problems(tables, file.parent))
     given = {name: getattr(tables, name) for name in tables.model_fields_set}
-    return Project(**given, folder=file.parent, source=file.name)
+    project = Project(**given, folder=file.parent, source=file.name)
+    return project, project_error(file.name, problems, places) if problems else None
 
 
 def json_schema() -> dict[str, Any]:

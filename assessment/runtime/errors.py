@@ -1,16 +1,47 @@
-"""The error that ends a command with one message, and the remedies that messages propose."""
+"""The errors that end a command with one message, and the remedies that messages propose."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from opcode import opmap
 
 _MOST_NAMES = 12
+RAISE = opmap["RAISE_VARARGS"]  # the instruction of a raise statement
 _QUOTED = 120  # characters of a line of the user's file that a message shows
 
 
 class ProjectError(ValueError):
     """The project cannot be used as it is; one line per problem, `FILE: KEY: what is wrong; what to do`."""
+
+
+def is_input_error(error: Exception) -> bool:
+    """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug.
+
+    A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
+    (int of a NaN), is a bug of ours.
+    """
+    if isinstance(error, OSError):
+        return True
+    from mechanics import ArgumentError, DrawingError, RecordError
+
+    if isinstance(error, ProjectError | DrawingError | RecordError | ArgumentError):
+        return True
+    last = error.__traceback__
+    while last and last.tb_next:
+        last = last.tb_next
+    if type(error) is not ValueError or last is None:
+        return False
+    package = last.tb_frame.f_globals["__name__"].partition(".")[0]
+    ours = package in {"assessment", "mechanics", "__main__"}
+    return ours and last.tb_frame.f_code.co_code[last.tb_lasti] == RAISE
+
+
+def error_text(error: Exception) -> str:
+    """Return what is wrong and what to do, a line per problem, as every way into the program says it."""
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.filename}: {error.strerror}; change it or choose another place"
+    return str(error)
 
 
 def nearest(name: str, valid: Iterable[str]) -> str:
