@@ -46,6 +46,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
     "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
     "report": ("assesto report arch", "assesto report arch --out trial"),
+    "app": ("assesto app arch", "assesto app"),
     "status": ("assesto status arch", "assesto status arch --json"),
     "benchmark": ("assesto benchmark --quick", "assesto benchmark statics steps --out measured"),
 }
@@ -97,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     parsers = parser.add_subparsers(required=True, metavar="COMMAND", dest="name")
-    for add in (_run, _check, _status, _new, _convert, _schema, _report, _benchmark):
+    for add in (_run, _check, _status, _new, _convert, _schema, _report, _app, _benchmark):
         add(parsers)
     return parser
 
@@ -159,6 +160,16 @@ def _schema(parsers: Parsers) -> None:
 def _report(parsers: Parsers) -> None:
     what = "render the report again from stored results"
     _add_project(_added(parsers, "report", commands.report, what), "the results")
+
+
+def _app(parsers: Parsers) -> None:
+    parser = _added(parsers, "app", commands.app, "show the project in the browser, on this machine alone")
+    parser.add_argument(
+        "project", type=_folder, metavar="PROJECT", nargs="?", help="default: none, choose there"
+    )
+    port = "of 127.0.0.1 (default: one that is free)"
+    parser.add_argument("--port", type=_port, default=0, metavar="N", help=port)
+    _add_flag(parser, "--no-browser", "print the address and open no browser")
 
 
 def _benchmark(parsers: Parsers) -> None:
@@ -225,6 +236,13 @@ def _address(text: str) -> str:
     if not text:
         raise argparse.ArgumentTypeError("is empty; give an address such as tcp://host:8786, or leave it out")
     return text
+
+
+def _port(text: str) -> int:
+    """Return the number of a port."""
+    if not text.isdecimal() or not 0 <= int(text) < 65536:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port; write 1 to 65535, or leave it out")
+    return int(text)
 
 
 def _jobs(text: str) -> int:

@@ -181,6 +181,14 @@ def report(options: argparse.Namespace) -> int:
     return DONE
 
 
+def app(options: argparse.Namespace) -> int:
+    """Serve the page of a project until interrupted."""
+    from assessment.app.command import serve
+
+    serve(options.project, options.port, not options.no_browser)
+    return DONE
+
+
 def benchmark(options: argparse.Namespace) -> int:
     """Measure run time against error on this machine."""
     from assessment.benchmark.command import benchmark as measure

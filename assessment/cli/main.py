@@ -1,4 +1,4 @@
-"""The command line: assesto run, check, status, new, convert, schema, report, benchmark."""
+"""The command line: assesto run, check, status, new, convert, schema, report, app, benchmark."""
 
 from __future__ import annotations
 

@@ -21,11 +21,11 @@ def is_input_error(error: Exception) -> bool:
     A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
     (int of a NaN), is a bug of ours.
     """
-    if isinstance(error, OSError):
+    if isinstance(error, OSError | ProjectError):
         return True
     from mechanics import ArgumentError, DrawingError, RecordError
 
-    if isinstance(error, ProjectError | DrawingError | RecordError | ArgumentError):
+    if isinstance(error, DrawingError | RecordError | ArgumentError):
         return True
     last = error.__traceback__
     while last and last.tb_next:

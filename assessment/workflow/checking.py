@@ -31,13 +31,15 @@ class Checked:
     warnings: tuple[str, ...]
 
 
-def checked(project: Project) -> Checked:
+def checked(project: Project, model: ProjectModel | None = None) -> Checked:
     """Read every file that a run of the project reads, and refuse what it would refuse.
+
+    `model`: that of the project where it is built already.
 
     Raises FaultyDrawingError with all faults of a drawing that is no assembly, ProjectError, DrawingError, RecordError
     or ValueError naming file and key for everything else, OSError for a file that cannot be read.
     """
-    model = build_model(project)
+    model = model or build_model(project)
     results, motions = describe(project, model), read_motions(project)
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
     warnings: list[str] = [

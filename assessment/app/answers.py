@@ -1,0 +1,228 @@
+"""What the page may ask: a table of pure functions of the session and of what the page has sent."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeVar
+
+from assessment.app.editing import History
+from assessment.app.runs import Runs
+from assessment.app.session import Session, file_name, plain
+from assessment.project.formats.convert import TOML, XLSX
+from assessment.project.formats.convert import convert as to_other_format
+from assessment.project.project import json_schema, survey_project
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.files.atomic_files import write_atomically
+from assessment.workflow.selection import STAGES
+
+Sent = Mapping[str, Any]
+Kind = TypeVar("Kind")
+
+
+def state(session: Session, _: Sent) -> dict[str, Any]:
+    """Return what changes: see Session.state."""
+    return session.state()
+
+
+def schema(session: Session, _: Sent) -> dict[str, Any]:
+    """Return what does not change: the schema of the project file, the words of the page, stages."""
+    return {
+        "schema": plain(json_schema()),
+        "words": {language: page_words(language) for language in ("it", "en")},
+        "stages": STAGES,
+    }
+
+
+@cache
+def page_words(language: str) -> dict[str, Any]:
+    """Return the words of the page in a language."""
+    return tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
+
+
+def model(session: Session, _: Sent) -> dict[str, Any]:
+    """Return the drawing with its blocks, joints and faults: see model_picture."""
+    return dict(session.worker.ask("model", folder=session.project))
+
+
+def edit(session: Session, sent: Sent) -> dict[str, Any]:
+    """Make changes, [path, value] each, in the file of a digest; return its new one. Raises as History.write."""
+    changes = _given(sent, "changes", list)
+    if not all(isinstance(each, list) and len(each) == 2 and _is_path(each[0]) for each in changes):
+        raise ProjectError("changes: must be [path, value] each")
+    pairs = [(tuple(path), value) for path, value in changes]
+    with session.lock:
+        return {"digest": _history(session).write(pairs, _given(sent, "digest", str))}
+
+
+def undo(session: Session, sent: Sent) -> dict[str, Any]:
+    """Bring the version before back."""
+    with session.lock:
+        return {"digest": _history(session).step(-1, _given(sent, "digest", str))}
+
+
+def redo(session: Session, sent: Sent) -> dict[str, Any]:
+    """Bring the version after back."""
+    with session.lock:
+        return {"digest": _history(session).step(1, _given(sent, "digest", str))}
+
+
+def live(session: Session, sent: Sent) -> dict[str, Any]:
+    """Follow a support that is dragged: see worker.Live. Raises ProjectError for a target that is none."""
+    target = _given(sent, "target", list)
+    if len(target) != 3 or not all(isinstance(each, int | float) and abs(each) < 1e6 for each in target):
+        raise ProjectError("target: must be x, z (m) and rotation (rad)")
+    return dict(
+        session.worker.ask(
+            "live",
+            folder=session.project,
+            tag=_given(sent, "tag", str),
+            support=_given(sent, "support", str),
+            target=target,
+            home=bool(sent.get("home")),
+            whole=bool(sent.get("whole")),
+        )
+    )
+
+
+def repair(session: Session, sent: Sent) -> dict[str, Any]:
+    """Return what a repair changes; with `apply` write the repaired copy."""
+    return dict(session.worker.ask("repair", folder=session.project, apply=bool(sent.get("apply"))))
+
+
+def record(session: Session, sent: Sent) -> dict[str, Any]:
+    """Return a(t) and Sa(T) of a record of the project."""
+    return session.look("record", inside(session.project, _given(sent, "name", str)))
+
+
+def spectrum(session: Session, _: Sent) -> dict[str, Any]:
+    """Return the elastic spectra of the site."""
+    return dict(session.worker.ask("spectrum", folder=session.project))
+
+
+def run(session: Session, sent: Sent) -> dict[str, Any]:
+    """Start a run of all stages, or `only` of some. Raises ProjectError for a stage that is none."""
+    only = sent.get("only")
+    if only is not None and not (isinstance(only, list) and only and set(only) <= set(STAGES)):
+        raise ProjectError(f"only: must be some of {', '.join(STAGES)}")
+    options = ["--fresh"] if sent.get("fresh") else []
+    _runs(session).start("run", *options, *(["--only", ",".join(only)] if only else []))
+    return {}
+
+
+def stop(session: Session, _: Sent) -> dict[str, Any]:
+    """Stop the run, whoever has started it."""
+    _runs(session).stop()
+    return {}
+
+
+def report(session: Session, _: Sent) -> dict[str, Any]:
+    """Print the report again from the stored results."""
+    _runs(session).start("report")
+    return {}
+
+
+def judgement(session: Session, sent: Sent) -> dict[str, Any]:
+    """Return the engineer's judgement; a `text` is written first. Raises ProjectError for one that is too long."""
+    path = session.project / "output" / "judgement.md"
+    if (text := sent.get("text")) is not None:
+        if not isinstance(text, str) or len(text) > 500_000:
+            raise ProjectError("text: must be a text of 500000 letters at most")
+        write_atomically(path, text.encode())
+    return {"text": session.worker.ask("judgement", path=path) if path.is_file() else ""}
+
+
+def convert(session: Session, _: Sent) -> dict[str, Any]:
+    """Turn project.xlsx, which the page only reads, into project.toml. Raises ProjectError where there is none."""
+    project = survey_project(session.project)[0]
+    if project.source != XLSX:
+        raise ProjectError(f"{project.source}: is what the page writes; nothing to convert")
+    kept = to_other_format(project.path(project.source), project.content(defaults=False))[1]
+    return {"kept": kept.name}
+
+
+def open_folder(session: Session, sent: Sent) -> dict[str, Any]:
+    """Show the project of another folder."""
+    with session.lock:
+        session.open(session.home / _given(sent, "folder", str))
+    return {}
+
+
+def new(session: Session, sent: Sent) -> dict[str, Any]:
+    """Make a project in a new folder beside the others and show it: from a `template`, or of a dropped `drawing`.
+
+    Of a drawing title, unit, depth (m) and unit weight (kN/m³) are asked, no more. Raises ProjectError for a name that
+    is taken or none.
+    """
+    name = file_name(_given(sent, "name", str))
+    folder = session.home / name
+    if (template := sent.get("template")) is not None:
+        session.worker.ask("new", folder=folder, template=str(template))
+    else:
+        drawing = session.dropped(_given(sent, "drawing", str))
+        keys = {key: sent.get(key) for key in ("title", "unit", "depth_m", "unit_weight_kN_m3")}
+        session.worker.ask("begin", folder=folder, drawing=drawing, given=keys)
+    with session.lock:
+        session.open(folder)
+    return {}
+
+
+ANSWERS: Mapping[str, Callable[[Session, Sent], dict[str, Any]]] = {
+    "state": state,
+    "schema": schema,
+    "model": model,
+    "edit": edit,
+    "undo": undo,
+    "redo": redo,
+    "live": live,
+    "repair": repair,
+    "record": record,
+    "spectrum": spectrum,
+    "run": run,
+    "stop": stop,
+    "report": report,
+    "judgement": judgement,
+    "convert": convert,
+    "open": open_folder,
+    "new": new,
+}
+
+
+def inside(folder: Path, name: str) -> Path:
+    """Return a file within a folder. Raises ProjectError for one that is not within, is hidden, or not there."""
+    try:
+        path = (folder / name).resolve()
+        hidden = any(part.startswith(".") for part in path.relative_to(folder.resolve()).parts)
+    except (ValueError, OSError):
+        raise ProjectError(f"{name[:200]!r}: is not in the folder of the project") from None
+    if hidden or not path.is_file():
+        raise ProjectError(f"{name[:200]!r}: no such file in the folder of the project")
+    return path
+
+
+def _given(sent: Sent, key: str, kind: type[Kind]) -> Kind:
+    value = sent.get(key)
+    if not isinstance(value, kind):
+        raise ProjectError(f"{key}: missing, or no {kind.__name__}")
+    return value
+
+
+def _is_path(path: Any) -> bool:
+    return isinstance(path, list) and all(
+        isinstance(part, str | int) and not isinstance(part, bool) for part in path
+    )
+
+
+def _history(session: Session) -> History:
+    if session.history is None or not (session.project / TOML).is_file():
+        raise ProjectError(f"{session.project}: only {TOML} is written; convert the spreadsheet first")
+    return session.history
+
+
+def _runs(session: Session) -> Runs:
+    if session.runs is None:
+        raise ProjectError("no project is open")
+    return session.runs

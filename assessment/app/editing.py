@@ -1,0 +1,189 @@
+"""Changes of a project file: keys set and deleted in the TOML text, and the versions that undo goes back to."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import math
+import tomllib
+from collections.abc import Sequence
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from assessment.project.errors import project_error, schema_problems
+from assessment.project.formats.convert import TOML
+from assessment.project.formats.toml import read_toml, updated_toml
+from assessment.project.schema import KeyPath, ProjectContent
+from assessment.project.schema.index import alternatives, annotation_at
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.files.atomic_files import write_atomically
+
+OWN = ".assesto"  # folder beside project.toml: versions of it, where the page is, what was dropped
+VERSIONS = 200  # that are kept
+Change = tuple[KeyPath, Any]
+"""Where a value stands and what it becomes; None: it is deleted, an entry of a list with its place."""
+
+
+class ConflictError(Exception):
+    """The file is not the one that the change was made in."""
+
+
+def digest_of(content: bytes) -> str:
+    """Return by which a page knows a version of the project file."""
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def edited(text: str, changes: Sequence[Change]) -> str:
+    """Return the TOML text with all changes made: comments, order and what is not changed stay as they are written.
+
+    Raises ProjectError, one line per problem, where the content would have wrong keys, types or ranges, or a change is
+    at no place of a project file.
+    """
+    import tomlkit
+
+    document: Any = tomlkit.parse(text)
+    content = tomllib.loads(text)
+    for path, value in changes:
+        content = copy.deepcopy(content)
+        try:
+            if value is None:
+                for node in (document, content):
+                    _delete(node, path)
+            else:
+                _set(content, path, _as_number(path, value))
+        except (LookupError, TypeError, AttributeError):
+            raise ProjectError(f"{TOML}: {'.'.join(map(str, path))}: there is no such place") from None
+    try:
+        ProjectContent.model_validate(content)
+    except ValidationError as error:
+        raise project_error(TOML, schema_problems(error, content), {}) from None
+    changed = updated_toml(tomlkit.dumps(document), content)
+    if not _same(tomllib.loads(changed), content):
+        raise RuntimeError(f"{TOML}: the text does not say what was asked for")
+    return changed
+
+
+def _set(node: Any, path: KeyPath, value: Any) -> None:
+    for part, following in pairwise(path):
+        empty: Any = [] if isinstance(following, int) else {}
+        if isinstance(part, int):
+            if part == len(node):
+                node.append(empty)
+            node = node[part]
+        else:
+            node = node.setdefault(part, empty)
+    last = path[-1]
+    if isinstance(last, int) and last == len(node):
+        node.append(value)
+    else:
+        node[last] = value
+
+
+def _delete(node: Any, path: KeyPath) -> None:
+    """Delete what stands at a path, and the key of a list with its last entry."""
+    with suppress(KeyError, IndexError):
+        parent = node
+        for part in path[:-1]:
+            parent = parent[part]
+        del parent[path[-1]]
+        if isinstance(parent, list) and not parent:
+            _delete(node, path[:-1])
+
+
+def _as_number(path: KeyPath, value: Any) -> Any:
+    """Return the infinity that a page, whose JSON has none, writes as a text."""
+    if value in ("inf", "-inf") and float in alternatives(annotation_at(path)):
+        return math.inf if value == "inf" else -math.inf
+    return value
+
+
+def _same(one: Any, other: Any) -> bool:
+    return json.dumps(one, sort_keys=True, default=str) == json.dumps(other, sort_keys=True, default=str)
+
+
+class History:
+    """The versions of a project file, `NNNN.toml` in a folder of their own, and which of them is the present one."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file, self.folder = folder / TOML, folder / OWN / "history"
+
+    def write(self, changes: Sequence[Change], digest: str) -> str:
+        """Make changes in the file whose digest the page knew; return its new digest.
+
+        Raises ConflictError where the file is another one by now, ProjectError as `edited` and for a file that is no
+        TOML, OSError where a file cannot be written: nothing is changed then.
+        """
+        before = self.file.read_bytes()
+        if digest_of(before) != digest:
+            raise ConflictError(f"{TOML} was changed elsewhere")
+        read_toml(self.file)  # what is refused here is nothing to parse
+        after = edited(before.decode("utf-8-sig"), changes).encode()
+        if after != before:
+            at = self._taken_in(before)
+            for version in self._versions():
+                if version > at:
+                    self._path(version).unlink()
+            write_atomically(self._path(at + 1), after)
+            self._go_to(at + 1, after)
+            for version in self._versions()[:-VERSIONS]:
+                self._path(version).unlink()
+        return digest_of(after)
+
+    def step(self, by: int, digest: str) -> str:
+        """Go back (-1) or forward (1) by a version, to the byte; return the digest of the file.
+
+        What was changed elsewhere is taken in as a version first. Raises ConflictError as `write`, ProjectError where
+        there is no such version.
+        """
+        before = self.file.read_bytes()
+        if digest_of(before) != digest:
+            raise ConflictError(f"{TOML} was changed elsewhere")
+        to = self._taken_in(before) + by
+        if to not in self._versions():
+            raise ProjectError(f"{TOML}: nothing to {'undo' if by < 0 else 'redo'}")
+        after = self._path(to).read_bytes()
+        self._go_to(to, after)
+        return digest_of(after)
+
+    def steps(self) -> tuple[bool, bool]:
+        """Return whether there is a version to go back to, and one to go forward to."""
+        versions, at = self._versions(), self._at()
+        if at is None:
+            return False, False
+        same = self.file.is_file() and self._path(at).read_bytes() == self.file.read_bytes()
+        return not same or at - 1 in versions, same and at + 1 in versions
+
+    def _taken_in(self, present: bytes) -> int:
+        """Return the number of the present version, which is made one where it is not the one at which undo is."""
+        at = self._at()
+        if at is not None and self._path(at).read_bytes() == present:
+            return at
+        for version in self._versions():
+            if at is not None and version > at:
+                self._path(version).unlink()
+        number = 1 if at is None else at + 1
+        write_atomically(self._path(number), present)
+        write_atomically(self.folder / "at", str(number).encode())
+        return number
+
+    def _go_to(self, number: int, content: bytes) -> None:
+        write_atomically(self.file, content)
+        write_atomically(self.folder / "at", str(number).encode())
+
+    def _at(self) -> int | None:
+        try:
+            at = int((self.folder / "at").read_bytes())
+        except (OSError, ValueError):
+            return None
+        return at if self._path(at).is_file() else None
+
+    def _versions(self) -> list[int]:
+        return sorted(int(path.stem) for path in self.folder.glob("*.toml") if path.stem.isdecimal())
+
+    def _path(self, number: int) -> Path:
+        return self.folder / f"{number:04}.toml"

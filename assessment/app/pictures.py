@@ -1,0 +1,236 @@
+"""What the page draws, as plain numbers: the model with its faults, records and spectra. Computed in the worker."""
+
+from __future__ import annotations
+
+from collections import Counter
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from assessment.analyses.checks.demand import demand_spectra
+from assessment.ntc.demand.hazard_grid import read_grid, read_site_table
+from assessment.project.consistency.files import attachment_problems
+from assessment.project.errors import project_error, schema_problems
+from assessment.project.formats.comments import commented_toml
+from assessment.project.project import load_project, survey_project
+from assessment.project.repair import repairable, with_repaired_drawing
+from assessment.project.schema import ProjectContent
+from assessment.project.structure.model import build_model, how_to_read
+from assessment.runtime.errors import ProjectError, error_text, is_input_error
+from assessment.runtime.files.atomic_files import write_atomically
+from assessment.workflow.checking import checked
+from mechanics import Layer, Material
+from mechanics.faults import FaultyDrawingError, Outline
+from mechanics.model import repair_drawing, survey_drawing
+from mechanics.records import read_record, response_spectrum
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from mechanics import Assembly
+    from mechanics.types import Array
+
+MENDABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
+SAMPLES = 2000  # of a record that are drawn
+PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150)])  # s
+
+
+def model_picture(folder: Path) -> dict[str, Any]:
+    """Return what the drawing of a project is: its blocks and joints, or its outlines and faults; and warnings.
+
+    Lengths in m. `error`: why a run would refuse the project beside the faults; `self_weight`: whether it stands,
+    None where that is not known. Raises ProjectError where the keys of the project file are wrong.
+    """
+    project, contradictions = survey_project(folder)
+    found: dict[str, Any] = {
+        "faults": [],
+        "warnings": [],
+        "joints": [],
+        "self_weight": None,
+        "repairable": False,
+    }
+    try:
+        model = build_model(project)
+    except FaultyDrawingError as faulty:
+        found["faults"] = [
+            {
+                "kind": fault.kind,
+                "text": fault.text,
+                "points": _short(fault.points),
+                "lines": [_short(line) for line in fault.lines],
+            }
+            for fault in faulty.faults
+        ]
+        found["repairable"] = bool(MENDABLE & {fault.kind for fault in faulty.faults}) and repairable(project)
+        return found | _outlined(faulty.outlines) | {"error": error_text(faulty)}
+    except (ValueError, OSError) as error:
+        if not is_input_error(error):
+            raise
+        return found | _outlined(_readable_outlines(project)) | {"error": error_text(error)}
+    found |= _blocks(model.assembly)
+    found["error"] = None if contradictions is None else error_text(contradictions)
+    if contradictions is None:
+        try:
+            check = checked(project, model)
+            found["warnings"] = list(check.warnings)
+            found["self_weight"] = check.results.model.self_weight_stable
+        except (ValueError, OSError) as error:
+            if not is_input_error(error):
+                raise
+            found["error"] = error_text(error)
+    return found
+
+
+def _readable_outlines(project: Project) -> tuple[Outline, ...]:
+    with suppress(ValueError, OSError):
+        return survey_drawing(*how_to_read(project)).outlines
+    return ()
+
+
+def _outlined(outlines: tuple[Outline, ...]) -> dict[str, Any]:
+    """Return the outlines of a drawing that is no assembly, in the place of blocks."""
+    blocks = [
+        {
+            "at": _short(each.points),
+            "layer": each.layer,
+            "support": each.support or None,
+            "open": not each.closed,
+        }
+        for each in outlines
+    ]
+    return {"blocks": blocks, "layers": Counter(each.layer for each in outlines)}
+
+
+def _blocks(assembly: Assembly) -> dict[str, Any]:
+    blocks = [
+        {
+            "at": _short(block.polygon),
+            "centre": _short(block.centroid),
+            "layer": block.layer,
+            "support": block.support,
+            "weight": float(f"{block.weight:.6g}"),
+            "depth": block.depth,
+            "friction": min(block.material.friction, 1e9),
+        }
+        for block in assembly.blocks
+    ]
+    joints = zip(
+        assembly.joints.a.tolist(), assembly.joints.b.tolist(), _short(assembly.joints.ends), strict=True
+    )
+    return {
+        "blocks": blocks,
+        "joints": [{"blocks": [a, b], "at": ends} for a, b, ends in joints],
+        "layers": Counter(block.layer for block in assembly.blocks),
+        "weight": assembly.weight,
+    }
+
+
+def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
+    """Return what a repair of the drawing changes, a line each, and the name of the repaired copy.
+
+    The copy is written where `apply` says so. Raises ProjectError or DrawingError as `with_repaired_drawing`.
+    """
+    project, _ = survey_project(folder)
+    if apply:
+        repaired, changes = with_repaired_drawing(project)
+        return {"changes": list(changes), "drawing": repaired.geometry.drawing}
+    changes = repair_drawing(*how_to_read(project), project.geometry.tolerance_m).changes
+    return {"changes": list(changes), "drawing": None}
+
+
+def record_picture(path: Path, time_step: float | None = None) -> dict[str, Any]:
+    """Return a(t) of a record, g, and its Sa(T), g, at 5 % damping; raise RecordError for a file that is none."""
+    record = read_record(path, time_step)
+    every = max(1, 2 * (record.acceleration.size // SAMPLES))
+    whole = record.acceleration[: every * (record.acceleration.size // every)].reshape(-1, every)
+    # the lowest and the highest of some samples: a peak is never left out
+    shown = (
+        record.acceleration
+        if every == 1
+        else np.stack([whole.min(axis=1), whole.max(axis=1)], axis=1).ravel()
+    )
+    time = np.linspace(0.0, record.duration, len(shown))
+    strong = record.arias_window()
+    return {
+        "name": record.name,
+        "step": record.time_step,
+        "duration": record.duration,
+        "pga": record.pga,
+        "arias": list(strong),
+        "time": _short(time),
+        "acceleration": _short(shown),
+        "periods": _short(PERIODS),
+        "Sa": _short(response_spectrum(record.acceleration, record.time_step, PERIODS)[0]),
+    }
+
+
+def spectrum_picture(folder: Path) -> dict[str, Any]:
+    """Return the elastic spectra of the site, g, by limit state; none where nothing is assessed on a spectrum of it."""
+    project = load_project(folder)
+    if project.assessment is None or project.assessment.spectrum != "ntc":
+        return {"periods": [], "spectra": {}}
+    spectra = demand_spectra(project).spectra
+    return {
+        "periods": _short(PERIODS),
+        "spectra": {
+            name: {"Se": _short(each.acceleration(PERIODS)), "ag": each.ag, "S": each.S}
+            for name, each in spectra.items()
+        },
+    }
+
+
+def _short(values: Array) -> list[Any]:
+    """Return numbers with the digits that can be seen: a hundredth of a millimetre."""
+    return np.round(np.asarray(values, dtype=float), 5).tolist()
+
+
+def drawing_picture(path: Path) -> dict[str, Any]:
+    """Return the outlines of a DXF file by layer, its size and its unit, "" where the file names none.
+
+    `size`: width and height in drawing units. Raises DrawingError for a file that cannot be read.
+    """
+    found = survey_drawing(path, "m", Layer(Material(20.0), 1.0))
+    points = np.concatenate([each.points for each in found.outlines] or [np.zeros((1, 2))])
+    named = [str(warning.fields["own"]).lower() for warning in found.warnings if "own" in warning.fields]
+    units = {"millimeters": "mm", "centimeters": "cm"}
+    return {
+        "layers": Counter(each.layer for each in found.outlines),
+        "size": np.ptp(points, axis=0).tolist(),
+        "unit": units.get(named[0], "") if named else "",
+    }
+
+
+def grid_picture(path: Path) -> dict[str, Any]:
+    """Return nothing of a hazard grid, or the hazard of one site, that can be read. Raises HazardError for others."""
+    if read_site_table(path) is None:
+        read_grid(path)
+    return {}
+
+
+def attachment_picture(path: Path) -> dict[str, Any]:
+    """Return nothing of a picture that can be printed. Raises ProjectError for others."""
+    for problem in attachment_problems(path.parent, (), path.name):
+        raise ProjectError(problem.text)
+    return {}
+
+
+def begin_project(folder: Path, drawing: Path, given: dict[str, Any]) -> None:
+    """Make a project of a drawing in a new folder.
+
+    `given`: title, unit, depth_m, unit_weight_kN_m3. Raises ProjectError where one is wrong, or the folder is there.
+    """
+    if folder.exists():
+        raise ProjectError(f"{folder}: exists; write another name")
+    content = {
+        "title": given["title"],
+        "geometry": {"drawing": drawing.name, "unit": given["unit"], "depth_m": given["depth_m"]},
+        "material": {"unit_weight_kN_m3": given["unit_weight_kN_m3"]},
+    }
+    try:
+        ProjectContent.model_validate(content)
+    except ValidationError as error:
+        raise project_error("project.toml", schema_problems(error, content), {}) from None
+    write_atomically(folder / drawing.name, drawing.read_bytes())
+    write_atomically(folder / "project.toml", commented_toml(content).encode())

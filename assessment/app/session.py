@@ -1,0 +1,228 @@
+"""What the server knows of the project that the page shows; everything else is in the project's folder."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import tempfile
+import threading
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from assessment.app.editing import OWN, History, digest_of
+from assessment.app.runs import Runs
+from assessment.app.worker import Worker
+from assessment.project.formats.convert import SOURCES, TOML
+from assessment.project.project import Project, survey_project
+from assessment.runtime.errors import ProjectError, error_text
+from assessment.runtime.files.atomic_files import write_atomically
+from assessment.workflow.earlier import keys_of, recall
+
+PLACES = {  # of a dropped file: suffixes, and the folder that it is put into
+    "drawing": ((".dxf",), ""),
+    "record": ((".acc", ".asc", ".at2", ".csv", ".txt", ".dat"), "records"),
+    "grid": ((".txt", ".csv"), ""),
+    "picture": ((".png", ".jpg", ".jpeg"), ""),
+}
+UNDRAWN = (
+    "title",
+    "report",
+    "pushover",
+    "history",
+    "incremental",
+    "campaign",
+    "sensitivity",
+)  # not of the picture
+
+
+class Session:
+    """The project folder that is open, or none; `home`: where new ones are made."""
+
+    def __init__(self, home: Path, folder: Path | None) -> None:
+        self.home, self.lock, self.worker = home, threading.RLock(), Worker()
+        self.staging = tempfile.TemporaryDirectory(prefix="assesto-", ignore_cleanup_errors=True)
+        self.open(folder)
+
+    def open(self, folder: Path | None) -> None:
+        """Show another project. Raises ProjectError where there is none in the folder."""
+        if folder is not None:
+            folder = folder.absolute()
+            folder = folder.parent if folder.name in SOURCES else folder
+            if not any((folder / name).is_file() for name in SOURCES):
+                survey_project(folder)  # raises, and says why
+        self.folder = folder
+        self.runs = Runs(folder) if folder else None
+        self.history = History(folder) if folder else None
+        self._known: tuple[Any, dict[str, Any]] = (None, {})
+        self._summary: tuple[int, Any] = (0, None)
+
+    @property
+    def project(self) -> Path:
+        """The folder of the project. Raises ProjectError where none is open."""
+        if self.folder is None:
+            raise ProjectError("no project is open; open a folder, or make a new project")
+        return self.folder
+
+    def state(self) -> dict[str, Any]:
+        """Return what the page shows beside the drawing: content and problems of the file, the run, the results."""
+        if self.folder is None or self.runs is None or self.history is None:
+            found = sorted(path.parent.name for name in SOURCES for path in self.home.glob(f"*/{name}"))
+            return {"folder": None, "home": str(self.home), "projects": found}
+        with self.lock:
+            stamp = self._stamp()
+            if self._known[0] != stamp:
+                self._known = (stamp, self._read())
+            undo, redo = self.history.steps()
+        return self._known[1] | {
+            "undo": undo,
+            "redo": redo,
+            "run": self.runs.state(),
+            "results": self._results(),
+        }
+
+    def _read(self) -> dict[str, Any]:
+        """Return content and problems of the project file as it is now."""
+        folder = self.project
+        source = next((name for name in SOURCES if (folder / name).is_file()), TOML)
+        found: dict[str, Any] = {
+            "folder": str(folder),
+            "source": source,
+            "content": None,
+            "error": None,
+            "problems": [],
+        }
+        try:
+            found["digest"] = digest_of((folder / source).read_bytes())
+            project, contradictions = survey_project(folder)
+        except (ProjectError, OSError) as error:
+            return found | {"error": error_text(error), "tag": None, "keys": None}
+        found["content"] = plain(project.content(defaults=False))
+        found["language"] = project.report.language
+        found["problems"] = str(contradictions).split("\n") if contradictions else []
+        found["tag"] = self._tag(project)
+        with suppress(OSError, ValueError):
+            found["keys"] = keys_of(project).results
+        return found
+
+    def _tag(self, project: Project) -> str:
+        """Return by which the drawing with all that is drawn in it is known."""
+        content = {key: value for key, value in project.content().items() if key not in UNDRAWN}
+        with suppress(OSError):
+            status = project.path(project.geometry.drawing).stat()
+            content["file"] = [status.st_mtime_ns, status.st_size]
+        return digest_of(json.dumps(plain(content), sort_keys=True).encode())
+
+    def _results(self) -> dict[str, Any] | None:
+        """Return the summary of the last results, and whether the project has changed since; None: there are none."""
+        stored = self.project / "output" / "results.json"
+        try:
+            stamp = stored.stat().st_mtime_ns
+        except OSError:
+            return None
+        if self._summary[0] != stamp:
+            with suppress(OSError, ValueError):
+                results = json.loads(stored.read_bytes())
+                last = recall(self.project / "output")
+                self._summary = (
+                    stamp,
+                    {
+                        "summary": results.get("summary"),
+                        "seconds": results.get("timing_s"),
+                        "keys": last and last.results,
+                    },
+                )
+        found = self._summary[1] or {"summary": None, "seconds": None, "keys": None}
+        made = [
+            name for name in ("report.html", "report.pdf", "report.docx") if stored.with_name(name).is_file()
+        ]
+        return found | {
+            "stale": found["keys"] != self._known[1].get("keys"),
+            "files": made,
+            "stamp": str(stamp),
+        }
+
+    def _stamp(self) -> tuple[Any, ...]:
+        """Return what changes when a file of the project does: names, times and sizes, the output left out."""
+        found = []
+        for top in (self.project, *(path for path in self.project.iterdir() if path.is_dir())):
+            if top.name not in ("output", OWN) and not (top != self.project and top.name.startswith(".")):
+                with suppress(OSError):
+                    for entry in os.scandir(top):
+                        status = entry.stat()
+                        found.append((entry.path, status.st_mtime_ns, status.st_size))
+        return tuple(sorted(each for each in found if not each[0].endswith(("output", OWN))))
+
+    def receive(self, name: str, kind: str, content: bytes) -> dict[str, Any]:
+        """Keep a dropped file in the project, once it can be read as what it should be; return its name and picture.
+
+        A file that is there stays: another one of its name gets a number. Without a project a drawing is kept for a new
+        one. Raises ProjectError for a name that is none, a suffix that does not fit, or a file that cannot be read.
+        """
+        if kind not in PLACES:
+            raise ProjectError(f"kind: must be one of {', '.join(PLACES)}")
+        suffixes, place = PLACES[kind]
+        name = file_name(name)
+        if Path(name).suffix.lower() not in suffixes:
+            raise ProjectError(
+                f"{name}: must end in {' or '.join(suffixes)}; drop another file, or export it as one"
+            )
+        if self.folder is None:
+            path = Path(self.staging.name) / name
+            write_atomically(path, content)
+            return {"name": name} | self.look(kind, path)
+        path, number = self.folder / place / name, 1
+        while path.exists() and path.read_bytes() != content:
+            number += 1
+            path = path.with_name(f"{Path(name).stem}-{number}{Path(name).suffix}")
+        kept = {"name": path.relative_to(self.folder).as_posix()}
+        if path.exists():
+            return kept | self.look(kind, path)
+        trial = self.folder / OWN / "dropped" / path.name
+        try:
+            write_atomically(trial, content)
+            picture = self.look(kind, trial)
+            path.parent.mkdir(exist_ok=True)
+            trial.replace(path)
+        finally:
+            trial.unlink(missing_ok=True)
+        return kept | picture
+
+    def dropped(self, name: str) -> Path:
+        """Return the drawing that was dropped without a project."""
+        return Path(self.staging.name) / file_name(name)
+
+    def look(self, kind: str, path: Path) -> dict[str, Any]:
+        """Return the picture of a file of some kind. Raises ProjectError where it cannot be read as one."""
+        try:
+            return dict(self.worker.ask(kind, path=path))
+        except ProjectError as error:
+            raise ProjectError(str(error).replace(str(path.parent) + os.sep, "")) from None
+
+    def close(self) -> None:
+        """End what belongs to the server; a run goes on."""
+        self.worker.end()
+        self.staging.cleanup()
+
+
+def file_name(name: str) -> str:
+    """Return a name of a file or folder, in no folder and not hidden. Raises ProjectError for any other text."""
+    if (
+        Path(name).name != name
+        or name.startswith(".")
+        or not name.isprintable()
+        or "\\" in name
+        or len(name) > 120
+    ):
+        raise ProjectError(f"{name[:120]!r}: no name of a file or folder; write another")
+    return name
+
+
+def plain(value: Any) -> Any:
+    """Return plain values for JSON: infinity as the text "inf"."""
+    if isinstance(value, dict):
+        return {key: plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    return "inf" if value == math.inf else value

@@ -1,0 +1,243 @@
+// The page: what it knows, how it asks, and when it draws what has changed.
+import * as drawing from "./drawing.js";
+import { panel, steps } from "./panels.js";
+
+export const store = { state: {}, model: null, stale: false, words: null, schema: null, stages: [], language: null,
+  step: "drawing", selection: null, tool: "select" };
+export const $ = (id) => document.getElementById(id);
+export const el = (tag, attributes = {}, ...children) => {
+  const made = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key in made && key !== "list" && key !== "for") made[key] = value;
+    else if (value !== null && value !== undefined) made.setAttribute(key, value);
+  }
+  made.append(...children.filter((child) => child !== null && child !== undefined && child !== false));
+  return made;
+};
+export const w = (key, fields = {}) => {
+  const text = store.words?.[store.language]?.page?.[key] ?? store.words?.en?.page?.[key] ?? key;
+  return text.replace(/\{(\w+)\}/g, (_, name) => fields[name] ?? "");
+};
+export const number = (value, digits = 3) => {
+  if (!Number.isFinite(value)) return value === "inf" ? "∞" : "–";
+  const text = String(+value.toPrecision(digits)).replace("-", "−");
+  return store.language === "it" ? text.replace(".", ",") : text;
+};
+export const content = () => store.state.content ?? {};
+
+export class Refused extends Error {
+  constructor(status, text) { super(text); this.status = status; }
+}
+
+const sent = async (path, options) => {
+  let answer;
+  try {
+    answer = await fetch(path, { ...options, credentials: "same-origin" });
+  } catch {
+    gone(true);
+    throw new Refused(0, w("gone"));
+  }
+  gone(false);
+  const text = await answer.text();
+  let data = {};
+  try { data = JSON.parse(text); } catch { data = { error: text }; }
+  if (!answer.ok) throw new Refused(answer.status, data.error ?? text);
+  return data;
+};
+export const ask = (name, given = {}) => sent(`/${name}`,
+  { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(given) });
+export const put = (file, kind) => file.size > 50e6
+  ? Promise.reject(new Refused(413, w("too_large", { name: file.name })))
+  : sent(`/file/${encodeURIComponent(file.name)}?kind=${kind}`, { method: "PUT", body: file });
+
+const gone = (is) => {
+  $("gone").hidden = !is;
+  if (is) $("gone").textContent = w("gone");
+};
+let notes = [];
+export const note = (text) => { notes = text ? [text] : []; problems(); };
+
+// ---- changes of the project file: one after the other, each against the version that is known ----
+let queue = Promise.resolve();
+const inTurn = (job) => (queue = queue.then(job, job));
+export const edit = (changes) => inTurn(async () => {
+  $("saved").textContent = w("saving");
+  try {
+    store.state.digest = (await ask("edit", { digest: store.state.digest, changes })).digest;
+    await poll();
+    note("");
+    $("saved").textContent = w("saved");
+    return null;
+  } catch (error) {
+    $("saved").textContent = "";
+    await poll();
+    const text = error.status === 409 ? w("elsewhere") : error.message;
+    note(text);
+    return text;
+  }
+});
+export const step = (name) => inTurn(async () => {
+  try { store.state.digest = (await ask(name, { digest: store.state.digest })).digest; note(""); }
+  catch (error) { note(error.status === 409 ? w("elsewhere") : error.message); }
+  await poll();
+});
+export const attempt = async (job) => {
+  try { const found = await job(); note(""); return found; }
+  catch (error) { note(error.message); return null; }
+};
+
+// ---- what has changed is drawn ----
+let seen = "", modelling = false;
+export const poll = async () => {
+  const before = store.state, state = await ask("state");
+  store.state = { ...state, content: state.content ?? (state.folder === before.folder ? before.content : null) };
+  if (state.language && (before.folder !== state.folder)) store.language ??= state.language;
+  const text = JSON.stringify(state);
+  if (text !== seen) {
+    seen = text;
+    if (before.folder !== state.folder) Object.assign(store, { model: null, selection: null });
+    render();
+  }
+  if (state.folder && state.tag && state.tag !== store.model?.tag) fetchModel(state.tag);
+};
+const fetchModel = async (tag) => {
+  if (modelling) return;
+  modelling = true;
+  try {
+    store.model = { ...(await ask("model")), tag };
+    if (!store.model.blocks.length && store.model.error) note("");
+  } catch (error) {
+    store.model = { blocks: [], joints: [], faults: [], warnings: [], layers: {}, ...(store.model ?? {}), error: error.message, tag };
+  }
+  modelling = false;
+  drawing.show();
+  render();
+};
+export const choose = (selection) => { store.selection = selection; drawing.mark(); renderPanel(); };
+
+const render = () => {
+  const { state } = store, open = Boolean(state.folder);
+  document.documentElement.lang = store.language ??= navigator.language?.startsWith("it") ? "it" : "en";
+  document.title = open ? `${content().title ?? state.folder} · Assesto` : "Assesto";
+  $("title").textContent = open ? content().title ?? state.folder : "";
+  $("steps").replaceChildren(...(open ? steps.map((name, k) => el("button", { type: "button", "data-step": name,
+    "aria-current": name === store.step ? "step" : null, onclick: () => go(name) }, `${k + 1} ${w(name)}`)) : []));
+  for (const name of ["undo", "redo"]) {
+    $(name).disabled = !state[name];
+    $(name).title = w(name);
+    $(name).setAttribute("aria-label", w(name));
+  }
+  $("run").textContent = `▶ ${w("run")}`;
+  $("run").disabled = !ready() || state.run.running;
+  $("stop").textContent = `■ ${w("stop")}`;
+  $("stop").disabled = !state.run?.running;
+  $("actions").querySelectorAll("#undo, #redo, #run, #stop").forEach((each) => { each.hidden = !open; });
+  $("language").textContent = store.language === "it" ? "EN" : "IT";
+  $("language").title = w("language");
+  document.body.dataset.run = state.run?.running ? "running" : "rest";
+  document.body.dataset.step = store.step;
+  document.body.dataset.model = store.model?.tag && store.model.tag === state.tag ? "shown" : "awaited";
+  drawing.render();
+  renderPanel();
+  problems();
+};
+export const ready = () => Boolean(store.state.folder) && !store.state.error && !store.state.problems?.length
+  && Boolean(store.model) && !store.model.error;
+export const go = (name) => { store.step = name; drawing.home(); render(); };
+
+let waiting = false;
+export const renderPanel = () => {
+  const at = document.activeElement, inside = $("panel").contains(at);
+  if (inside && at.dataset.typed) { waiting = true; return; }  // not under the hands of who is typing
+  waiting = false;
+  const key = inside ? at.dataset.at ?? at.id : null, top = $("panel").scrollTop;
+  const open = new Set([...$("panel").querySelectorAll("details[open]")].map((each) => each.dataset.at));
+  panel();
+  $("panel").querySelectorAll("details").forEach((each) => { if (open.has(each.dataset.at)) each.open = true; });
+  $("panel").scrollTop = top;
+  if (key) ($("panel").querySelector(`[data-at="${CSS.escape(key)}"]`) ?? $(key))?.focus();
+};
+$("panel").addEventListener("focusout", () => setTimeout(() => { if (waiting) renderPanel(); }, 150));
+
+const problems = () => {
+  const { state, model } = store, said = [];
+  const line = (text, kind, ...more) => said.push(el("p", { className: kind }, text, ...more));
+  notes.forEach((text) => line(`✗ ${text}`, "wrong"));
+  if (state.error) line(`✗ ${state.error}`, "wrong");
+  state.problems?.forEach((text) => line(`✗ ${text}`, "wrong"));
+  if (model?.error && !state.problems?.includes(model.error.split("\n")[0])) {
+    if (!model.faults?.length) line(`✗ ${model.error}`, "wrong");
+    model.faults?.forEach((fault, k) => line(`✗ ${k + 1}: ${fault.text} `, "wrong", fault.points.length
+      ? el("button", { type: "button", className: "plain", onclick: () => drawing.look(fault.points[0]) }, w("show")) : ""));
+  }
+  if (model?.repairable) said.push(el("p", {}, `${w("repairable")} `,
+    el("button", { type: "button", id: "repair", onclick: repair }, w("see_repair"))));
+  model?.warnings?.forEach((text) => line(`⚠ ${text}`, ""));
+  if (state.run?.said) line(`✗ ${state.run.said}`, "wrong");
+  if (!said.length && state.folder && model) line(w("no_problems"), "note");
+  $("problems").replaceChildren(...said);
+};
+const repair = async () => {
+  const found = await attempt(() => ask("repair"));
+  if (!found) return;
+  $("problems").replaceChildren(el("p", {}, w("repair_changes", { n: found.changes.length })),
+    ...found.changes.map((text) => el("p", {}, `· ${text}`)),
+    el("p", { className: "row" },
+      el("button", { type: "button", className: "main", id: "repair-apply", onclick: async () => {
+        const made = await attempt(() => ask("repair", { apply: true }));
+        if (made?.drawing) await edit([[["geometry", "drawing"], made.drawing]]);
+      } }, w("repair_apply")),
+      el("button", { type: "button", onclick: problems }, w("cancel"))));
+};
+
+// ---- dropped files ----
+const KINDS = { dxf: "drawing", png: "picture", jpg: "picture", jpeg: "picture" };
+export const take = async (files, kind) => {
+  for (const file of files) {
+    const suffix = file.name.split(".").pop().toLowerCase();
+    const is = kind ?? KINDS[suffix] ?? (store.step === "site" ? "grid" : "record");
+    $("saved").textContent = w("reading", { name: file.name });
+    const found = await attempt(() => put(file, is));
+    $("saved").textContent = "";
+    if (!found) continue;
+    if (!store.state.folder) { store.dropped = found; renderPanel(); continue; }
+    const report = content().report?.attachments ?? [];
+    const changes = { drawing: [[["geometry", "drawing"], found.name]], grid: [[["assessment", "site", "grid"], found.name]],
+      picture: report.includes(found.name) ? [] : [[["report", "attachments"], [...report, found.name]]],
+      record: [[["history", content().history?.length ?? 0], { record: found.name }]] }[is];
+    if (changes.length) await edit(changes);
+  }
+};
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => { event.preventDefault(); take(event.dataTransfer.files); });
+
+$("undo").addEventListener("click", () => step("undo"));
+$("redo").addEventListener("click", () => step("redo"));
+$("run").addEventListener("click", async () => {
+  go("results");
+  await attempt(() => ask("run", store.only?.length ? { only: store.only } : {}));
+  await poll();
+});
+$("stop").addEventListener("click", async () => { await attempt(() => ask("stop")); await poll(); });
+$("language").addEventListener("click", () => { store.language = store.language === "it" ? "en" : "it"; render(); });
+addEventListener("keydown", (event) => {
+  if (!(event.ctrlKey || event.metaKey) || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;
+  const name = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[event.key.toLowerCase()];
+  if (name && !$(name).disabled) { event.preventDefault(); step(name); }
+});
+
+const begin = async () => {
+  history.replaceState(null, "", "/");  // the token is no longer in the address
+  try {
+    Object.assign(store, await ask("schema"));
+    await poll();
+  } catch (error) { $("gone").hidden = false; $("gone").textContent = error.message; }
+  const tick = async () => {
+    if (!document.hidden) { try { if (!store.schema) Object.assign(store, await ask("schema")); await poll(); } catch { /* told by gone */ } }
+    setTimeout(tick, $("gone").hidden ? 500 : 2000);
+  };
+  setTimeout(tick, 500);
+};
+drawing.begin();
+begin();
