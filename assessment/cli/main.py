@@ -7,6 +7,7 @@ import os
 import sys
 import warnings
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.cli import commands
@@ -77,7 +78,16 @@ def _record(options: argparse.Namespace, code: int) -> None:
 
 
 def _carry_out(options: argparse.Namespace) -> int:
-    """Return the exit code of a command. Raises KeyboardInterrupt for whatever a library makes of an interruption."""
+    """Return the exit code of a command. Raises KeyboardInterrupt for whatever a library makes of an interruption.
+
+    Raises ValueError where the folder that the command is given in is gone: no relative path means anything there.
+    """
+    try:
+        Path.cwd()
+    except OSError:
+        raise ValueError(
+            "the folder that the command is given in is gone; change to another one (cd)"
+        ) from None
     try:
         code: int = options.command(options)
     except Exception as error:

@@ -17,14 +17,14 @@ from pydantic import Field, ValidationError
 
 from assessment.project.consistency import content_problems, matches
 from assessment.project.errors import project_error, schema_problems
-from assessment.project.formats.convert import SOURCES
+from assessment.project.formats.convert import SOURCES, is_converted
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.schema import Contacts, ControlTable, Direction, ProjectContent
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import file_digest
 
-_CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
+CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 
 
 class Project(ProjectContent):
@@ -145,7 +145,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def _source(path: Path) -> Path:
-    if _CONTROL.search(str(path)):
+    if CONTROL.search(str(path)):
         from mechanics.faults import visible  # late: the mechanics take their time
 
         raise ProjectError(f"{visible(str(path))}: project: control characters in the name; rename it")
@@ -156,8 +156,10 @@ def _source(path: Path) -> Path:
     if not path.is_dir():
         raise ProjectError(f"{path}: project: no such folder; give the folder that holds {SOURCES[0]}")
     found = [path / name for name in SOURCES if (path / name).is_file()]
-    if len(found) > 1:
-        raise ProjectError(f"{path}: project: holds {' and '.join(SOURCES)}; keep one of them")
+    if len(found) > 1:  # one of them where a conversion was killed
+        found = [file for file in found if not is_converted(file)]
+        if len(found) != 1:
+            raise ProjectError(f"{path}: project: holds {' and '.join(SOURCES)}; keep one of them")
     if not found:
         raise ProjectError(f"{path}: project: holds no {' or '.join(SOURCES)}; write one (assesto new)")
     return found[0]

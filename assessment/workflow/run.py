@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.runtime.errors import ProjectError
+from assessment.runtime.files.atomic_files import clear_left_over
 from assessment.runtime.files.lock import locked
 from assessment.runtime.files.swap import clear
 from assessment.runtime.journal import Journal
@@ -53,6 +54,7 @@ def carry_out(
     last = None if fresh else recall(folder)
     if last and parts <= last.standing(folder, keys):
         return last.outcome(folder), last.warnings
+    clear_left_over(project.folder)
     with locked(folder):
         clear(folder)
         show = Journal(folder, show)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,12 @@ from assessment.project.catalogue.geometry import Layout
 from assessment.project.catalogue.record import RECORD, write_artificial_record
 from assessment.project.catalogue.templates import DRAWING, NUMBER, TEMPLATES, Option, Template
 from assessment.project.formats.convert import TOML, source_bytes
+from assessment.project.project import CONTROL, load_project
+from assessment.project.structure.model import build_model
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.files.atomic_files import naming
+from assessment.runtime.files.atomic_files import left_over, naming, temporary_of
+from mechanics import DrawingError
+from mechanics.faults import visible
 
 SIZES = (1e-3, 1e3)  # m
 MOST_BLOCKS = 100  # of each kind, in a row
@@ -54,24 +57,40 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
     Raises ProjectError if the folder exists and is not empty, OSError, with the name of the file, if it cannot be
     written.
     """
+    if CONTROL.search(str(folder.absolute())):
+        raise ProjectError(
+            f"{visible(str(folder))}: folder: control characters in the name; give another one"
+        )
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
-    with naming(folder):
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+    temporary = temporary_of(folder)
     try:
-        temporary.chmod(0o755)
+        with naming(folder):
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            for killed in left_over(folder.parent, folder.name):
+                shutil.rmtree(killed, ignore_errors=True)
+            temporary.mkdir()
         with naming(folder / DRAWING):
             write_drawing(temporary / DRAWING, layout)
         with naming(folder / source):
             (temporary / source).write_bytes(source_bytes(source, content))
         with naming(folder / RECORD):
             write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
+        _refuse_what_is_no_structure(temporary)
         if folder.is_dir():
             folder.rmdir()  # Windows renames nothing over a folder, not even over an empty one
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _refuse_what_is_no_structure(folder: Path) -> None:
+    """Raise ProjectError where a run would refuse the project: dimensions that are valid each may not go together."""
+    try:
+        build_model(load_project(folder))
+    except (ProjectError, DrawingError) as error:
+        reason = str(error).split("\n")[0].partition(": ")[2].partition("; ")[0]
+        raise ProjectError(f"--set: the dimensions give no structure: {reason}; give others") from None
 
 
 def _spectrum(site: Mapping[str, Any]) -> ElasticSpectrum:

@@ -10,7 +10,7 @@ from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files.atomic_files import file_digest, write_atomically
 
 TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 
@@ -29,12 +29,20 @@ def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
     """
     new = old.with_name(XLSX if old.name == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")
-    if kept.exists():
+    if kept.exists() and not is_converted(old):
         raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
     before = new.with_name(f"{new.name}.old")
-    write_atomically(new, _with_comments_of(before, content) or source_bytes(new.name, content))
-    old.replace(kept)
+    written = _with_comments_of(before, content) or source_bytes(new.name, content)
+    write_atomically(kept, old.read_bytes())
+    write_atomically(new, written)  # from here on `old` is_converted: a kill leaves nothing to be mended
+    old.unlink()
     return new, kept
+
+
+def is_converted(file: Path) -> bool:
+    """Return whether a project file has been turned into its other form: what is kept of it is the file itself."""
+    kept = file.with_name(f"{file.name}.old")
+    return kept.is_file() and file_digest(kept) == file_digest(file)
 
 
 def _with_comments_of(earlier: Path, content: Mapping[str, Any]) -> bytes | None:

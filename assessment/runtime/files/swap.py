@@ -15,6 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from assessment.runtime.errors import ProjectError
+from assessment.runtime.files.atomic_files import clear_left_over
 
 SCRATCH = ".assesto-"  # prefix of the folders where files are written before they are moved
 LAST = "results.json"  # moved last, and removed first: if it is new, all files are
@@ -26,6 +27,7 @@ HERE, EXCHANGE = -100, 2  # AT_FDCWD; RENAME_EXCHANGE of Linux, RENAME_SWAP of m
 
 def clear(folder: Path) -> None:
     """Remove unfinished files of runs that were killed; the folder has to be locked."""
+    clear_left_over(folder)
     for left in [*folder.glob(f"{SCRATCH}*"), *folder.parent.glob(f".{folder.name}{SCRATCH}*")]:
         shutil.rmtree(left, ignore_errors=True)
 

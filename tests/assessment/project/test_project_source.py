@@ -12,6 +12,7 @@ from openpyxl import load_workbook
 
 from assessment.cli.main import main
 from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.formats import convert
 from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.toml import updated_toml
 from assessment.project.project import load_project
@@ -118,6 +119,7 @@ def test_conversion_either_way(tmp_path, capsys):
     assert main(["convert", str(folder)]) == 0
     assert load_project(folder).source == "project.toml" and load_project(folder).content() == before
     assert "# DXF file with one closed" in (folder / "project.toml").read_text(encoding="utf-8")
+    (folder / "project.toml").write_bytes(text + b"# edited")
     capsys.readouterr()
     assert main(["convert", str(folder)]) == 2
     assert "project.toml.old: file: exists" in capsys.readouterr().err
@@ -128,6 +130,40 @@ def test_conversion_either_way(tmp_path, capsys):
         "project.toml.old",
         "project.xlsx.old",
     }
+
+
+@pytest.mark.parametrize("moment", [1, 2, 3])
+def test_a_conversion_that_is_killed_at_any_moment_leaves_a_project(tmp_path, monkeypatch, moment):
+    """It left both files, which every later command refused."""
+    folder = made(tmp_path / "p")
+    before, steps = load_project(folder).content(), iter(range(1, 10))
+
+    def killed_before(step):
+        def stepped(*arguments, **options):
+            if next(steps) == moment:
+                raise KeyboardInterrupt
+            return step(*arguments, **options)
+
+        return stepped
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(convert, "write_atomically", killed_before(convert.write_atomically))
+        patch.setattr(Path, "unlink", killed_before(Path.unlink))
+        patch.setattr(Path, "replace", killed_before(Path.replace))
+        convert.convert(folder / "project.toml", load_project(folder).content(defaults=False))
+    monkeypatch.undo()
+    assert load_project(folder).content() == before
+    assert main(["convert", str(folder)]) == 0
+    assert main(["check", str(folder)]) == 0
+    assert load_project(folder).content() == before
+
+
+def test_two_project_files_that_are_not_of_one_conversion_are_refused(tmp_path, capsys):
+    folder = made(tmp_path / "p")
+    assert main(["convert", str(folder)]) == 0
+    (folder / "project.toml").write_text("title = 'another'", encoding="utf-8")
+    assert main(["check", str(folder)]) == 2
+    assert "holds project.toml and project.xlsx; keep one of them" in capsys.readouterr().err
 
 
 def test_conversion_and_back_keeps_the_users_comments(tmp_path):

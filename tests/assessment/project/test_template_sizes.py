@@ -2,6 +2,7 @@
 
 import pytest
 
+from assessment.cli.main import main
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
 
@@ -21,3 +22,18 @@ def test_title_depth_and_movement_go_with_the_size(tmp_path, options, title, dep
     assert (project.title, project.geometry.depth_m) == (title, depth)
     [settlement] = project.settlements
     assert settlement.name == movement
+
+
+def test_dimensions_that_give_no_structure_are_refused_before_anything_is_written(tmp_path, capsys):
+    """`check` refused what `new` had written."""
+    arguments = ["--template", "buttressed-arch", "--set", "pier_width_m=2"]
+    assert main(["new", str(tmp_path / "arch"), *arguments]) == 2
+    assert "--set: the dimensions give no structure: " in (said := capsys.readouterr().err)
+    assert "overlap by" in said and said.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_name_that_no_other_command_takes_is_refused(tmp_path, capsys):
+    assert main(["new", str(tmp_path / "a\nb"), "--template", "wall"]) == 2
+    assert "control characters in the name; give another one" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
