@@ -47,8 +47,9 @@ class HistoryTolerances:
 
     Halving of steps. `few`: most movable blocks for which every impact is located; `located`, second order with rigid
     joints: steps down to 1/1024 at impacts; `resolved`, Moreau and Jean: down to 1/64 where impacts take energy;
-    `closing`, second order with elastic joints: down to 1/16, but not shorter than an impact lasts; `unsolved`,
-    implicit Euler: only steps that are not solved are halved.
+    `closing`, second order with elastic joints. Elastic joints by either rule: at most `contacts` times, until half the
+    period of the stiffest contact has `steps_a_contact` steps. `unsolved`, implicit Euler: only steps that are not
+    solved are halved.
 
     `accepted`: residual of a program, per weight and span; `chunk`: steps after which collapse is looked for.
 
@@ -60,7 +61,9 @@ class HistoryTolerances:
     few: int = 3
     located: Halving = Halving(10, 1e-4, of_moment=True)
     resolved: Halving = Halving(6, 4e-3, unsure=1e-4)
-    closing: Halving = Halving(4, 0.02, unsure=1e-4)
+    closing: Halving = Halving(10, 0.02, unsure=1e-4)
+    contacts: int = 10
+    steps_a_contact: int = 8
     unsolved: Halving = Halving(0, np.inf)
     accepted: float = 1e-7
     chunk: int = 200
@@ -125,11 +128,11 @@ def time_history(
 ) -> TimeHistory:
     """Integrate the motion under base accelerations (k,) in g, sampled at `time_step` (s) and linear in between.
 
-    `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024; with
-    elastic joints a step in which impacts take more than 2 % of the largest kinetic energy so far is halved down to
-    1/16 or √(m/k). "moreau-jean" is the same rule with steps down to 1/64 (elastic joints: or √(m/k)), halved where
-    impacts take more than 0.4 %. "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than
-    three movable blocks, otherwise "second-order".
+    `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024.
+    "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 0.4 % of the largest
+    kinetic energy so far. With elastic joints both halve a step whose contacts hold, or take, more than 2 % (0.4 %) of
+    that energy, until half the period of the stiffest contact, π√(m/k), has eight steps. "implicit-euler" is the
+    paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks, otherwise "second-order".
 
     `state` (default: as drawn): a state at rest that can stand first settles on its elastic joints; any other, tilted
     or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of
@@ -148,8 +151,9 @@ def time_history(
     _check(model, contacts, integrator, damping_ratio, restitution)
     point = _control_point(model, control, ultimate)
     used, chosen = _chosen(model, contacts, integrator, tolerances.few)
+    halving, resolved = _halving(model, contacts, used, time_step, tolerances)
     system, start, motion, undecided = _begun(
-        model, contacts, model.starting(state), used, time_step, damping_ratio, restitution, tolerances
+        model, contacts, model.starting(state), used, halving, damping_ratio, restitution, tolerances.accepted
     )
 
     parts: list[Recorded] = []
@@ -162,7 +166,9 @@ def time_history(
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
-    found = _history(system, start, motion, parts, time_step, point, reason, used, chosen, tolerances)
+    found = _history(
+        system, start, motion, parts, time_step, point, reason, used, chosen + resolved, tolerances
+    )
     return found if undecided is None else replace(found, notes=(undecided, *found.notes))
 
 
@@ -225,10 +231,10 @@ def _begun(
     contacts: Behaviour,
     state: State,
     integrator: Integrator,
-    time_step: float,
+    halving: Halving,
     damping_ratio: float,
     restitution: float,
-    tolerances: HistoryTolerances,
+    accepted: float,
 ) -> tuple[DynamicSystem, State, Motion, Message | None]:
     """Return the system, the state in which the motion begins, the motion, and a warning about that state."""
     start, forces, undecided = _settled(model, contacts, state)
@@ -239,9 +245,7 @@ def _begun(
         gap = end_gaps(statics.places(start.positions, start)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
     theta = 1.0 if integrator == "implicit-euler" else 0.5
-    halving = _halving(model, contacts, integrator, time_step, tolerances)
-    damping = _damping(model, damping_ratio)
-    system = DynamicSystem(statics, theta, damping, restitution, halving, tolerances.accepted)
+    system = DynamicSystem(statics, theta, _damping(model, damping_ratio), restitution, halving, accepted)
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None
     return system, start, system.begun(start, forces, gaps), undecided
@@ -263,15 +267,27 @@ def _halving(
     integrator: Integrator,
     time_step: float,
     tolerances: HistoryTolerances,
-) -> Halving:
-    """Return when steps are halved, and how often; steps of elastic joints not below the time of an impact."""
+) -> tuple[Halving, str]:
+    """Return when steps are halved, and how often, and what there is to say of it."""
     if integrator == "implicit-euler":
-        return tolerances.unsolved
+        return tolerances.unsolved, ""
     if contacts == "rigid":
-        return tolerances.located if integrator == "second-order" else tolerances.resolved
+        return tolerances.located if integrator == "second-order" else tolerances.resolved, ""
     halving = tolerances.closing if integrator == "second-order" else tolerances.resolved
-    finer = np.ceil(np.log2(max(time_step / contact_period(model), 1.0)))
-    return replace(halving, levels=min(halving.levels, int(finer)))
+    if halving.levels == 0:
+        return halving, ""
+    half_period = np.pi * contact_period(model)
+    asked = max(int(np.ceil(np.log2(tolerances.steps_a_contact * time_step / half_period))), 0)
+    levels = min(asked, tolerances.contacts)
+    shortest = 1e3 * time_step / 2**levels
+    if levels < asked:
+        return replace(halving, levels=levels), (
+            f"; down to {shortest:.2g} ms: contacts of the stiffest joint last {1e3 * half_period:.2g} ms and are "
+            "impacts without bounce"
+        )
+    return replace(
+        halving, levels=levels
+    ), f"; down to {shortest:.2g} ms, contacts of the stiffest joint are resolved"
 
 
 def _settled(

@@ -245,8 +245,9 @@ def _deep(places: Array) -> Array:
 
 
 def contact_period(model: Assembly) -> float:
-    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass of its blocks: an impact lasts so long."""
+    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass of its blocks: an impact lasts π times it."""
     contacts, mass = model.contacts, np.where(model.movable, model.mass[:, 0], np.inf)
+    contacts = contacts.take(np.flatnonzero(~contacts.ties))
     stiffness = contacts.bed * 2.0 * contacts.places(model.initial.positions)[:, H]
     with np.errstate(divide="ignore"):
         lightness = 1.0 / mass[contacts.a] + 1.0 / mass[contacts.b]

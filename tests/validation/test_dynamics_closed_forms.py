@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, State, time_history
+from mechanics.procedures.time_history import Integrator
+from mechanics.steps.dynamic_system import first_frequency
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base, rectangle
 
@@ -127,6 +129,38 @@ def winkler() -> tuple[Assembly, float]:
     rotational = stiffness * width**3 / 12.0 - model.weight * height / 2.0
     inertia = model.weight / GRAVITY * (height**2 / 3.0 + width**2 / 12.0)
     return model, float(np.sqrt(rotational / inertia))
+
+
+DROP = 0.02  # m
+
+
+@pytest.mark.parametrize("integrator", ["second-order", "moreau-jean"])
+@pytest.mark.parametrize("stiffness", [1e7, 1e9])
+def test_a_cube_dropped_on_a_stiff_bed(stiffness: float, integrator: Integrator) -> None:
+    """m z̈ + c ż + k z = −m g while the bed presses, from √(2g·drop); parted with ż₁ it rises by ż₁²/2g.
+
+    A contact lasts 1.4 or 0.14 ms, steps of 1 ms are halved until it has eight. Unresolved the greatest force was 31 %
+    too small and the rise 10 to 20 %.
+    """
+    model = block_on_base(1.0, 1.0, stiffness=stiffness)
+    mass, weight, bed = model.weight / GRAVITY, model.weight, model.contacts.bed[0]
+    dashpot = 2.0 * 0.05 / first_frequency(model) * bed
+    time = np.linspace(0.0, 4.0 * np.sqrt(mass / bed), 20001)
+    h, z, v, force = time[1], 0.0, -np.sqrt(2.0 * GRAVITY * DROP), []
+    for _ in time:
+        force.append(-bed * z - dashpot * v)
+        if force[-1] < 0.0:
+            break
+        v += h * (force[-1] - weight) / mass
+        z += h * v
+    positions = model.initial.positions.copy()
+    positions[1, 1] += DROP
+    dropped = State(positions, np.zeros_like(positions))
+    motion = time_history(model, np.zeros(160), 0.001, "elastic", dropped, integrator, damping_ratio=0.05)
+    height = motion.positions[:, 1, 1] - model.initial.positions[1, 1]
+    assert motion.forces[:, 0, 0].max() == pytest.approx(max(force), rel=0.05)
+    assert height[80:].max() == pytest.approx(v**2 / (2.0 * GRAVITY), rel=0.05)
+    assert motion.notes == ()
 
 
 def swinging(model: Assembly) -> State:

@@ -13,6 +13,8 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
+MEETING = 0.1  # of the largest kinetic energy so far: elastic contacts that hold more are resolved
+
 
 @compiled
 def march(
@@ -60,25 +62,19 @@ def march(
             found, taken, turned = False, np.inf, 0.0
             counted = kinetic if of_moment else energy[LARGEST]
             small = share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
-            # the error of velocities has at most the energy of all products, for the program is strongly convex: where
-            # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
-            products = 4.0 * max(c, 1) * weight * span
-            most_product = max(accepted, unsure * kinetic / products)
             for start in range(2):
                 counts[3] += start
-                done, taken, turned, force, product = attempt(
+                found, done, taken, turned, force, errors = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
-                    restitution, (weight, size, span, accepted, most_product), resultants, stored_matrix, packed,
+                    restitution, (weight, size, span, accepted, unsure * kinetic), resultants, stored_matrix, packed,
                     start > 0,
                 )  # fmt: skip
                 counts[0] += 1
-                counts[1] += abs(done)
-                found = force <= accepted and product <= most_product
+                counts[1] += done
                 if found:
-                    counts[4] = max(counts[4], force)
-                    counts[5] = max(counts[5], product * products)
+                    counts[4], counts[5] = max(counts[4], force), max(counts[5], errors)
                     break
-            over = (abs(taken) + turned) / small
+            over = abs(taken) / small + (turned / small if rigid else share * turned / (MEETING * small))
             if (deep < most and not found) or (deep < levels and over > 1.0 and once):
                 # but the forces and gaps found: the parts begin near them
                 blocks[:], energy[:] = kept_blocks, kept_energy
@@ -95,12 +91,14 @@ def march(
                 continue
             if over > 1.0 and rigid:
                 blocks[2] = 0.0  # an impact is no acceleration
+            for q in range(c):  # of elastic joints the greatest force of its parts, of rigid ones no impulse
+                if gone == 0 or rigid or resultants[q, 0] >= fs[k + 1, q, 0]:
+                    fs[k + 1, q] = resultants[q]
             gone += whole >> deep
             # longer again as far as that is expected to take no more than the share; at the latest in the next step
             while deep > 0 and over <= 0.5:
                 deep, over = deep - 1, 2.0 * over
         xs[k + 1], vs[k + 1], es[k + 1] = blocks[0], blocks[1], energy
-        fs[k + 1] = resultants
         far = 0.0
         for i in range(n):
             way = np.hypot(blocks[0, i, 0] - begun[i, 0], blocks[0, i, 1] - begun[i, 1])

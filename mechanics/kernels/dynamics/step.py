@@ -38,13 +38,15 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U
-from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, STRENGTH
+from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V
+from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
 PRESSED = 1e-6  # of the weight of a block: a force that is one
+CLOSING = 2.0  # times the way of a step: gaps that are wider stay open, as a rule
 STILL = 1e-3  # of its speed before: a slide that has come to rest
 
 
@@ -53,17 +55,21 @@ def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
     resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+) -> tuple[bool, int, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
-    span of the step, and the accepted residuals of force and product; `resultants` (j, 3): N, P and T found; `cold`:
-    the program begins from the gaps alone. Returns the number of iterations, negative if no solution was found, the
-    energy that the step took, the part of it that slides which turn back leave uncertain, and the residuals of force
-    and product.
+    span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
+    have; `resultants` (j, 3): N, P and T found; `cold`: the program begins from the gaps alone. Returns whether a
+    solution was found, the number of iterations, the energy that the step took, that which its length leaves uncertain
+    (slides that turn back; elastic joints: of contacts under way), the residual of force, and the energy (kNm) that
+    errors of velocities may have.
+
+    Joints that stay open bear nothing: those too far apart to close in the step are left out of its program, and it is
+    solved again with those that its motion has closed all the same.
     """
     # many arguments and lines: arrays one by one, shared by the stages of a step, see mechanics.kernels
-    weight, size, span, accepted, closed = scale
+    weight, size, span, accepted, errors = scale
     c, n, m = len(a), blocks.shape[1], 0
     x, v, past = blocks[0], blocks[1], blocks[2]
     for i in range(n):
@@ -73,24 +79,40 @@ def attempt(
     placed(a, b, faces, x, joints, start)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
     placed(a, b, faces, x + ahead * (v + 0.5 * ahead * past), joints, places)
-    chosen = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law, back)
-    at, laws = places[chosen], law[chosen]
-    f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:SPRING].copy()
+    touching = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law, back)
+    inside = np.empty(len(touching), np.bool_)
+    for q in range(len(touching)):
+        k = touching[q]
+        du, dphi, _ = relative(places[k], a[k], b[k], v)
+        near = CLOSING * (span + h * (abs(du) + places[k, H] * abs(dphi)))
+        inside[q] = places[k, U] - places[k, H] * abs(places[k, PHI]) < near
     share = theta if elastic else 1.0
-    scaled, pushed, dx = np.empty(m), np.empty(m), np.empty(m)
+    scaled, pushed, begun = np.empty(m), np.empty(m), np.empty(m)
     for i in range(n):
         j = first[i]
         if j >= 0:
             for e in range(3):
                 scaled[j + e] = mass[i, e] / (share * h * h)
-                dx[j + e] = h * v[i, e]
-                pushed[j + e] = load[i, e] + scaled[j + e] * dx[j + e]
-    done, force, _, product = solve(
-        row[chosen], at, laws, pushed, scaled, dx, f, y, scale, cold, elastic,
-        COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
-    )  # fmt: skip
-    if not (force <= accepted and product <= closed):  # nor if they are no numbers
-        return -done, 0.0, 0.0, force, product
+                begun[j + e] = h * v[i, e]
+                pushed[j + e] = load[i, e] + scaled[j + e] * begun[j + e]
+    done = 0
+    while True:
+        chosen = touching[inside]
+        at, laws, dx = places[chosen], law[chosen], begun.copy()
+        f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:SPRING].copy()
+        # the error of velocities has at most the energy of all products, for the program is strongly convex: where
+        # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
+        products = 4.0 * max(len(chosen), 1) * weight * span
+        closed = max(accepted, errors / products)
+        more, force, _, product = solve(
+            row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed), cold, elastic,
+            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
+        )  # fmt: skip
+        done += more
+        if not (force <= accepted and product <= closed):  # nor if they are no numbers
+            return False, done, 0.0, 0.0, force, 0.0
+        if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
+            break
     moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
     for i in range(n):
         j = first[i]
@@ -114,11 +136,15 @@ def attempt(
         closest, done_on = np.zeros(c), np.zeros(c)
         for q in range(len(chosen)):
             k = chosen[q]
+            normal = resultants[k, 0]
             du, dphi, _ = relative(at[q], a[k], b[k], moved)
             # by the law of the step: the lift that was taken back, less that of the slide
             u = start[k, U] - joints[k, SUNK] + du + back[k] - laws[q, FRICTION] * (y[q, 2] + y[q, 3])
             closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
-            done_on[k] = -(resultants[k, 0] * du + resultants[k, 1] * dphi)
+            done_on[k] = -(normal * du + resultants[k, 1] * dphi)
+            if normal > PRESSED * weight:  # the blocks meet, or part, where the joint presses, at this speed
+                lightness = (first[a[k]] >= 0) / mass[a[k], 0] + (first[b[k]] >= 0) / mass[b[k], 0]
+                turned += 0.5 * (done_on[k] / (normal * h)) ** 2 / lightness
         end = np.empty((c, PLACE))
         placed(a, b, faces, x + moved, joints, end)
         more, plastic = sunk(start, end, basic, closest, done_on, joints, size)
@@ -137,7 +163,32 @@ def attempt(
     x += moved
     past[:] = (speed - v) / h
     v[:] = speed
-    return done, taken, turned, force, product
+    return True, done, taken, turned, force, product * products
+
+
+@compiled
+def _closed_all_the_same(
+    touching: Any, row: Any, places: Array, law: Array, joints: Array, dx: Array, inside: Any
+) -> bool:
+    """Whether displacements dx (m,) close joints that are not `inside` the program; they are then.
+
+    Of the others the gaps (j, JOINT) become those at which the blocks arrive.
+    """
+    closes = False
+    for q in range(len(touching)):
+        if inside[q]:
+            continue
+        k = touching[q]
+        p = places[k]
+        du, dphi, dv = motion(p, row[k, 0], row[k, 1], dx)
+        slip = p[V] + dv - law[k, SLID]
+        u, tilt = p[U] + du - law[k, FRICTION] * abs(slip), p[H] * (p[PHI] + dphi)
+        joints[k, GAPS], joints[k, GAPS + 1] = u - tilt, u + tilt
+        joints[k, GAPS + 2], joints[k, GAPS + 3] = max(slip, 0.0), max(-slip, 0.0)
+        if u < abs(tilt):
+            joints[k, N1:SPRING] = 0.0
+            inside[q], closes = True, True
+    return closes
 
 
 @compiled
