@@ -245,7 +245,7 @@ def _deep(places: Array) -> Array:
 
 
 def contact_period(model: Assembly) -> float:
-    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass of its blocks: an impact lasts π times it."""
+    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass: a contact lasts π times it."""
     contacts, mass = model.contacts, np.where(model.movable, model.mass[:, 0], np.inf)
     contacts = contacts.take(np.flatnonzero(~contacts.ties))
     stiffness = contacts.bed * 2.0 * contacts.places(model.initial.positions)[:, H]

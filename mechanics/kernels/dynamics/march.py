@@ -74,7 +74,9 @@ def march(
                 if found:
                     counts[4], counts[5] = max(counts[4], force), max(counts[5], errors)
                     break
-            over = abs(taken) / small + (turned / small if rigid else share * turned / (MEETING * small))
+            # blocks that meet no faster than one falls within a whole step may not have met at all
+            meeting = MEETING * (counted + 0.5 * weight * STANDARD_GRAVITY * h**2)
+            over = abs(taken) / small + turned / (small if rigid else meeting)
             if (deep < most and not found) or (deep < levels and over > 1.0 and once):
                 # but the forces and gaps found: the parts begin near them
                 blocks[:], energy[:] = kept_blocks, kept_energy
