@@ -5,7 +5,9 @@
                |P| ≤ hN − N²/(2σ),   |T| ≤ μN                   at each joint
 
 The paper's contact points at the ends of a joint give the same cone |P| ≤ hN, with friction on the resultant. The
-displacements Δx are the multipliers of equilibrium.
+displacements Δx are the multipliers of equilibrium. As a minimum it holds where sliding lifts the joint by μ|slip|
+(ψ = 1, the associative law of the paper). With Coulomb's law, ψ = 0, the same conditions without that lift are those of
+no minimum: a mixed complementarity problem.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import numpy as np
 
 from mechanics.kernels.bed_law import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, CRUSHED, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import forces_on_blocks, relative_motion
 from mechanics.types import Array, Index
 
@@ -140,7 +142,7 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     crush = n**2 / (4.0 * half * law[:, STRENGTH])
     margin = ends - crush[:, None]
     slip = v + law[:, SHEAR] * t
-    lifted = u - law[:, FRICTION] * abs(slip)
+    lifted = u - law[:, DILATION] * law[:, FRICTION] * abs(slip)
     gaps = np.stack([lifted - half * phi, lifted + half * phi], axis=1)
     elastic = law[:, BED] < np.inf
     if elastic.any():

@@ -13,6 +13,7 @@ from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
+inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 
 @compiled
@@ -55,46 +56,47 @@ def push(p: Array, i: int, j: int, n: float, m: float, t: float, total: Array) -
 
 
 @compiled
-def stiffen(k: int, p: Array, i: int, j: int, d: Array, stored: Array, pattern: Any) -> None:
-    """Add BᵀDB of joint k to the matrix; d (6,): D's entries uu, uφ, uv, φφ, φv, vv."""
+def stiffen(k: int, p: Array, i: int, j: int, d: Any, stored: Array, pattern: Any) -> None:
+    """Add the lower triangle of BᵀDB of joint k to the matrix; d (8,): D's uu, uφ, uv, φφ, φv, vv, vu and vφ.
+
+    D's φu is its uφ. Of the transpose of D it is the upper triangle, by rows.
+    """
     nx, nz, mu, mp, mv = p[NX], p[NZ], p[MU], p[MPHI], p[MV]
+    # rows of D B_a
     ux, uz, ut = d[0] * nx + d[2] * nz, d[0] * nz - d[2] * nx, d[0] * mu + d[1] * mp + d[2] * mv
-    vx, vz, vt = d[2] * nx + d[5] * nz, d[2] * nz - d[5] * nx, d[2] * mu + d[4] * mp + d[5] * mv
-    pt = d[1] * mu + d[3] * mp + d[4] * mv
+    px, pz, pt = d[1] * nx + d[4] * nz, d[1] * nz - d[4] * nx, d[1] * mu + d[3] * mp + d[4] * mv
+    vx, vz, vt = d[6] * nx + d[5] * nz, d[6] * nz - d[5] * nx, d[6] * mu + d[7] * mp + d[5] * mv
+    # M = B_aᵀ D B_a, rows by the first letter
     xx, xz, xt = nx * ux + nz * vx, nx * uz + nz * vz, nx * ut + nz * vt
-    zz, zt = nz * uz - nx * vz, nz * ut - nx * vt
-    tt = mu * ut + mp * pt + mv * vt
+    zx, zz, zt = nz * ux - nx * vx, nz * uz - nx * vz, nz * ut - nx * vt
+    tx, tz, tt = mu * ux + mp * px + mv * vx, mu * uz + mp * pz + mv * vz, mu * ut + mp * pt + mv * vt
     if i >= 0:
-        at, step = pattern.own[i // 3], pattern.step[i // 3]
-        own = stored[at:]
-        own[0], own[1], own[2] = own[0] + xx, own[1] + xz, own[2] + xt
-        own[step + 1], own[step + 2], own[2 * step + 2] = (
-            own[step + 1] + zz,
-            own[step + 2] + zt,
-            own[2 * step + 2] + tt,
-        )
+        _own(stored[pattern.own[i // 3] :], pattern.step[i // 3], xx, zx, tx, zz, tz, tt)
     if j < 0:
         return
-    lx, lz = p[LX], p[LZ]
-    # against turns of block b about its own centre
-    bx, bz, bt = xt + lx * xz - lz * xx, zt + lx * zz - lz * xz, tt + lx * zt - lz * xt
-    at, step = pattern.own[j // 3], pattern.step[j // 3]
-    own = stored[at:]
-    own[0], own[1], own[2] = own[0] + xx, own[1] + xz, own[2] + bx
-    own[step + 1], own[step + 2] = own[step + 1] + zz, own[step + 2] + bz
-    own[2 * step + 2] += bt + lx * bz - lz * bx
+    lx, lz = p[LX], p[LZ]  # B_b = −B_a E, E: turns of block b about its own centre
+    xe, ze, te = xt + lx * xz - lz * xx, zt + lx * zz - lz * zx, tt + lx * tz - lz * tx  # last column of ME
+    ex, ez, et = tx + lx * zx - lz * xx, tz + lx * zz - lz * xz, tt + lx * zt - lz * xt  # last row of EᵀM
+    _own(stored[pattern.own[j // 3] :], pattern.step[j // 3], xx, zx, ex, zz, ez, et + lx * ez - lz * ex)
     if i < 0:
         return
-    at, step = pattern.between[k], pattern.stride[k]
-    between = stored[at:]
-    cx, cz = (bx, bz) if i < j else (xt, zt)  # the columns are those of the block that is eliminated first
-    rx, rz = (xt, zt) if i < j else (bx, bz)
-    between[0], between[1], between[2] = between[0] - xx, between[1] - xz, between[2] - cx
+    between, step = stored[pattern.between[k] :], pattern.stride[k]
+    between[0], between[1] = between[0] - xx, between[1] - zx
     between[step], between[step + 1] = between[step] - xz, between[step + 1] - zz
-    between[step + 2] -= cz
-    between[2 * step] -= rx
-    between[2 * step + 1] -= rz
-    between[2 * step + 2] -= bt
+    # the columns are those of the block that is eliminated first: −EᵀM where it is a, −ME where it is b
+    rx, rz, cx, cz, last = (ex, ez, xt, zt, et) if i < j else (tx, tz, xe, ze, te)
+    between[2] -= rx
+    between[step + 2] -= rz
+    between[2 * step] -= cx
+    between[2 * step + 1] -= cz
+    between[2 * step + 2] -= last
+
+
+@inlined
+def _own(own: Array, step: int, xx: float, zx: float, tx: float, zz: float, tz: float, tt: float) -> None:
+    own[0], own[1], own[2] = own[0] + xx, own[1] + zx, own[2] + tx
+    own[step + 1], own[step + 2] = own[step + 1] + zz, own[step + 2] + tz
+    own[2 * step + 2] += tt
 
 
 @compiled

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DILATION, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
@@ -40,8 +41,7 @@ def solve(
     if they can but no solver finds forces, or if that program is not solved either.
     """
     best: Solution | None = None
-    starts = [] if near is None else [near]
-    for start in (*starts, interior.cold(program)):
+    for start in chain([] if near is None else [near], interior.starts(program, layout)):
         iterate, outcome = interior.run(program, layout, start, ACCEPTED)
         if not np.isfinite(outcome.force):
             continue
@@ -114,7 +114,7 @@ def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Ar
     low, high = np.where(closed, 0.0, OPEN * GRAVITY).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
-    law[:, BED], law[:, SHEAR], law[:, SLID] = np.inf, 0.0, 0.0
+    law[:, BED], law[:, SHEAR], law[:, SLID], law[:, DILATION] = np.inf, 0.0, 0.0, 1.0
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)

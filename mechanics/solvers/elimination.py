@@ -74,14 +74,14 @@ class Elimination:
         """Return the same order for the joints `index` (k,)."""
         return Elimination(self.order, self.back, self.row[index], self.places, self.fronts)
 
-    def matrix(self) -> Array:
-        """Return new work space (n,) for a matrix."""
+    def triangle(self) -> Array:
+        """Return new work space (n,) for one triangle of a matrix."""
         return np.zeros(self.fronts.size or len(self.order) * self.places)
 
     @cached_property
     def work_space(self) -> Array:
-        """Work space that is used again; only one solve at a time may use it."""
-        return self.matrix()
+        """Work space (2n,) for both triangles, used again; only one solve at a time may use it."""
+        return np.concatenate([self.triangle(), self.triangle()])
 
     @cached_property
     def pattern(self) -> Pattern:

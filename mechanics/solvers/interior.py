@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,13 +11,18 @@ from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.interior.inertia import inertia
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import CURVED, H
-from mechanics.kernels.law import FRICTION
+from mechanics.kernels.law import DILATION, FRICTION
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
 from mechanics.types import Array
 
 MOST_ITERATIONS = 100
+ROUGH, APART = (
+    1e-3,
+    0.3,
+)  # residual of a solution by the associative law, and distance from it at which one begins
+LARGER = 10.0  # forces of a further start
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
 
 
@@ -67,6 +73,27 @@ def cold(program: Program) -> Iterate:
     keep_within_strength(program.places, program.law, forces)
     gaps = far * program.step * np.stack([mu**0, mu**0, 1.0 / mu, 1.0 / mu], axis=1)
     return Iterate(forces, gaps, 0.0, np.zeros(len(program.load)))
+
+
+def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
+    """Yield starts far from any solution, the likeliest first.
+
+    Without the lift of the associative law the program is no minimum, and a start may lead nowhere: then come that near
+    a rough solution of the associative program, and one of larger forces.
+    """
+    yield cold(program)
+    if (program.law[:, DILATION] < 1.0).any():
+        yield near_lifting(program, layout)
+        far = cold(program)
+        yield replace(far, forces=LARGER * far.forces)
+
+
+def near_lifting(program: Program, layout: Elimination) -> Iterate:
+    """Return the iterate near a rough solution of the program by the associative law."""
+    law = program.law.copy()
+    law[:, DILATION] = 1.0
+    lifting = replace(program, law=law)
+    return run(lifting, layout, cold(lifting), ROUGH)[0].warm(program, APART)
 
 
 @one_thread()

@@ -28,7 +28,7 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.joint import H, U
 from mechanics.kernels.law import BED, LEFT, SHEAR
-from mechanics.kernels.linalg.cholesky import factorise, substitute
+from mechanics.kernels.linalg.factors import cholesky, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, MotionMemory, State
@@ -270,22 +270,22 @@ def first_frequency(model: Assembly) -> float:
     ties, normal = system.contacts.ties, system.law[:, BED] * 2.0 * places[:, H]
     with np.errstate(divide="ignore"):
         shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
-    mass, stored = model.mass[model.movable].ravel()[layout.order], layout.matrix()
+    mass, stored = model.mass[model.movable].ravel()[layout.order], layout.triangle()
     diagonal(np.zeros(len(mass)), stored, layout.pattern)
     for k, (i, j) in enumerate(layout.row):
         _, _, _, _, turns = bed_forces(
             system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0
         )  # all of it pressed, none crushed
         turns, slides = (0.0, 0.0) if ties[k] else (turns, shear[k])
-        law = np.array([normal[k], 0.0, 0.0, turns, 0.0, slides])
+        law = np.array([normal[k], 0.0, 0.0, turns, 0.0, slides, 0.0, 0.0])
         stiffen(k, places[k], i, j, law, stored, layout.pattern)
-    if _some_are_loose(model) or not factorise(stored, layout.pattern):
+    if _some_are_loose(model) or not cholesky(stored, layout.pattern):
         return 0.0
     root = np.sqrt(mass)
 
     def flexibility(x: Array) -> Array:
         y: Array = root * x.ravel()
-        substitute(stored, layout.pattern, y)
+        substitute(stored, stored, layout.pattern, y)
         return root * y
 
     operator = LinearOperator((len(mass), len(mass)), matvec=flexibility, dtype=float)

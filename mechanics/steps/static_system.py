@@ -10,7 +10,7 @@ import numpy as np
 
 from mechanics.errors import require
 from mechanics.kernels.joint import H, U
-from mechanics.kernels.law import BED, CRUSHED, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
+from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.model.proximity import near
@@ -111,7 +111,7 @@ class StaticSystem:
         c = self.contacts
         law = np.zeros((len(c), LAW))
         law[:, FRICTION] = np.maximum(c.friction, STEP.least_friction)
-        law[:, STRENGTH], law[:, BED] = c.strength, np.inf
+        law[:, STRENGTH], law[:, BED], law[:, DILATION] = c.strength, np.inf, 1.0
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
             with np.errstate(divide="ignore"):

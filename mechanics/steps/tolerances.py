@@ -109,18 +109,20 @@ class LimitTolerances:
 
     As shares of the block size: `closed`, gap that counts as closed (dilatant sliding leaves gaps in a settled state);
     `onset`, displacement of a mechanism at its onset. `far`: gap of an open end, in such displacements. `repeats`:
-    largest number of programs with Coulomb friction after the first; `slip_gap`: gap left by a change of the slips that
-    is accepted, as a share of `onset`; `lifted`: the same of a flow that still lifts what slides, but may be returned;
-    `hinged`: distance of a hinge from where its force crushes the edge, as a share of the block size.
+    most programs for hinges that crush, and most descents to a lesser multiplier by Coulomb's law; `hinged`: distance
+    of a hinge from where its force crushes the edge, as a share of the block size. `slight`: share of μ|slip| by which
+    joints lift where Coulomb's law has no flow; `idle`: force, per weight, or motion, per `onset`, that is none;
+    `most_joints`: of a model whose least multiplier is sought: the linear programs grow faster than the flow's own.
     """
 
     closed: float = 1e-3
     onset: float = 1e-3
     far: float = 1e3
     repeats: int = 12
-    slip_gap: float = 1e-3
-    lifted: float = 1.0
     hinged: float = 1e-10
+    slight: float = 1e-2
+    idle: float = 1e-9
+    most_joints: int = 5000
 
 
 STEP = StepTolerances()

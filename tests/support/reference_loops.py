@@ -18,7 +18,7 @@ from mechanics.kernels.joint import (
     TBX,
     TBZ,
 )
-from mechanics.kernels.law import FRICTION, SHEAR
+from mechanics.kernels.law import DILATION, FRICTION, SHEAR
 from mechanics.types import Array
 
 
@@ -97,11 +97,11 @@ def joint_newton(
     a, b, c = np.zeros((7, 7)), np.zeros(7), np.zeros((7, 3))
     compliance = [(-s["S11"], s["S12"]), (s["S12"], -s["S22"])]
     for end in range(2):
-        # w(N) + y − 2κN(y₁ + y₂) + μ(λ₊ + λ₋) = u ∓ hφ
+        # w(N) + y − 2κN(y₁ + y₂) + ψμ(λ₊ + λ₋) = u ∓ hφ
         a[end, :2] = np.array(compliance[end]) - kappa2 * both
         a[end, 3:5] = -beta
         a[end, 3 + end] += 1.0
-        a[end, 5:] = mu
+        a[end, 5:] = law[DILATION] * mu
         b[end] = -s[f"E{end + 1}"]
         c[end] = 1.0, (-h, h)[end], 0.0
         # (N − κN²) y = τ

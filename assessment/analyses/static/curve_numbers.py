@@ -173,10 +173,10 @@ def _with_other_law(found: RigidPush, model: Assembly, direction: Direction, pat
     other = coulomb if found.sliding == "associative" else associative
     if abs(other.alpha - found.alpha_0) <= DIFFERS * found.alpha_0:
         return found
-    found = found.replace(sliding_residual=coulomb.residual)
+    found = found.replace(sliding_residual=coulomb.dilation)
     if other is associative:
         return found.replace(alpha_0_associative=other.alpha)
-    return found if coulomb.residual > LIFTED else found.replace(alpha_0_coulomb=other.alpha)
+    return found if coulomb.dilation > LIFTED else found.replace(alpha_0_coulomb=other.alpha)
 
 
 def _scaled(

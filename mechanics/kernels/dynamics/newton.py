@@ -2,7 +2,7 @@
 
 The bed's forces N and P are functions of the motion, T is that of the slide or, in a joint that sticks, an unknown:
 
-    equilibrium    f + Bᵀ(N, P, T) − M̄x = 0            N, P: of the bed under u − μ|λ| and φ
+    equilibrium    f + Bᵀ(N, P, T) − M̄x = 0            N, P: of the bed under u − ψμ|λ| and φ
     sticks         λ = v − v₀ + T/k_t = 0              as long as |T| ≤ μN
     slides         λ = v − v₀ + T/k_t, T = ∓μN         as long as λ has the sign that it had
 
@@ -21,8 +21,8 @@ from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.interior.joint_loops import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import FRICTION, LEFT, SHEAR, SLID, STRENGTH
-from mechanics.kernels.linalg.cholesky import solve
+from mechanics.kernels.law import DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH
+from mechanics.kernels.linalg.factors import lu, solve, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
 from mechanics.types import Array
@@ -42,8 +42,8 @@ FEW, MANY = (
 
 # columns of what an iteration knows of a joint (j, KNOWN): N, P, T; the slip λ, with its sign where the joint slides;
 # −1, 0 or 1: how it slides; D's entries; what a joint that sticks misses, and its compliance
-N, P, T, SLIP, SLIDES, DUU, DUP, DUV, DPP, DPV, DVV, MISS, SOFT = range(13)
-KNOWN = 13
+N, P, T, SLIP, SLIDES, DUU, DUP, DUV, DPP, DPV, DVV, DVU, DVP, MISS, SOFT = range(15)
+KNOWN = 15
 
 
 class Joints(NamedTuple):
@@ -57,9 +57,10 @@ class Joints(NamedTuple):
 
 @looped
 def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s: Array) -> None:
-    """Forces and stiffness of a joint that slides by |λ| = ±v − μN/k_t, into `s`; u − μ|λ| is the bed's."""
+    """Forces and stiffness of a joint that slides by |λ| = ±v − μN/k_t, into `s`; u − ψμ|λ| is the bed's."""
     mu, shear = law[FRICTION], law[SHEAR]
-    w, give = u - mu * sign * v, mu * mu * shear
+    lift = law[DILATION] * mu
+    w, give = u - lift * sign * v, lift * mu * shear
     force = max(s[N], 0.0)
     n, m, c0, c1, c2 = bed_forces(law, law[STRENGTH], law[LEFT:], h, w + give * force, phi)
     if give > 0.0:
@@ -71,8 +72,9 @@ def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s:
                 break
     share = 1.0 / (1.0 + give * c0)
     s[N], s[P], s[T], s[SLIP], s[SLIDES] = n, m, -sign * mu * n, v - sign * shear * mu * n, sign
-    s[DUU], s[DUP], s[DUV] = share * c0, share * c1, -mu * sign * share * c0
-    s[DPP], s[DPV], s[DVV] = c2 - c1 * c1 * give * share, -mu * sign * share * c1, mu * mu * share * c0
+    uu, up = share * c0, share * c1
+    s[DUU], s[DUP], s[DPP], s[DVV] = uu, up, c2 - c1 * c1 * give * share, lift * mu * uu
+    s[DUV], s[DPV], s[DVU], s[DVP] = -lift * sign * uu, -lift * sign * up, -mu * sign * uu, -mu * sign * up
     s[MISS], s[SOFT] = 0.0, 0.0
 
 
@@ -80,7 +82,7 @@ def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s:
 def _stick(law: Array, h: float, u: float, phi: float, v: float, least: float, s: Array) -> None:
     """Forces and stiffness of a joint that sticks with the force T, into `s`."""
     s[N], s[P], s[DUU], s[DUP], s[DPP] = bed_forces(law, law[STRENGTH], law[LEFT:], h, u, phi)
-    s[SLIP], s[SLIDES], s[DUV], s[DPV] = 0.0, 0.0, 0.0, 0.0
+    s[SLIP], s[SLIDES], s[DUV], s[DPV], s[DVU], s[DVP] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     s[MISS], s[SOFT] = v + law[SHEAR] * s[T], max(law[SHEAR], least)
     s[DVV] = 1.0 / s[SOFT]
 
@@ -113,13 +115,30 @@ def _evaluate(
 
 
 @looped
-def _assemble(joints: Any, known: Array, mass: Array, dx: Array, stored: Array, pattern: Any) -> None:
-    """The matrix; and onto `dx` (m,) the forces that cancel the slips of joints that stick."""
+def _assemble(
+    joints: Any, known: Array, mass: Array, dx: Array, lower: Array, upper: Array, two: bool, pattern: Any
+) -> None:  # fmt: skip
+    """The matrix, of `two` triangles or one; onto `dx` (m,) the forces that cancel the slips of joints that stick."""
     row, places = joints.row, joints.places
-    diagonal(mass, stored, pattern)
+    diagonal(mass, lower, pattern)
+    if two:
+        diagonal(mass, upper, pattern)
     for k in range(len(row)):
         s = known[k]
-        stiffen(joints.which[k], places[k], row[k, 0], row[k, 1], s[DUU:], stored, pattern)
+        uu, up, uv, pp, pv, vv, vu, vp = s[DUU], s[DUP], s[DUV], s[DPP], s[DPV], s[DVV], s[DVU], s[DVP]
+        stiffen(
+            joints.which[k], places[k], row[k, 0], row[k, 1], (uu, up, uv, pp, pv, vv, vu, vp), lower, pattern
+        )
+        if two:
+            stiffen(
+                joints.which[k],
+                places[k],
+                row[k, 0],
+                row[k, 1],
+                (uu, up, vu, pp, vp, vv, uv, pv),
+                upper,
+                pattern,
+            )
         if s[MISS] != 0.0:
             push(places[k], row[k, 0], row[k, 1], 0.0, 0.0, -s[MISS] / s[SOFT], dx)
 
@@ -155,7 +174,8 @@ def _end(joints: Any, x: Array, known: Array, f: Array, y: Array) -> None:
         couple = s[P] / p[H]
         f[k, 0], f[k, 1], f[k, 2] = 0.5 * (s[N] - couple), 0.5 * (s[N] + couple), s[T]
         du, dphi, _ = motion(p, row[k, 0], row[k, 1], x)
-        u, tilt = p[U] + du - joints.law[k, FRICTION] * abs(s[SLIP]), p[H] * (p[PHI] + dphi)
+        lift = joints.law[k, DILATION] * joints.law[k, FRICTION] * abs(s[SLIP])
+        u, tilt = p[U] + du - lift, p[H] * (p[PHI] + dphi)
         y[k, 0], y[k, 1] = max(u - tilt, 0.0), max(u + tilt, 0.0)
         y[k, 2], y[k, 3] = max(s[SLIP], 0.0), max(-s[SLIP], 0.0)
 
@@ -175,6 +195,8 @@ def newton(
     weight, size, step, accepted = scale
     joints, known = Joints(row, places, law, which), np.empty((len(row), KNOWN))
     moved, residual, least = begun.copy(), np.empty(len(x)), STICKING * step / weight
+    skew, half = len(law) > 0 and (law[:, DILATION] < 1.0).any(), len(stored) // 2
+    lower, upper = stored[:half], stored[half:]
     _begin(law, f, y, step / weight, known)
     for iteration in range(MOST + 1):
         residual[:] = load - mass * moved
@@ -187,8 +209,12 @@ def newton(
         unsettled = iteration > 0 and changed > FEW + MANY * len(row)
         if iteration == MOST or unsettled or not force < np.inf:
             break
-        _assemble(joints, known, mass, residual, stored, pattern)
-        if not solve(stored, pattern, residual):
+        _assemble(joints, known, mass, residual, lower, upper, skew, pattern)
+        if skew:
+            if lu(lower, upper, pattern) < 0:
+                break
+            substitute(lower, upper, pattern, residual)
+        elif not solve(lower, pattern, residual):
             break
         _follow(joints, known, residual)
         moved += residual

@@ -1,7 +1,13 @@
 """The laws of a joint about an iterate of the interior point: linearised, and eliminated one joint at a time.
 
 Unknown are N₁, N₂, T, the gaps y₁, y₂ and the slips λ₊, λ₋ (see iteration). Their changes follow from that of
-the joint's motion (u, φ, v): forces by D, which is written in sums of positive terms, then gaps and slips.
+the joint's motion (u, φ, v): forces by D, which is written in sums of positive terms, then gaps and slips. With
+p± = λ±/(μN ± T), S = p₊ + p₋, s the compliance in shear, a = ΣD of the bed and ℓ = P/N of a push of it
+
+    q = S + s + ψμ²a(4p₊p₋ + sS)        D_uu = a(S + s)/q        D_uv = −ψμa(p₊ − p₋)/q
+                                        D_vu = −μa(p₊ − p₋)/q    D_vv = (1 + ψμ²aS)/q
+
+and ℓ times the terms of u those of φ. D is symmetric for ψ = 1 alone. A joint of infinite friction has no slips.
 
 What is known of joints is kept in rows of LANES of them (rows, KNOWN): the same quantity of eight joints side by side,
 so that loops over the lanes `k` of a row `s` become vector instructions. Quantity C of lane k is s[C + k].
@@ -15,7 +21,7 @@ from mechanics.kernels.bed import closures, linearised
 from mechanics.kernels.bed_law import EXACT, gaps_under, kind
 from mechanics.kernels.jit import compiler, larger
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -23,15 +29,17 @@ compiled = compiler("contract", "reassoc", allocates=False)
 inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 LANES = 8  # joints side by side
+NO_SLIP = 1e-300  # m: of a joint of infinite friction
 # what is known of a joint: forces, gaps and slips; g₁, g₂ and 2κN; what the laws of the ends and of the slip miss, and
 # the most of it; bounds of T; λ±/(μN ± T); D of the ends; its sum a, b/a, and the sums of the elimination; forces aimed
-# at; λ± aimed at; corrections of the products; compliance of the bed; half-length, friction, compliance in shear and κ;
-# motion in an iteration, and the part of it that is new; D; changes of N, P, T; changes of all unknowns
+# at; λ± aimed at; corrections of the products; compliance of the bed; half-length, friction (0 where it is infinite),
+# ψμ, 1 where the joint may slide, compliance in shear and κ; motion in an iteration, and the part of it that is new; D;
+# changes of N, P, T; changes of all unknowns
 (N1, N2, T, Y1, Y2, LP, LM, G1, G2, BETA, E1, E2, SLIP, OFF, ZP, ZM, PP, PM, D11, D12, D22, A, LEVER, SUM, Q, RN, RP,
- RT, KP, KM, C1, C2, BP, BM, S11, S12, S22, HALF, COULOMB, SPRING, KAPPA, DU, DPHI, DV, MU, MPHI, MV, DUU, DUP, DUV,
- DPP, DPV, DVV, FN, FP, FT, CN1, CN2, CT, CY1, CY2, CLP, CLM, CG1, CG2, CZP,
- CZM) = range(0, 67 * LANES, LANES)  # fmt: skip
-KNOWN = 67 * LANES
+ RT, KP, KM, C1, C2, BP, BM, S11, S12, S22, HALF, COULOMB, LIFT, FREE, SPRING, KAPPA, DU, DPHI, DV, MU, MPHI, MV, DUU,
+ DUP, DUV, DPP, DPV, DVV, DVU, DVP, FN, FP, FT, CN1, CN2, CT, CY1, CY2, CLP, CLM, CG1, CG2, CZP,
+ CZM) = range(0, 71 * LANES, LANES)  # fmt: skip
+KNOWN = 71 * LANES
 CHANGES = slice(CN1, KNOWN)  # all unknowns' changes
 
 
@@ -46,14 +54,18 @@ def read(
     # many arguments: arrays one by one, see mechanics.kernels
     du, dphi, dv = motion(p, i, j, x)
     n1, n2, h, mu = f[0], f[1], p[H], law[FRICTION]
-    w, tilt = p[U] + du - mu * (y[2] + y[3]), h * (p[PHI] + dphi)
+    s[FREE + k] = 1.0
+    if mu == np.inf:
+        mu, s[FREE + k], y[2], y[3] = 0.0, 0.0, NO_SLIP, NO_SLIP
+    lift = law[DILATION] * mu
+    w, tilt = p[U] + du - lift * (y[2] + y[3]), h * (p[PHI] + dphi)
     first, second = w - tilt, w + tilt
     w1, w2, s[S11 + k], s[S12 + k], s[S22 + k], s[OFF + k] = _bed(law, h, n1, n2, first, second, y)
     s[E1 + k], s[E2 + k] = w1 - first, w2 - second
     s[N1 + k], s[N2 + k], s[T + k] = n1, n2, f[2]
     s[Y1 + k], s[Y2 + k], s[LP + k], s[LM + k] = y[0], y[1], y[2], y[3]
     s[SLIP + k] = y[2] - y[3] - (p[V] + dv - law[SLID]) - law[SHEAR] * f[2]
-    s[HALF + k], s[COULOMB + k], s[SPRING + k] = h, mu, law[SHEAR]
+    s[HALF + k], s[COULOMB + k], s[LIFT + k], s[SPRING + k] = h, mu, lift, law[SHEAR]
     s[KAPPA + k] = 0.25 / (h * law[STRENGTH])
 
 
@@ -72,7 +84,8 @@ def missing(s: Array, k: int, least: float) -> None:
     g1, g2 = n1 - crushed, n2 - crushed
     e1, e2 = s[E1 + k] + y1 - beta * (y1 + y2), s[E2 + k] + y2 - beta * (y1 + y2)
     off = s[OFF + k] if s[OFF + k] >= 0.0 else larger(abs(e1), abs(e2))
-    zp, zm = mu * n + t, mu * n - t
+    free = s[FREE + k]
+    zp, zm = 1.0 - free + free * (mu * n + t), 1.0 - free + free * (mu * n - t)
     pp, pm = lp / zp, lm / zm
     s[G1 + k], s[G2 + k], s[BETA + k], s[E1 + k], s[E2 + k] = g1, g2, beta, e1, e2
     s[OFF + k] = larger(off, abs(s[SLIP + k]))
@@ -89,7 +102,7 @@ def missing(s: Array, k: int, least: float) -> None:
     slides = pp + pm
     s[D11 + k], s[D12 + k], s[D22 + k] = d11, d12, d22
     s[A + k], s[LEVER + k], s[SUM + k] = a, h * (d22 - d11) / a, slides + shear
-    s[Q + k] = slides + shear + a * mu * mu * (4.0 * pp * pm + shear * slides)
+    s[Q + k] = slides + shear + a * mu * s[LIFT + k] * (4.0 * pp * pm + shear * slides)
 
 
 @compiled
@@ -123,21 +136,21 @@ def _taken(missed: float, y: float) -> float:
 @inlined
 def stiffness(s: Array, k: int) -> None:
     """D of a joint: −∂(N, P, T)/∂(u, φ, v) at the iterate."""
-    a, lever, q, h, mu = s[A + k], s[LEVER + k], s[Q + k], s[HALF + k], s[COULOMB + k]
+    a, lever, q, h, mu, lift = s[A + k], s[LEVER + k], s[Q + k], s[HALF + k], s[COULOMB + k], s[LIFT + k]
     d11, d12, d22, pp, pm = s[D11 + k], s[D12 + k], s[D22 + k], s[PP + k], s[PM + k]
-    skew, uu = -a * mu * (pp - pm) / q, a * s[SUM + k] / q
-    s[DUU + k], s[DUP + k], s[DUV + k] = uu, lever * uu, skew
+    uu, uv, vu = a * s[SUM + k] / q, -a * lift * (pp - pm) / q, -a * mu * (pp - pm) / q
+    s[DUU + k], s[DUP + k], s[DUV + k], s[DVU + k], s[DVP + k] = uu, lever * uu, uv, vu, lever * vu
     # with N held, P = h(N₂ − N₁) resists the turn by 4h²/(det C a)
     s[DPP + k] = 4.0 * h * h * (d11 * d22 - d12 * d12) / a + lever * lever * uu
-    s[DPV + k], s[DVV + k] = lever * skew, (1.0 + a * mu * mu * (pp + pm)) / q
+    s[DPV + k], s[DVV + k] = lever * uv, (1.0 + a * mu * lift * (pp + pm)) / q
 
 
 @inlined
 def aim(s: Array, k: int, target: float) -> None:
     """Changes of N, P, T of a joint that cancel its residuals; its products become `target` less the corrections."""
     h, mu, a, q = s[HALF + k], s[COULOMB + k], s[A + k], s[Q + k]
-    kp = (target - s[LP + k] * s[ZP + k] - s[BP + k]) / s[ZP + k]
-    km = (target - s[LM + k] * s[ZM + k] - s[BM + k]) / s[ZM + k]
+    kp = s[FREE + k] * (target - s[LP + k] * s[ZP + k] - s[BP + k]) / s[ZP + k]
+    km = s[FREE + k] * (target - s[LM + k] * s[ZM + k] - s[BM + k]) / s[ZM + k]
     both, apart = kp + km, kp - km + s[SLIP + k]
     first = (target - s[G1 + k] * s[Y1 + k] - s[C1 + k]) / s[G1 + k]
     second = (target - s[G2 + k] * s[Y2 + k] - s[C2 + k]) / s[G2 + k]
@@ -146,7 +159,7 @@ def aim(s: Array, k: int, target: float) -> None:
     skew, d11, d12, d22 = s[PP + k] - s[PM + k], s[D11 + k], s[D12 + k], s[D22 + k]
     n = (d11 + d12) * b1 + (d22 + d12) * b2
     tilt = 2.0 * h * (d11 * d22 - d12 * d12) * (b2 - b1) / a
-    lifted = a * mu
+    lifted = a * s[LIFT + k]
     rn = (s[SUM + k] * n + lifted * (s[SUM + k] * both - skew * apart)) / q
     rp = tilt + s[LEVER + k] * rn
     rt = (apart * (1.0 + lifted * mu * (s[PP + k] + s[PM + k])) - skew * mu * (n + lifted * both)) / q
@@ -165,7 +178,7 @@ def follow(s: Array, k: int) -> None:
     s[DV + k] += v
     s[FN + k] -= s[DUU + k] * u + s[DUP + k] * phi + s[DUV + k] * v
     s[FP + k] -= s[DUP + k] * u + s[DPP + k] * phi + s[DPV + k] * v
-    s[FT + k] -= s[DUV + k] * u + s[DPV + k] * phi + s[DVV + k] * v
+    s[FT + k] -= s[DVU + k] * u + s[DVP + k] * phi + s[DVV + k] * v
 
 
 @inlined
@@ -183,7 +196,7 @@ def agree(s: Array, k: int, target: float, stiff: float) -> None:
     lp, lm = s[KP + k] - s[PP + k] * (bound + ft), s[KM + k] - s[PM + k] * (bound - ft)
     lp, lm = (lm + slip if one else lp), (lm if one else lp - slip)
     d1, d2 = 0.5 * (fn - fp / h), 0.5 * (fn + fp / h)
-    w = u - mu * (lp + lm)
+    w = u - s[LIFT + k] * (lp + lm)
     y1 = w - h * phi - s[E1 + k] + s[S11 + k] * d1 - s[S12 + k] * d2
     asked = (target - s[G1 + k] * s[Y1 + k] - s[C1 + k] - s[G1 + k] * y1) / s[Y1 + k]
     d1 = asked if s[Y1 + k] > s[N1 + k] * (give + s[S11 + k]) else d1
@@ -210,14 +223,14 @@ def change(s: Array, k: int, target: float, stiff: float) -> None:
     fn, fp, ft, give = s[FN + k], s[FP + k], s[FT + k], 1.0 / stiff
     d1, d2 = 0.5 * (fn - fp / h), 0.5 * (fn + fp / h)
     g1, g2 = d1 - beta * fn, d2 - beta * fn
-    bound = mu * fn
-    zp, zm = bound + ft, bound - ft
+    bound, free = mu * fn, s[FREE + k]
+    zp, zm = free * (bound + ft), free * (bound - ft)
     lp, lm = s[KP + k] - s[PP + k] * zp, s[KM + k] - s[PM + k] * zm
     slip, forth = v + s[SPRING + k] * ft - s[SLIP + k], s[PP + k] > s[PM + k]
-    lp, lm = (lm + slip if forth else lp), (lm if forth else lp - slip)
+    lp, lm = free * (lm + slip if forth else lp), free * (lm if forth else lp - slip)
     y1 = (target - s[G1 + k] * s[Y1 + k] - s[C1 + k] - s[Y1 + k] * g1) / s[G1 + k]
     y2 = (target - s[G2 + k] * s[Y2 + k] - s[C2 + k] - s[Y2 + k] * g2) / s[G2 + k]
-    w = u - mu * (lp + lm)
+    w = u - s[LIFT + k] * (lp + lm)
     moved1 = w - h * phi - s[E1 + k] + s[S11 + k] * d1 - s[S12 + k] * d2
     moved2 = w + h * phi - s[E2 + k] + s[S22 + k] * d2 - s[S12 + k] * d1
     y1 = moved1 if (s[Y1 + k] > s[N1 + k] * (give + s[S11 + k])) & (beta == 0.0) else y1

@@ -9,8 +9,8 @@ import numpy as np
 from mechanics.kernels.interior.elimination import KNOWN, LANES
 from mechanics.kernels.interior.joint_loops import Joints, assemble, dot, evaluate
 from mechanics.kernels.jit import compiler
+from mechanics.kernels.linalg.factors import lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
-from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -31,10 +31,11 @@ def inertia(
     known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
     residual = np.zeros(len(x))
     evaluate(joints, x, f, y, least, known, residual)
-    assemble(joints, known, held, stored, pattern)
-    negative = factorise_signed(stored, pattern.places, pattern.last)
+    lower, upper = stored[: len(stored) // 2], stored[len(stored) // 2 :]
+    assemble(joints, known, held, lower, upper, True, pattern)
+    negative = lu(lower, upper, pattern)
     if negative < 0 or len(lateral) == 0:
         return negative, 0.0
     lateral_solution = lateral.copy()
-    substitute_signed(stored, pattern.places, pattern.last, lateral_solution)
+    substitute(lower, upper, pattern, lateral_solution)
     return negative, dot(lateral, lateral_solution)

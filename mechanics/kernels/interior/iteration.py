@@ -4,15 +4,16 @@ Unknown are the displacements x, the multiplier α and per joint the forces N₁
 with |T| < μN, their gaps y₁, y₂ > 0 and the slips λ₊, λ₋ > 0:
 
     equilibrium    f + αf_L + Bᵀ(N, P, T) + Gx − M̄x = 0
-    ends           u ∓ hφ − μ(λ₊ + λ₋) = ∂W*/∂N₁,₂ + Σ y ∂g/∂N₁,₂       W* = 0: rigid
+    ends           u ∓ hφ − ψμ(λ₊ + λ₋) = ∂W*/∂N₁,₂ + Σ y ∂g/∂N₁,₂      W* = 0: rigid
     slip           λ₊ − λ₋ = v − v₀ + T/k_t
     products       g₁y₁ = g₂y₂ = (μN + T)λ₊ = (μN − T)λ₋ = τ → 0        g₁,₂ = N₁,₂ − κN², κ = 1/(4hσ)
     work           f_L·x = γ
 
-with σ the strength per length, and G what the forces of an earlier solution change as the geometry does. All but x and
-α are eliminated joint by joint (elimination), which leaves BᵀDB + M̄ − G, three rows a block. Predictor and
-corrector after Mehrotra, one more corrector after Gondzio; the forces that follow from stiff joints are refined until
-equilibrium holds to rounding.
+with σ the strength per length, ψ the share by which sliding lifts (law.DILATION), and G what the forces of an earlier
+solution change as the geometry does. With ψ = 1 these are the conditions of an optimum, with ψ = 0, Coulomb's law, of
+none: a mixed complementarity problem. All but x and α are eliminated joint by joint (elimination), which leaves
+BᵀDB + M̄ − G, three rows a block, unsymmetric where ψ < 1. Predictor and corrector after Mehrotra, one more corrector
+after Gondzio; the forces that follow from stiff joints are refined until equilibrium holds to rounding.
 """
 
 from __future__ import annotations
@@ -40,10 +41,9 @@ from mechanics.kernels.interior.joint_loops import (
     within_strength,
 )
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.law import BED, STRENGTH
-from mechanics.kernels.linalg.cholesky import factorise, substitute
+from mechanics.kernels.law import BED, DILATION, STRENGTH
+from mechanics.kernels.linalg.factors import cholesky, lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
-from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -64,28 +64,25 @@ IDLE_CRUSHED = 20  # the same where joints can be crushed: their forces go from 
 
 
 @compiled
-def _back(stored: Array, pattern: Any, definite: bool, x: Array) -> None:
-    if definite:
-        substitute(stored, pattern, x)
-    else:
-        substitute_signed(stored, pattern.places, pattern.last, x)
+def _factorised(
+    joints: Any, known: Array, held: Array, two: bool, most_negative: int, lower: Array, upper: Array, pattern: Any
+) -> bool:  # fmt: skip
+    """Whether the matrix has a factor, then in its place: Cholesky's, or that of `two` triangles.
 
-
-@compiled
-def _factorised(joints: Any, known: Array, held: Array, definite: bool, stored: Array, pattern: Any) -> bool:
-    """Whether the matrix has a factor, then in its place: Cholesky's, or one with a negative pivot at most."""
-    assemble(joints, known, held, stored, pattern)
-    if definite:
-        return bool(factorise(stored, pattern))
-    negative = factorise_signed(stored, pattern.places, pattern.last)
-    return bool(0 <= negative <= 1)
+    `most_negative`: of its pivots that may be.
+    """
+    assemble(joints, known, held, lower, upper, two, pattern)
+    if not two:
+        return bool(cholesky(lower, pattern))
+    negative = lu(lower, upper, pattern)
+    return bool(0 <= negative <= most_negative)
 
 
 @compiled
 def _refine(
     joints: Any, known: Array, load: Array, lateral: Array, mass: Array, lateral_solution: Array, lateral_work: float,
-    dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, definite: bool,
-    stored: Array, pattern: Any,
+    dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, lower: Array,
+    upper: Array, pattern: Any,
 ) -> float:  # fmt: skip
     """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
 
@@ -101,7 +98,7 @@ def _refine(
         push_all(joints, known, dx, fine)
         if unbalanced(fine, size) <= enough:
             break
-        _back(stored, pattern, definite, fine)
+        substitute(lower, upper, pattern, fine)
         if len(lateral):
             more = -dot(lateral, fine) / lateral_work
             dalpha += more
@@ -120,9 +117,9 @@ def iterate(
 
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, CURVED) may be empty;
     `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, 1/WIDE times as much,
-    per step; and of products per weight and step. `which` (j,): their places among the joints of the pattern, that of
-    `packed`. Returns the number of iterations, negative if no iteration leads on (with curvature: if equilibrium is not
-    stable), α, and the residuals of forces, gaps and products, scaled likewise.
+    per step; and of products per weight and step. `stored`: room for two triangles; `which` (j,): their places among
+    the joints of the pattern, that of `packed`. Returns the number of iterations, negative if no iteration leads on
+    (with curvature: if equilibrium is not stable), α, and the residuals of forces, gaps and products, scaled likewise.
     """
     # many arguments and lines: arrays one by one, and a loop whose stages share a dozen arrays, see mechanics.kernels
     pattern = unpacked(packed)
@@ -131,7 +128,10 @@ def iterate(
     joints = Joints(row, places, law, curved, which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
-    pushed, definite, stiff, holding = len(lateral) > 0, True, 1.0 / unit, HOLDING
+    pushed, stiff, holding = len(lateral) > 0, 1.0 / unit, HOLDING
+    skew = bool(len(law) > 0 and (law[:, DILATION] < 1.0).any())
+    two, half = skew, len(stored) // 2
+    lower, upper = stored[:half], stored[half:] if two else stored[:half]
     kept_dx, kept_change = np.empty(count), np.empty((len(known), KNOWN - CN1))
     residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
@@ -169,10 +169,10 @@ def iterate(
             held[2::3] *= size**2
             if len(mass):
                 held += mass
-            if _factorised(joints, known, held, definite, stored, pattern):
+            if _factorised(joints, known, held, two, count if skew else 1, lower, upper, pattern):
                 break
-            if definite and pushed and len(curved):  # beyond the peak the work that is given holds one motion
-                definite = False
+            if not two and pushed and len(curved):  # beyond the peak the work that is given holds one motion
+                two, upper = True, stored[half:]
                 continue
             if holding >= FIRM:
                 return -iteration, alpha, force, gap, product
@@ -180,7 +180,7 @@ def iterate(
         lateral_work = 1.0
         if pushed:
             lateral_solution[:] = lateral
-            _back(stored, pattern, definite, lateral_solution)
+            substitute(lower, upper, pattern, lateral_solution)
             lateral_work = dot(lateral, lateral_solution)
         clear_corrections(known)
         target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
@@ -188,7 +188,7 @@ def iterate(
         for corrects in range(3):
             dx[:] = residual
             aim_all(joints, known, target, dx)
-            _back(stored, pattern, definite, dx)
+            substitute(lower, upper, pattern, dx)
             if pushed:
                 dalpha = (work_residual - dot(lateral, dx)) / lateral_work
                 dx += dalpha * lateral_solution
@@ -197,7 +197,7 @@ def iterate(
                 enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
                 dalpha = _refine(
                     joints, known, residual, lateral, mass, lateral_solution, lateral_work, dalpha, dx, enough, size,
-                    target, stiff, fine, definite, stored, pattern,
+                    target, stiff, fine, lower, upper, pattern,
                 )  # fmt: skip
             most_f, most_g = change_all(joints, known, target, stiff)
             if tied:

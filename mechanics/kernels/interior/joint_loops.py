@@ -28,6 +28,8 @@ from mechanics.kernels.interior.elimination import (
     DUP,
     DUU,
     DUV,
+    DVP,
+    DVU,
     DVV,
     FN,
     FP,
@@ -137,20 +139,39 @@ def evaluate(
 
 
 @looped
-def assemble(joints: Any, known: Array, held: Array, stored: Array, pattern: Any) -> None:
-    """BᵀDB − G and the diagonal `held` (m,)."""
+def assemble(
+    joints: Any, known: Array, held: Array, lower: Array, upper: Array, two: bool, pattern: Any
+) -> None:  # fmt: skip
+    """BᵀDB − G and the diagonal `held` (m,): the lower triangle, and the upper one where there are `two`."""
     row, places, which = joints.row, joints.places, joints.which
-    diagonal(held, stored, pattern)
+    diagonal(held, lower, pattern)
+    if two:
+        diagonal(held, upper, pattern)
     for r in range(len(known)):
         s, lanes = known[r], _lanes(joints, r)
         for k in range(lanes):
             stiffness(s, k)
         for k in range(lanes):
             j = r * LANES + k
-            d = (s[DUU + k], s[DUP + k], s[DUV + k], s[DPP + k], s[DPV + k], s[DVV + k])
-            stiffen(which[j], places[j], row[j, 0], row[j, 1], d, stored, pattern)
+            uu, up, pp, vv = s[DUU + k], s[DUP + k], s[DPP + k], s[DVV + k]
+            uv, pv, vu, vp = s[DUV + k], s[DPV + k], s[DVU + k], s[DVP + k]
+            stiffen(
+                which[j], places[j], row[j, 0], row[j, 1], (uu, up, uv, pp, pv, vv, vu, vp), lower, pattern
+            )
+            if two:
+                stiffen(
+                    which[j],
+                    places[j],
+                    row[j, 0],
+                    row[j, 1],
+                    (uu, up, vu, pp, vp, vv, uv, pv),
+                    upper,
+                    pattern,
+                )
     for j in range(len(joints.curved)):
-        bend(which[j], row[j, 0], row[j, 1], joints.curved[j], stored, pattern)
+        bend(which[j], row[j, 0], row[j, 1], joints.curved[j], lower, pattern)
+        if two:
+            bend(which[j], row[j, 0], row[j, 1], joints.curved[j], upper, pattern)
 
 
 @looped

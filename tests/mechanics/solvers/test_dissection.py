@@ -8,7 +8,7 @@ from scipy.spatial import Delaunay
 
 from mechanics import pushover, time_history
 from mechanics.kernels.joint import PLACE
-from mechanics.kernels.linalg import cholesky
+from mechanics.kernels.linalg import factors
 from mechanics.kernels.linalg.pattern import Pattern
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.solvers.dissection import SMALLEST, dissected, fronts
@@ -91,8 +91,8 @@ def test_rows_that_lie_side_by_side_are_taken_off_together() -> None:
         assert np.array_equal(found.place[i : i + rows] - found.place[i], 3 * np.arange(rows))
 
 
-def dense(stored: Array, row: Index, pattern: Pattern) -> Array:
-    """The matrix that is stored, rows in the order of elimination; `row` (c, 2) as in Elimination."""
+def dense(lower: Array, upper: Array, row: Index, pattern: Pattern) -> Array:
+    """The matrix of two triangles, rows in the order of elimination; `row` (c, 2) as in Elimination."""
     size = 3 * len(pattern.own)
     whole = np.zeros((size, size))
     places = [
@@ -106,19 +106,22 @@ def dense(stored: Array, row: Index, pattern: Pattern) -> Array:
     for i, j, at, step in places:
         for c in range(3):
             for r in range(c if i == j else 0, 3):
-                whole[i + r, j + c] = stored[at + c * step + r]
-    return np.tril(whole) + np.tril(whole, -1).T
+                whole[j + c, i + r] = upper[at + c * step + r]
+                whole[i + r, j + c] = lower[at + c * step + r]
+    return whole
 
 
-def filled(layout: Elimination, mass: float) -> Array:
-    """A matrix of joints in random places; definite where the `mass` is."""
+D = (1.0, 0.2, 0.1, 1.0, 0.3, 1.0, 0.1, 0.3)
+SKEW, TURNED = (1.0, 0.2, 0.0, 1.0, 0.0, 1.0, -0.5, 0.3), (1.0, 0.2, -0.5, 1.0, 0.3, 1.0, 0.0, 0.0)
+
+
+def filled(layout: Elimination, mass: float, d: tuple[float, ...] = D) -> Array:
+    """A triangle of a matrix of joints in random places; definite where the `mass` is."""
     c, rng = len(layout.row), np.random.default_rng(len(layout.row))
-    places, stored = rng.standard_normal((c, PLACE)), layout.matrix()
+    places, stored = rng.standard_normal((c, PLACE)), layout.triangle()
     diagonal(np.full(len(layout.order), mass), stored, layout.pattern)
     for k in range(c):
-        stiffen(
-            k, places[k], *layout.row[k], np.array([1.0, 0.2, 0.1, 1.0, 0.3, 1.0]), stored, layout.pattern
-        )
+        stiffen(k, places[k], *layout.row[k], d, stored, layout.pattern)
     return stored
 
 
@@ -133,12 +136,25 @@ def laid_out(blocks: int, share: float) -> Elimination:
 def test_factors_in_fronts_solve_the_dense_system(blocks: int, share: float) -> None:
     layout = laid_out(blocks, share)
     stored = filled(layout, 1.0)
-    matrix = dense(stored, layout.row, layout.pattern)
+    matrix = dense(stored, stored, layout.row, layout.pattern)
     b = np.random.default_rng(1).standard_normal(len(matrix))
     x = b.copy()
-    assert len(layout.fronts.base) and cholesky.factorise(stored, layout.pattern)
-    cholesky.substitute(stored, layout.pattern, x)
+    assert len(layout.fronts.base) and factors.cholesky(stored, layout.pattern)
+    factors.substitute(stored, stored, layout.pattern, x)
     assert x == pytest.approx(np.linalg.solve(matrix, b), rel=1e-9, abs=1e-11)
+
+
+@pytest.mark.parametrize(("blocks", "share"), CASES)
+def test_lu_in_fronts_solves_the_dense_unsymmetric_system(blocks: int, share: float) -> None:
+    layout = laid_out(blocks, share)
+    lower, upper = filled(layout, 1.0, SKEW), filled(layout, 1.0, TURNED)
+    matrix = dense(lower, upper, layout.row, layout.pattern)
+    assert abs(matrix - matrix.T).max() > 0.1
+    b = np.random.default_rng(1).standard_normal(len(matrix))
+    x = b.copy()
+    assert len(layout.fronts.base) and factors.lu(lower, upper, layout.pattern) >= 0
+    factors.substitute(lower, upper, layout.pattern, x)
+    assert x == pytest.approx(np.linalg.solve(matrix, b), rel=1e-8, abs=1e-10)
 
 
 def test_fronts_tell_a_matrix_that_is_not_positive_definite() -> None:
@@ -147,7 +163,7 @@ def test_fronts_tell_a_matrix_that_is_not_positive_definite() -> None:
         for value in (-1e3, np.nan):
             stored = filled(layout, 1.0)
             stored[layout.pattern.own[block]] = value
-            assert not cholesky.factorise(stored, layout.pattern)
+            assert not factors.cholesky(stored, layout.pattern)
 
 
 def test_a_choice_of_joints_keeps_its_places() -> None:

@@ -13,7 +13,7 @@ from mechanics.kernels.bed import points, points_stored
 from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.dynamics import newton as loops
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import BED, FRICTION, LAW, LEFT, SEGMENTS, SHEAR, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, LAW, LEFT, SEGMENTS, SHEAR, STRENGTH
 from mechanics.program import certify
 from mechanics.solvers import solve
 from tests.support.reference_loops import bed_of_points
@@ -38,11 +38,12 @@ def test_a_bed_of_points_is_its_springs(u, phi, segments):
     motion=st.tuples(st.floats(-8e-4, -2e-4), st.floats(-6e-4, 6e-4), st.floats(-1e-4, 1e-4)),
     sign=st.sampled_from([-1.0, 1.0]),
     shear=st.sampled_from([0.0, 1e-6]),
+    psi=st.sampled_from([0.0, 0.5, 1.0]),
 )
-def test_stiffness_of_a_joint_that_slides_is_how_its_forces_change(kind, motion, sign, shear):
+def test_stiffness_of_a_joint_that_slides_is_how_its_forces_change(kind, motion, sign, shear, psi):
     """−∂(N, P, T)/∂(u, φ, v), with the slide's lift; and the law of the slide holds."""
     law = np.zeros(LAW)
-    law[FRICTION], law[BED], law[STRENGTH], law[SHEAR] = 0.7, 1e5, np.inf, shear
+    law[FRICTION], law[DILATION], law[BED], law[STRENGTH], law[SHEAR] = 0.7, psi, 1e5, np.inf, shear
     for column, value in KINDS[kind].items():
         law[column] = value
     u, phi, v = motion
@@ -56,12 +57,16 @@ def test_stiffness_of_a_joint_that_slides_is_how_its_forces_change(kind, motion,
     n, m, t, slip = s[[loops.N, loops.P, loops.T, loops.SLIP]]
     assert t == pytest.approx(-sign * 0.7 * n)
     assert slip == pytest.approx(v + shear * t, abs=1e-15)
-    under = bed_forces(law, law[STRENGTH], law[LEFT:], HALF, u - 0.7 * sign * slip, phi)
+    under = bed_forces(law, law[STRENGTH], law[LEFT:], HALF, u - psi * 0.7 * sign * slip, phi)
     assert (n, m) == pytest.approx(under[:2], rel=1e-10, abs=1e-10)
     if kind == "points":
         return  # its stiffness jumps where a point opens
-    d = s[loops.DUU : loops.DUU + 6]
-    full = np.array([[d[0], d[1], d[2]], [d[1], d[3], d[4]], [d[2], d[4], d[5]]])
+    entries = [
+        (loops.DUU, loops.DUP, loops.DUV),
+        (loops.DUP, loops.DPP, loops.DPV),
+        (loops.DVU, loops.DVP, loops.DVV),
+    ]
+    full = s[np.array(entries)]
     step, forces = 1e-9, [loops.N, loops.P, loops.T]
     for column in range(3):
         by = step * np.eye(3)[column]
@@ -71,11 +76,13 @@ def test_stiffness_of_a_joint_that_slides_is_how_its_forces_change(kind, motion,
 
 @pytest.mark.parametrize("acceleration", [0.05, 0.6])
 @pytest.mark.parametrize("bed", ["exact", "points", "on springs in shear"])
+@pytest.mark.parametrize("psi", [0.0, 1.0])
 @pytest.mark.parametrize("model", [running_bond(3, 4, stiffness=1e6), arch_on_piers(voussoirs=7, courses=3)])
-def test_where_it_converges_it_finds_the_solution_of_the_interior_point(model, bed, acceleration):
+def test_where_it_converges_it_finds_the_solution_of_the_interior_point(model, bed, acceleration, psi):
     """Begun with the joints that slide there, it converges."""
     program, layout = euler_step(model, "elastic", shaken(model, 1), acceleration)
     law = program.law.copy()
+    law[:, DILATION] = psi
     law[:, SEGMENTS] = 4.0 if bed == "points" else 0.0
     law[:, SHEAR] = 1e-6 if bed == "on springs in shear" else 0.0
     program = replace(program, law=law)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import lapack
 
-from mechanics.kernels.linalg import cholesky
+from mechanics.kernels.linalg import factors
 from mechanics.kernels.linalg.pattern import NO_FRONTS, Pattern
-from mechanics.kernels.linalg.signed_factors import factorise_signed, substitute_signed
 from mechanics.solvers.elimination import PADDING, Elimination
 from mechanics.types import Array, Index
 
@@ -52,8 +51,8 @@ def test_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) 
     assert not failed
     b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
     x = b.copy()
-    assert cholesky.factorise(band.ravel(), pattern)
-    cholesky.substitute(band.ravel(), pattern, x)
+    assert factors.cholesky(band.ravel(), pattern)
+    factors.substitute(band.ravel(), band.ravel(), pattern, x)
     assert x == pytest.approx(lapack.dpbtrs(factor, b, lower=1)[0], rel=1e-12, abs=1e-14)
     band[:, 0] = 1.0 / band[:, 0]  # which is stored inverted
     for k in range(len(band)):
@@ -69,38 +68,64 @@ def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
     for value in (0.0, -1.0, np.nan):
         band = banded(pairs, 4, 6 + PADDING)
         band[row, 0] = value
-        assert not cholesky.factorise(band.ravel(), pattern_of(pairs, 4, 6 + PADDING))
+        assert not factors.cholesky(band.ravel(), pattern_of(pairs, 4, 6 + PADDING))
+
+
+def full_of(lower: Array, upper: Array) -> Array:
+    """The matrix of two triangles in a band, the upper one by rows."""
+    n, places = lower.shape
+    whole = np.zeros((n + places, n + places))
+    for j in range(n):
+        whole[j, j : j + places] = upper[j]
+        whole[j : j + places, j] = lower[j]
+    return whole[:n, :n]
 
 
 @pytest.mark.parametrize(("blocks", "reach"), BANDS)
 @pytest.mark.parametrize("negative", [0, 1, 2])
-def test_signed_factors_count_negative_eigenvalues_and_solve(blocks: int, reach: int, negative: int) -> None:
+def test_lu_counts_negative_eigenvalues_of_a_symmetric_matrix_and_solves(
+    blocks: int, reach: int, negative: int
+) -> None:
     row, places = linked(blocks, reach, 0.6), 3 * reach + 3 + PADDING
     band, pattern = banded(row, blocks, places), pattern_of(row, blocks, places)
     band[np.random.default_rng(2).permutation(len(band))[:negative], 0] *= -1.0
-    full = np.zeros((len(band) + places, len(band)))
-    for j in range(len(band)):
-        full[j : j + places, j] = band[j]
-    full = full[: len(band)] + np.tril(full[: len(band)], -1).T
-    assert factorise_signed(band.ravel(), places, pattern.last) == (np.linalg.eigvalsh(full) < 0.0).sum()
+    full = full_of(band, band)
+    lower, upper = band.ravel().copy(), band.ravel().copy()
+    assert factors.lu(lower, upper, pattern) == (np.linalg.eigvalsh(full) < 0.0).sum()
     b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
     x = b.copy()
-    substitute_signed(band.ravel(), places, pattern.last, x)
+    factors.substitute(lower, upper, pattern, x)
     assert x == pytest.approx(np.linalg.solve(full, b), rel=1e-10, abs=1e-12)
 
 
-def test_signed_factors_tell_a_pivot_that_vanishes() -> None:
+@pytest.mark.parametrize(("blocks", "reach"), BANDS)
+def test_lu_of_an_unsymmetric_band_solves_the_dense_system(blocks: int, reach: int) -> None:
+    row, places = linked(blocks, reach, 0.6), 3 * reach + 3 + PADDING
+    band, pattern = banded(row, blocks, places), pattern_of(row, blocks, places)
+    rng = np.random.default_rng(5)
+    other = np.where(band != 0.0, band + rng.uniform(-0.5, 0.5, band.shape), 0.0)
+    other[:, 0] = band[:, 0]
+    full = full_of(band, other)
+    lower, upper = band.ravel().copy(), other.ravel().copy()
+    assert factors.lu(lower, upper, pattern) == 0
+    b = rng.uniform(-1.0, 1.0, len(band))
+    x = b.copy()
+    factors.substitute(lower, upper, pattern, x)
+    assert x == pytest.approx(np.linalg.solve(full, b), rel=1e-10, abs=1e-12)
+
+
+def test_lu_tells_a_pivot_that_vanishes() -> None:
     pairs = linked(4, 1, 1.0)
     for value in (0.0, np.nan):
         band, pattern = banded(pairs, 4, 6 + PADDING), pattern_of(pairs, 4, 6 + PADDING)
         band[0, 0] = value
-        assert factorise_signed(band.ravel(), 6 + PADDING, pattern.last) == -1
+        assert factors.lu(band.ravel(), band.ravel().copy(), pattern) == -1
 
 
 def test_an_empty_right_hand_side_is_left_alone(capfd: pytest.CaptureFixture[str]) -> None:
     """LAPACK, which once took it, printed a line of complaint for each."""
     pairs = linked(4, 1, 1.0)
     band, pattern, b = banded(pairs, 4, 6 + PADDING).ravel(), pattern_of(pairs, 4, 6 + PADDING), np.empty(0)
-    assert cholesky.factorise(band, pattern)
-    cholesky.substitute(band, pattern, b)
+    assert factors.cholesky(band, pattern)
+    factors.substitute(band, band, pattern, b)
     assert not len(b) and capfd.readouterr() == ("", "")

@@ -1,0 +1,337 @@
+"""Factors of the matrices of the program and their substitutions, compiled: quicker than LAPACK.
+
+A matrix is stored as its pattern says (see elimination): in a band, entry (i, j), i ≥ j, at j places + i − j, or in the
+panels of fronts. Cholesky's LLᵀ is made of the lower triangle. LU has L in the place of the lower triangle, and Uᵀ in
+that of the upper one, which is stored by rows as the lower one is by columns: U = Lᵀ where the matrix is symmetric and
+definite. Without pivots; |Lᵢᵢ| = |Uᵢᵢ|. Of a factor the inverse stands on the diagonal.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mechanics.kernels.jit import compiler
+from mechanics.kernels.linalg.simd_tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
+from mechanics.types import Array
+
+compiled = compiler("contract", "reassoc")
+
+
+@compiled
+def cholesky(matrix: Array, pattern: Any) -> bool:
+    """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
+    return bool(_factor(matrix, matrix, pattern, False, np.empty(0)) == 0)
+
+
+@compiled
+def lu(lower: Array, upper: Array, pattern: Any) -> int:
+    """L and Uᵀ in place of the triangles of a matrix; the number of negative pivots, −1 where one vanishes.
+
+    The negative pivots of a symmetric matrix are as many as its negative eigenvalues (Sylvester).
+    """
+    return int(_factor(lower, upper, pattern, True, np.empty(0)))
+
+
+@compiled
+def solve(matrix: Array, pattern: Any, x: Array) -> bool:
+    """Cholesky's factor in place of the matrix, and of b (m,) the solution of LLᵀx = b; False if there is no factor.
+
+    Each front is substituted into as soon as it is eliminated, while it is in fast memory.
+    """
+    fronts = pattern.fronts
+    if _factor(matrix, matrix, pattern, False, x) != 0:
+        return False
+    if len(fronts.first) == 0:
+        _forward(matrix, pattern.places - 1, len(x), pattern.last, x)
+        _backward(matrix, pattern.places - 1, len(x), pattern.last, x)
+    else:
+        _backward_through(matrix, fronts, x)
+    return True
+
+
+@compiled
+def substitute(lower: Array, upper: Array, pattern: Any, x: Array) -> None:
+    """The solution of LUx = b in place of b (m,), three rows a block; nothing is done to an empty b."""
+    if len(x) == 0:
+        return
+    fronts = pattern.fronts
+    if len(fronts.first) == 0:
+        _forward(lower, pattern.places - 1, len(x), pattern.last, x)
+        _backward(upper, pattern.places - 1, len(x), pattern.last, x)
+        return
+    seen, last = _room(fronts)
+    for k in range(len(fronts.base)):
+        _forward_through(lower, fronts, k, x, seen, last)
+    _backward_through(upper, fronts, x)
+
+
+@compiled
+def _factor(lower: Array, upper: Array, pattern: Any, two: bool, x: Array) -> int:
+    """Factors of a matrix, of `two` triangles or of one, and x (m,), if any, substituted forward in the fronts.
+
+    Returns the number of negative pivots, −1 where one vanishes, or where one of one triangle is negative.
+    """
+    fronts = pattern.fronts
+    if len(fronts.first) == 0:
+        return int(_band(lower, upper, pattern.places, pattern.first, pattern.last, two))
+    return int(_fronts(lower, upper, fronts, two, x))
+
+
+@compiled
+def _band(lower: Array, upper: Array, places: int, reached: Any, last: Any, two: bool) -> int:
+    n, negative = len(last), 0
+    tiles, inverse = np.empty((2, COLUMNS, ROWS)), np.empty((2, COLUMNS))
+    stride = BYTES * (places - 1)
+    for j in range(0, n, COLUMNS):
+        columns = min(COLUMNS, n - j)
+        end = last[j + columns - 1] + 1
+        first = _first(reached, j, end)
+        found = _tile(
+            lower, upper, j * places, places - 1, BYTES * (first * places + j - first), j - first, columns, two,
+            tiles, inverse,
+        )  # fmt: skip
+        if found < 0:
+            return -1
+        negative += found
+        for i in range(j + ROWS, end, ROWS):
+            first = min(j, _first(reached, i, end))
+            at, diagonal = BYTES * (first * places + j - first), BYTES * j * places
+            _rows(lower, upper, at, j - first, stride, BYTES * (i - j), diagonal, COLUMNS, two, inverse)
+    return negative
+
+
+@compiled
+def _rows(
+    lower: Array, upper: Array, at: int, count: int, stride: int, down: int, diagonal: int, columns: int, two: bool,
+    inverse: Array,
+) -> None:  # fmt: skip
+    """Rows of the factors below a tile on the diagonal, `down` from it; places are bytes from an array's begin."""
+    low, up = lower.ctypes.data, upper.ctypes.data
+    by_u, by_l = inverse.ctypes.data, inverse.ctypes.data + BYTES * COLUMNS
+    if columns == COLUMNS:
+        below(up + at, count, stride, down + low - up, up + diagonal, by_u)
+        if two:
+            below(low + at, count, stride, down + up - low, low + diagonal, by_l)
+    else:
+        half_below(up + at, count, stride, down + low - up, up + diagonal, by_u)
+        if two:
+            half_below(low + at, count, stride, down + up - low, low + diagonal, by_l)
+
+
+@compiled
+def _tile(
+    lower: Array, upper: Array, at: int, height: int, column: int, count: int, columns: int, two: bool, tiles: Array,
+    inverse: Array,
+) -> int:  # fmt: skip
+    """The factors of the tile on the diagonal, whose first number is `at`, and the sign of its pivots.
+
+    `column`: bytes to the row of the tile in the first of the `count` columns before it. Returns the number of negative
+    pivots, −1 where one vanishes, or is negative in one triangle.
+    """
+    low, up = lower.ctypes.data, upper.ctypes.data
+    left, right = tiles[0], tiles[1]  # L and Uᵀ
+    sums(up + column, count, BYTES * height, low - up, left.ctypes.data, BYTES * ROWS)
+    for c in range(columns):
+        for r in range(c, ROWS):
+            left[c, r] = lower[at + c * height + r] - left[c, r]
+    if two:
+        sums(low + column, count, BYTES * height, up - low, right.ctypes.data, BYTES * ROWS)
+        for c in range(columns):
+            for r in range(c, ROWS):
+                right[c, r] = upper[at + c * height + r] - right[c, r]
+    negative = 0
+    for c in range(columns):
+        pivot = left[c, c]
+        if not (pivot > 0.0 or (two and pivot < 0.0)):
+            return -1
+        own = 1.0 / np.sqrt(abs(pivot))
+        other = own
+        if pivot < 0.0:
+            negative, other = negative + 1, -own
+        inverse[0, c], inverse[1, c] = other, own  # of Uᵢᵢ, by which L is divided, and of Lᵢᵢ
+        for r in range(c, ROWS):
+            left[c, r] *= other
+            lower[at + c * height + r] = left[c, r]
+        if two:
+            for r in range(c, ROWS):
+                right[c, r] *= own
+                upper[at + c * height + r] = right[c, r]
+            upper[at + c * height + c] = other
+        lower[at + c * height + c] = own
+        across = right if two else left
+        for d in range(c + 1, columns):
+            for r in range(d, ROWS):
+                left[d, r] -= across[c, d] * left[c, r]
+            if two:
+                for r in range(d, ROWS):
+                    right[d, r] -= left[c, d] * right[c, r]
+    return negative
+
+
+@compiled
+def _first(reached: Any, i: int, end: int) -> int:
+    """The first column that the rows of a tile reach."""
+    first = i
+    for r in range(i, min(i + ROWS, end)):
+        first = min(first, reached[r])
+    return int(first)
+
+
+@compiled
+def _fronts(lower: Array, upper: Array, fronts: Any, two: bool, x: Array) -> int:
+    """Front by front: its own columns, what later fronts lose by them (supernodal, right-looking), and x, if any."""
+    tiles, inverse = np.empty((2, COLUMNS, ROWS)), np.empty((2, COLUMNS))
+    update = np.empty(fronts.largest)
+    seen, last = _room(fronts)
+    negative = 0
+    for k in range(len(fronts.base)):
+        base, height, own = fronts.base[k], fronts.height[k], fronts.first[k + 1] - fronts.first[k]
+        found = _panel(lower, upper, base, height, own, two, tiles, inverse)
+        if found < 0:
+            return -1
+        negative += found
+        _update(lower, upper, base, height, own, update)
+        _take_off(lower, fronts, k, update, height - own)
+        if two:
+            _update(upper, lower, base, height, own, update)
+            _take_off(upper, fronts, k, update, height - own)
+        if len(x) > 0:
+            _forward_through(lower, fronts, k, x, seen, last)
+    return negative
+
+
+@compiled
+def _panel(
+    lower: Array, upper: Array, base: int, height: int, own: int, two: bool, tiles: Array, inverse: Array
+) -> int:
+    """The columns of the factors in a panel of so many columns of its own; returns as `_tile` does."""
+    negative, stride = 0, BYTES * height
+    for j in range(0, own, COLUMNS):
+        columns, column = min(COLUMNS, own - j), BYTES * (base + j)
+        found = _tile(lower, upper, base + j * height + j, height, column, j, columns, two, tiles, inverse)
+        if found < 0:
+            return -1
+        negative += found
+        for i in range(j + ROWS, height - ROWS + 1, ROWS):
+            _rows(
+                lower, upper, column, j, stride, BYTES * (i - j), column + j * stride, columns, two, inverse
+            )
+    return negative
+
+
+@compiled
+def _update(rows: Array, columns: Array, base: int, height: int, own: int, update: Array) -> None:
+    """The products of the rows below, the lower triangle by columns: Σ rows[i] columns[j]."""
+    tall = height - own
+    first, across = columns.ctypes.data + BYTES * (base + own), rows.ctypes.data - columns.ctypes.data
+    for j in range(0, tall - ROWS + 1, COLUMNS):
+        for i in range(j, tall - ROWS + 1, ROWS):
+            sums(
+                first + BYTES * j, own, BYTES * height, across + BYTES * (i - j),
+                update.ctypes.data + BYTES * (j * tall + i), BYTES * tall,
+            )  # fmt: skip
+
+
+@compiled
+def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> None:
+    """Take the products off the panels of the later fronts."""
+    begin = fronts.start[k]
+    count = fronts.start[k + 1] - begin
+    for aim in range(fronts.aim[k], fronts.aim[k + 1]):
+        later, first, end, laid = fronts.targets[aim]
+        for j in range(first, end):
+            height = fronts.height[later]
+            column = fronts.base[later] + fronts.place[laid + j - first] * height
+            i = j
+            while i < count:
+                beside = fronts.together[laid + i - first]
+                at, of = column + fronts.place[laid + i - first], 3 * (j * tall + i)
+                p, q, r = panels[at:], panels[at + height :], panels[at + 2 * height :]
+                u, v, w = update[of:], update[of + tall :], update[of + 2 * tall :]
+                for e in range(beside):
+                    p[e] -= u[e]
+                    q[e] -= v[e]
+                    r[e] -= w[e]
+                i += beside // 3
+
+
+@compiled
+def _room(fronts: Any) -> tuple[Array, Any]:
+    """Work space for the part of x that a front uses, and for the last rows of its columns."""
+    tallest = fronts.height.max()
+    return np.empty(tallest), np.empty(tallest, np.intp)
+
+
+@compiled
+def _forward_through(panels: Array, fronts: Any, k: int, x: Array, seen: Array, last: Any) -> None:
+    first, own = _see(fronts, k, x, seen, last)
+    _forward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
+    x[first : first + own] = seen[:own]
+    at = own
+    for i in range(fronts.start[k], fronts.start[k + 1]):
+        row = fronts.below[i]
+        x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
+        at += 3
+
+
+@compiled
+def _backward_through(panels: Array, fronts: Any, x: Array) -> None:
+    seen, last = _room(fronts)
+    for k in range(len(fronts.base) - 1, -1, -1):
+        first, own = _see(fronts, k, x, seen, last)
+        _backward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
+        x[first : first + own] = seen[:own]
+
+
+@compiled
+def _see(fronts: Any, k: int, x: Array, seen: Array, last: Any) -> tuple[int, int]:
+    """The first row of a front and the number of its own: the part of x that it reaches is copied to `seen`."""
+    first = fronts.first[k]
+    own = fronts.first[k + 1] - first
+    seen[:own] = x[first : first + own]
+    at = own
+    for i in range(fronts.start[k], fronts.start[k + 1]):
+        row = fronts.below[i]
+        seen[at], seen[at + 1], seen[at + 2] = x[row], x[row + 1], x[row + 2]
+        at += 3
+    last[:own] = at - 1
+    return first, own
+
+
+@compiled
+def _forward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
+    """Substitute forward in so many columns by threes, each from the diagonal to its `last` row, and in the rows below.
+
+    `height`: from a number of the matrix to its neighbour in the same row.
+    """
+    step = height + 1
+    for j in range(0, own, 3):
+        p, q, r = matrix[j * step :], matrix[(j + 1) * step :], matrix[(j + 2) * step :]
+        a = x[j] * p[0]
+        b = (x[j + 1] - p[1] * a) * q[0]
+        c = (x[j + 2] - p[2] * a - q[1] * b) * r[0]
+        x[j], x[j + 1], x[j + 2] = a, b, c
+        below = x[j + 3 : last[j + 2] + 1]
+        p, q, r = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
+        for e in range(len(below)):
+            below[e] -= a * p[e] + b * q[e] + c * r[e]
+
+
+@compiled
+def _backward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
+    """The same from the last columns to the first, each less what the rows below bring."""
+    step = height + 1
+    for j in range(own - 3, -1, -3):
+        p, q, r = matrix[j * step :], matrix[(j + 1) * step :], matrix[(j + 2) * step :]
+        below = x[j + 3 : last[j + 2] + 1]
+        u, v, w = p[3 : 3 + len(below)], q[2 : 2 + len(below)], r[1 : 1 + len(below)]
+        a, b, c = 0.0, 0.0, 0.0
+        for e in range(len(below)):
+            a += u[e] * below[e]
+            b += v[e] * below[e]
+            c += w[e] * below[e]
+        c = (x[j + 2] - c) * r[0]
+        b = (x[j + 1] - b - q[1] * c) * q[0]
+        x[j], x[j + 1], x[j + 2] = (x[j] - a - p[1] * b - p[2] * c) * p[0], b, c
