@@ -180,7 +180,7 @@ const moved = (answer) => {
   });
   if (!parts.ghost.childNodes.length) parts.ghost.append(svg("path", { class: "ghost", d: blocks().map((block) => path(block.at)).join("") }));
   parts.joints.style.display = parts.signs.style.display = "none";
-  parts.moving.replaceChildren(...(times === 1 ? answer.hinges : []).map(([x, z]) => svg("circle", { class: "hinge", cx: x, cy: -z, "data-r": 3.5 })));
+  parts.moving.replaceChildren(...(times === 1 ? answer.hinges : []).map(([x, z]) => svg("circle", { class: "hinge", cx: x, cy: -z, "data-r": answer.hinges.length > 60 ? 2 : 3.5 })));
   const [x, z, turn] = answer.at.map((value) => number(1e3 * value, 4));
   $("caption").className = answer.stopped === null ? "" : "fallen";
   $("caption").textContent = [w("preview"), `${x}; ${z} mm${answer.at[2] ? `; ${turn} mrad` : ""}`,
@@ -211,7 +211,8 @@ const chase = async () => {  // one question at a time, for where the pointer is
     const target = [...own.target], began = performance.now();
     const answer = await attempt(() => live(own, target, { home: own.first }));
     if (!answer || drag !== own) break;
-    own.slow = !own.first && answer.cost > 0.15;  // the shape then comes on release
+    own.least = Math.min(own.least ?? Infinity, own.first ? Infinity : answer.cost);
+    own.slow = Number.isFinite(own.least) && own.least > 0.15;  // the shape then comes on release
     own.first = false;
     root().dataset.trip = Math.round(performance.now() - began);
     if (answer.there || answer.stopped !== null) own.asked = target;

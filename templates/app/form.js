@@ -9,17 +9,19 @@ const plainOf = (schema) => {  // references followed, "or null" left out
   return some ? { ...schema, anyOf: some } : schema;
 };
 const pick = ({ description, default: standard }) => ({ ...(description ? { description } : {}), ...(standard !== undefined ? { default: standard } : {}) });
+const entriesOf = (schema) => Object.values(schema.patternProperties ?? { every: schema.additionalProperties }).find((each) => each?.$ref);
 export const tableOf = (name) => {
-  const found = plainOf(store.schema.properties[name]), items = found.items ?? (typeof found.additionalProperties === "object" ? found.additionalProperties : null);
+  const found = plainOf(store.schema.properties[name]), items = found.items ?? entriesOf(found);
   return items?.$ref ? plainOf(items) : found;
 };
 const said = (table, key) => {
   const keys = store.words[store.language].keys ?? {};
   return keys[`${table}.${key}`] ?? keys[key];
 };
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 const unitOf = (key) => Object.keys(UNITS).filter((unit) => key.endsWith(`_${unit}`)).sort((a, b) => b.length - a.length)[0];
 export const labelOf = (table, key) => {
-  const unit = unitOf(key), name = said(table, key)?.[0] ?? (unit ? key.slice(0, -unit.length - 1) : key).replaceAll("_", " ");
+  const unit = unitOf(key), name = said(table, key)?.[0] ?? capital((unit ? key.slice(0, -unit.length - 1) : key).replaceAll("_", " "));
   return unit && UNITS[unit] ? `${name} [${UNITS[unit]}]` : name;
 };
 const meaningOf = (table, key, schema) => said(table, key)?.[1] || schema.description || "";
@@ -111,15 +113,21 @@ const fieldOf = (table, key, schema, path, given, inherited) => {
     onchange: (event) => { let value = event.target.value.trim() || null; try { value = JSON.parse(value); } catch { /* told by the server */ } save(event.target, value); } }));
 };
 
+const FRONT = {  // keys that are asked first, where not the required ones alone
+  SiteTable: ["latitude", "longitude", "soil", "topography", "nominal_life_years", "use_class"], MaterialTable: ["unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3"],
+  PushoverTable: ["contacts", "directions", "increment_m", "control"], HistoryTable: ["record", "contacts", "window_s"], TieTable: ["name", "from_m", "to_m", "yield_force_kN", "stiffness_kN_m", "states"],
+  MeasurementTable: ["name", "kind", "point_m", "opening_mm", "sigma_mm"], ContactsTable: ["sliding", "collisions"], KnowledgeTable: ["level", "investigations"],
+};
+
 // ---- a table: its fields, those given or required first, the others folded ----
 export const form = (table, path, given = {}, { inherited = {}, first = null, leave = [] } = {}) => {
-  const fields = [], folded = [], schema = typeof table === "string" ? tableOf(table) : table, name = schema.table ?? "";
-  for (const [key, own] of Object.entries(schema.properties ?? {})) {
+  const fields = [], folded = [], schema = typeof table === "string" ? tableOf(table) : table, name = schema.table ?? "", all = schema.properties;
+  const begin = (first ?? FRONT[name] ?? schema.required ?? []).filter((key) => all[key]);
+  for (const key of new Set([...begin, ...Object.keys(all)])) {
     if (leave.includes(key)) continue;
-    const property = plainOf(own), at = [...path, key];
-    const front = (first ?? schema.required ?? []).includes(key) || given[key] !== undefined;
+    const property = plainOf(all[key]), at = [...path, key], front = begin.includes(key) || given[key] !== undefined;
     if (property.properties) (front ? fields : folded).push(nested(property, name, key, at, given[key]));
-    else if (property.additionalProperties?.$ref) (front ? fields : folded).push(namedTables(property, name, key, at, given[key] ?? {}));
+    else if (entriesOf(property)) (front ? fields : folded).push(namedTables(property, name, key, at, given[key] ?? {}));
     else (front ? fields : folded).push(fieldOf(name, key, property, at, given[key], inherited[key]));
   }
   return [...fields, folded.length ? el("details", { "data-at": `more.${path.join(".")}` },
@@ -130,7 +138,7 @@ const nested = (schema, table, key, path, given) => el("fieldset", {}, el("legen
   ...(given === undefined ? [adder(path, schema)] : [...form(schema, path, given), remover(path)]));
 const namedTables = (schema, table, key, path, given) => el("fieldset", {}, el("legend", {}, labelOf(table, key)),
   ...layers().map((layer) => el("details", { "data-at": [...path, layer].join(".") }, el("summary", {}, layer),
-    ...form(plainOf(schema.additionalProperties), [...path, layer], given[layer]))));
+    ...form(plainOf(entriesOf(schema)), [...path, layer], given[layer]))));
 const starter = (schema) => {  // the least that a new table must have; the page asks for the rest
   const made = {};
   for (const key of schema.required ?? []) {
