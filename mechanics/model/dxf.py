@@ -7,7 +7,7 @@ import re
 import struct
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
@@ -18,10 +18,8 @@ from ezdxf import recover, units
 from ezdxf.audit import AuditError
 from ezdxf.document import Drawing as Document
 from ezdxf.entities.dxfentity import DXFTagStorage
-from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError, DXFStructureError
-from ezdxf.math import Matrix44
 
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
@@ -29,20 +27,16 @@ from mechanics.messages import Message, headed, message
 from mechanics.model.block import Block, Material
 from mechanics.model.polylines import (
     MOST_POINTS,
-    Placed,
     PlacedOutline,
     fault_of,
-    has_direction,
     is_polyline,
     placed_outline,
 )
+from mechanics.model.shown import Placed, covered, placed_entities
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them
 MOST_BYTES = 200_000_000  # of a file: some 20 000 blocks take ten
-MOST_ENTITIES = 100_000  # of model space, those of INSERTs as often as they are inserted
-DEEPEST = 30  # INSERTs within INSERTs
-LONGEST_NAME = 255  # of a layer, as in DXF itself
 LONGEST_REASON = 300  # letters of a message of ezdxf
 SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
 SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
@@ -110,8 +104,8 @@ def read_drawing(
     Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
     (nested, scaled, mirrored, arrays; there layer 0 is the INSERT's layer). A polyline that ends
     where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
-    layer name, in any case of letters. What is frozen, off or invisible is left out with a warning: the
-    place for closed outlines that are no blocks. An open polyline is an error, but left out with a
+    layer name, in any case of letters. What is frozen, off, invisible or clipped away is left out with a warning:
+    the place for closed outlines that are no blocks. An open polyline is an error, but left out with a
     warning where `layers` names other layers and not its own, and no closed one is there. Other shapes
     (lines, arcs, circles, …) are left out with a warning, annotation without.
 
@@ -121,8 +115,8 @@ def read_drawing(
 
     Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing
     units: the file cannot be read or is cut off; an outline is open, self-crossing, without area or out
-    of the drawing's plane; a layer of `layers` is not in the drawing, or hidden; nothing closed is in
-    model space. Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
+    of the drawing's plane, cut by a clip or covered by a wipeout; a layer of `layers` is not in the drawing, or
+    hidden; nothing closed is in model space. Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
     """
     drawing = survey_drawing(path, unit, default, layers, sagitta)
     if drawing.faults:
@@ -146,7 +140,7 @@ def survey_drawing(
     path, scale = Path(path), METRES[unit]
     document, warnings = open_document(path)
     placed = placed_entities(document, path)
-    outlines = placed_outlines(placed, scale, sagitta, path)
+    outlines, clipped = placed_outlines(document, placed, scale, sagitta, path)
     closed = [o for o in outlines if o.closed]
     holding = {_key(o.source.layer) for o in closed}
     named = by_key(layers)
@@ -154,6 +148,7 @@ def survey_drawing(
 
     wrong = {id(o): fault for o in needed if (fault := fault_of(o, scale)) is not None}
     faults = [*_layer_faults(document, placed, layers), *wrong.values()]
+    faults += _frozen_on_sheets(document, closed, named)
     if not closed and not faults:
         faults = [Fault("layer", _nothing(document, placed))]
     used = [o for o in closed if id(o) not in wrong]
@@ -169,7 +164,7 @@ def survey_drawing(
         message('layer "{name}" holds no block: what the project says of it has no effect', name=name)
         for name in idle
     ]
-    warnings += _left_out(placed, [o for o in outlines if not o.closed])
+    warnings += _left_out(placed, clipped, [o for o in outlines if not o.closed])
 
     return Drawing(
         tuple(block_of(o, layer_of(o, named, default), scale) for o in used),
@@ -252,67 +247,38 @@ def open_document(path: Path) -> tuple[Document, list[Message]]:
     ]
 
 
-def placed_entities(document: Document, path: Path) -> list[Placed]:
-    """Return all entities of model space, those inside INSERTs where these put them.
-
-    Raises DrawingError for more than MOST_ENTITIES.
-    """
-    off = {_key(layer.dxf.name) for layer in document.layers if layer.is_off()}
-    frozen = {_key(layer.dxf.name) for layer in document.layers if layer.is_frozen()}
-    count = 0
-
-    def place(
-        space: Iterable[Any], to_model: Matrix44, outer: str, above: str, hidden: bool
-    ) -> Iterator[Placed]:
-        nonlocal count
-        for entity in space:
-            own = entity.graphic_properties().get("layer", "0")
-            layer = outer if own == "0" else visible(own)[:LONGEST_NAME]
-            handle = f"{above}{entity.dxf.handle}"
-            invisible = entity.dxf.hasattr("invisible") and entity.dxf.invisible
-            gone = hidden or bool(invisible) or _key(layer) in frozen
-            block = entity.block() if isinstance(entity, Insert) else None
-            if block is None or block.block is None or block.block.is_xref:
-                count += 1
-                yield Placed(entity, to_model, layer, handle, gone or _key(layer) in off)
-                continue
-            if not has_direction(entity):
-                raise DrawingError(f"{path}: INSERT {handle}: its extrusion is no direction; insert it again")
-            if handle.count("/") >= DEEPEST:
-                raise DrawingError(
-                    f"{path}: INSERT {handle}: more than {DEEPEST} one in another; explode them"
-                )
-            count += max(1, entity.mcount)
-            if count > MOST_ENTITIES:
-                raise DrawingError(
-                    f"{path}: INSERT {handle} ({entity.mcount} copies): more than {MOST_ENTITIES} entities "
-                    "in model space, those of INSERTs as often as they are inserted; leave out what is no block"
-                )
-            for single in entity.multi_insert() if entity.mcount > 1 else [entity]:
-                yield from place(block, single.matrix44() * to_model, layer, f"{handle}/", gone)
-
-    return list(place(document.modelspace(), Matrix44(), "0", "", hidden=False))
-
-
 def placed_outlines(
-    placed: Sequence[Placed], scale: float, sagitta: float | None, path: Path
-) -> list[PlacedOutline]:
-    """Return the outlines of the polylines that are shown; `scale`: m per drawing unit, `sagitta` in m.
+    document: Document, placed: Sequence[Placed], scale: float, sagitta: float | None, path: Path
+) -> tuple[list[PlacedOutline], list[Placed]]:
+    """Return the outlines of the polylines that are shown, and the polylines that clips of INSERTs hide.
 
-    Raises DrawingError where they have more than MOST_POINTS vertices.
+    `scale`: m per drawing unit; `sagitta` in m. Raises DrawingError for more than MOST_POINTS vertices.
     """
-    outlines, count = [], 0
+    outlines: list[PlacedOutline] = []
+    clipped, count = [], 0
     for source in placed:
         if source.hidden or not is_polyline(source.entity):
             continue
-        outlines.append(placed_outline(source, scale, sagitta))
-        count += len(outlines[-1].points)
+        outline = placed_outline(source, scale, sagitta)
+        seen, insert = ("whole", "") if outline.broken else source.cut(outline.line)
+        if seen == "nothing":
+            clipped.append(source)
+            continue
+        if seen == "part":
+            why = f"is cut by the clip of INSERT {insert}; draw what is left of it, or take the clip off"
+            outline = replace(outline, broken=why)
+        outlines.append(outline)
+        count += len(outline.points)
         if count > MOST_POINTS:
             raise DrawingError(
                 f"{path}: more than {MOST_POINTS} vertices, those of arcs included; simplify the outlines, "
                 "or write a larger geometry.sagitta_m"
             )
-    return outlines
+    drawn = [(o.source, o.line) for o in outlines]
+    for number, wipeout in covered(drawn, placed, document.modelspace()):
+        why = f"is covered by WIPEOUT {wipeout}; delete the one or the other"
+        outlines[number] = replace(outlines[number], broken=why)
+    return outlines, clipped
 
 
 def _layer_faults(
@@ -334,6 +300,21 @@ def _layer_faults(
             yield Fault("layer", text)
 
 
+def _frozen_on_sheets(
+    document: Document, closed: Sequence[PlacedOutline], named: Mapping[str, Layer]
+) -> Iterator[Fault]:
+    """Name the layers with outlines that every viewport hides, and that the project does not name."""
+    views = [v for sheet in document.layouts for v in sheet.query("VIEWPORT") if v.dxf.id != 1]
+    hidden = (
+        set.intersection(*({_key(name) for name in view.frozen_layers} for view in views)) if views else ()
+    )
+    for name in sorted({o.source.layer for o in closed}):
+        if _key(name) in hidden and _key(name) not in named:
+            remedy = f'freeze it there too, or write [layers."{name}"] in the project'
+            text = f'layer "{name}" is frozen in every viewport and shown in model space; {remedy}'
+            yield Fault("layer", text)
+
+
 def _nothing(document: Document, placed: Sequence[Placed]) -> str:
     """Describe what a drawing without polylines in model space has instead."""
     paper = [
@@ -351,12 +332,20 @@ def _nothing(document: Document, placed: Sequence[Placed]) -> str:
     return f"nothing closed is in model space, but {found}; draw each block as one closed polyline"
 
 
-def _left_out(placed: Sequence[Placed], open_: Sequence[PlacedOutline]) -> list[Message]:
+def _left_out(
+    placed: Sequence[Placed], clipped: Sequence[Placed], open_: Sequence[PlacedOutline]
+) -> list[Message]:
     """Warn of what looks like a block and is none."""
     hidden = Counter(p.layer for p in placed if p.hidden and is_polyline(p.entity))
     warnings = [
         message('layer "{name}": {count} frozen, off or invisible polylines left out', name=name, count=count)
         for name, count in hidden.items()
+    ]
+    warnings += [
+        message(
+            'layer "{name}": {count} polylines left out that clips of INSERTs hide', name=name, count=count
+        )
+        for name, count in Counter(p.layer for p in clipped).items()
     ]
     if open_:
         first = open_[0].source.at(*open_[0].points[[0, -1]])

@@ -70,7 +70,8 @@ class _Plan:
     def outlines(self) -> list[PlacedOutline]:
         """Return the outlines that are or should be blocks."""
         entities = placed_entities(self.document, self.path)
-        return meant_as_blocks(placed_outlines(entities, self.scale, self.sagitta, self.path), self.layers)
+        outlines, _ = placed_outlines(self.document, entities, self.scale, self.sagitta, self.path)
+        return meant_as_blocks(outlines, self.layers)
 
     def blocks(self) -> tuple[list[PlacedOutline], list[Block]]:
         """Return the outlines without faults, and their blocks."""

@@ -11,13 +11,13 @@ import shapely
 from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.entities.polyline import Polyline
-from ezdxf.math import Matrix44, Vec3
+from ezdxf.math import Vec3
 from numpy.typing import NDArray
 
 from mechanics.faults import Fault
+from mechanics.model.shown import SAME_POINT, Placed, has_direction
 from mechanics.types import Array, Index
 
-SAME_POINT = 1e-6  # of an outline's size: vertices closer than this are one vertex
 SAGITTA = 1e-3  # of an arc's width: the default distance between an arc and its chords
 SPLINE_FRAME = 16  # flag of a vertex that controls a spline-fitted polyline but is not on it
 FARTHEST = 1e7  # m from the origin: beyond it rounding is no longer small beside a joint's tolerance
@@ -27,22 +27,6 @@ MOST_CHORDS = 10_000  # of one arc
 MOST_POINTS = 1_000_000  # of all outlines
 MOST_VERTICES = 20_000  # of one outline: where they all are at one height the work grows with their square
 NOWHERE = Vec3(math.nan, math.nan, math.nan)
-
-
-@dataclass(frozen=True, slots=True)
-class Placed:
-    """An entity as model space shows it, inside INSERTs or not; `handle` is INSERT/…/entity."""
-
-    entity: DXFGraphic
-    to_model: Matrix44
-    layer: str
-    handle: str
-    hidden: bool
-
-    def at(self, *points: Array) -> str:
-        """Return layer, type, handle and coordinates (drawing units), for a message."""
-        where = " and ".join(f"({p[0]:.9g}, {p[1]:.9g})" for p in points)
-        return f'layer "{self.layer}", {self.entity.dxftype()} {self.handle} at {where or "no point"}'
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,18 +42,17 @@ class PlacedOutline:
     sagitta: float
     broken: str = ""
 
+    @property
+    def line(self) -> Array:
+        """The points (m, 3) of the outline, of a closed one the first again at its end."""
+        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
+
 
 def is_polyline(entity: DXFGraphic) -> bool:
     """Whether an entity is a polyline; meshes of the same type are none."""
     if isinstance(entity, Polyline):
         return bool(entity.is_2d_polyline or entity.is_3d_polyline)
     return isinstance(entity, LWPolyline)
-
-
-def has_direction(entity: DXFGraphic) -> bool:
-    """Whether the extrusion of an entity, the normal of its own axes, has a direction."""
-    size = Vec3(entity.dxf.get("extrusion", Vec3(0.0, 0.0, 1.0))).magnitude
-    return SAME_POINT < size < 1.0 / SAME_POINT
 
 
 def placed_outline(source: Placed, scale: float, sagitta: float | None) -> PlacedOutline:
@@ -120,14 +103,14 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
 def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
     """Describe what keeps an outline from being a block, where (text in drawing units, places in m), and what to do."""
     points, at = outline.points, outline.source.at
-    flat = points[:, :2]
-    line = np.concatenate([flat, flat[:1]]) if outline.closed else flat
+    flat, line = points[:, :2], outline.line[:, :2]
 
     def fault(text: str, *places: Array) -> Fault:
         return Fault("outline", text, np.array([p[:2] for p in places]).reshape(-1, 2), (line,)).scaled(scale)
 
     if outline.broken:
-        return Fault("outline", f"{at(points[0])} {outline.broken}")
+        text = f"{at(points[0])} {outline.broken}"
+        return fault(text, points[0]) if np.isfinite(points).all() else Fault("outline", text)
     if not outline.closed:
         apart = float(np.linalg.norm(points[0] - points[-1]))
         remedy = "close it, or freeze its layer if it is no block"
