@@ -6,7 +6,7 @@ import logging
 import re
 import struct
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from io import BytesIO
@@ -116,7 +116,9 @@ def read_drawing(
     Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing
     units: the file cannot be read or is cut off; an outline is open, self-crossing, without area or out
     of the drawing's plane, cut by a clip or covered by a wipeout; a layer of `layers` is not in the drawing, or
-    hidden; nothing closed is in model space. Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
+    hidden; nothing closed is in model space.
+
+    Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
     """
     drawing = survey_drawing(path, unit, default, layers, sagitta)
     if drawing.faults:
@@ -304,7 +306,7 @@ def _frozen_on_sheets(
     document: Document, closed: Sequence[PlacedOutline], named: Mapping[str, Layer]
 ) -> Iterator[Fault]:
     """Name the layers with outlines that every viewport hides, and that the project does not name."""
-    views = [v for sheet in document.layouts for v in sheet.query("VIEWPORT") if v.dxf.id != 1]
+    views: list[Any] = [v for sheet in document.layouts for v in sheet.query("VIEWPORT") if v.dxf.id != 1]
     hidden = (
         set.intersection(*({_key(name) for name in view.frozen_layers} for view in views)) if views else ()
     )

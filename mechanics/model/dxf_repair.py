@@ -23,7 +23,6 @@ from mechanics.model.dxf import (
     layer_of,
     meant_as_blocks,
     open_document,
-    placed_entities,
     placed_outlines,
 )
 from mechanics.model.fitting import SHARE, Fitting, Flags
@@ -31,7 +30,6 @@ from mechanics.model.joints import default_tolerance
 from mechanics.model.model_checks import NEAR, misfits
 from mechanics.model.overlaps import name_of, place_of
 from mechanics.model.polylines import (
-    SAME_POINT,
     PlacedOutline,
     ends_major_arc,
     fault_of,
@@ -39,6 +37,7 @@ from mechanics.model.polylines import (
     has_arcs,
     redraw,
 )
+from mechanics.model.shown import SAME_POINT, placed_entities
 from mechanics.types import Array
 
 ROUNDS = 60  # of fitting all pairs: a vertex that is moved may open the next joint; up to 30 were seen

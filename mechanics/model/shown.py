@@ -5,7 +5,7 @@ Whatever a drawing does not show is left out, or refused by name where what is m
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -145,7 +145,7 @@ def placed_entities(document: Document, path: Path) -> list[Placed]:
                 inner = single.matrix44() * to_model
                 try:
                     clip = _clip_of(entity, inner, handle)
-                except ValueError as error:
+                except DrawingError as error:
                     raise refused(f"{error}; explode it and trim it") from None
                 yield from place(block, inner, layer, f"{handle}/", gone, (*clips, *clip))
 
@@ -160,13 +160,13 @@ def _clip_of(insert: Insert, to_model: Matrix44, handle: str) -> list[Clip]:
     """Return the clip of an INSERT, none where it has none that is switched on.
 
     A point of the block, taken by the INSERT as it was when it was clipped and then by the filter's own matrix, lies in
-    the plane of the boundary. Raises ValueError for a clip that is no polygon in the plane of the block.
+    the plane of the boundary. Raises DrawingError for a clip that is no polygon in the plane of the block.
     """
     kept = get_spatial_filter(insert)
     if kept is None or not kept.dxf.is_clipping_enabled:
         return []
     if insert.mcount > 1:
-        raise ValueError("is an array with a clip")
+        raise DrawingError("is an array with a clip")
     corners = [(v.x, v.y) for v in kept.boundary_vertices]
     record = get_roundtrip_xrecord(kept)
     inverted = record is not None and record.has_section(ACAD_INVERTEDCLIP_ROUNDTRIP)
@@ -177,15 +177,15 @@ def _clip_of(insert: Insert, to_model: Matrix44, handle: str) -> list[Clip]:
     polygons = [_polygon(ring) for ring in rings]
     polygon = min(polygons, key=lambda each: float(each.area))  # of an inverted one the hole
     if kept.dxf.has_front_clipping_plane or kept.dxf.has_back_clipping_plane:
-        raise ValueError("is clipped in depth")
+        raise DrawingError("is clipped in depth")
     try:
         back = [np.array(list(m)).reshape(4, 4) for m in (to_model, kept.inverse_insert_matrix)]
         own = np.array(list(kept.transform_matrix)).reshape(4, 4)
         to_clip = np.linalg.inv(back[0]) @ np.linalg.inv(back[1]) @ own
     except np.linalg.LinAlgError:
-        raise ValueError("has a clip, and no extent") from None
+        raise DrawingError("has a clip, and no extent") from None
     if not (polygon.area > 0.0 and polygon.is_valid and np.isfinite(to_clip).all()):
-        raise ValueError("has a clip whose boundary is no polygon")
+        raise DrawingError("has a clip whose boundary is no polygon")
     return [Clip(polygon, to_clip, inverted, handle)]
 
 
@@ -224,7 +224,7 @@ def _is_undecided(block: Any, states: dict[str, list[set[str]]]) -> bool:
 
 
 def covered(
-    outlines: Iterable[tuple[Placed, Array]], placed: list[Placed], space: Any
+    outlines: Iterable[tuple[Placed, Array]], placed: Sequence[Placed], space: Any
 ) -> Iterator[tuple[int, str]]:
     """Yield the number of each of the outlines (n, 3) that a WIPEOUT drawn over it covers, and the handle of that."""
     wipeouts = [p for p in placed if p.entity.dxftype() == "WIPEOUT" and not p.hidden]
