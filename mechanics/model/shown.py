@@ -199,7 +199,8 @@ def _polygon(corners: list[tuple[float, float]]) -> shapely.Polygon:
 def _visibility_states(document: Document) -> dict[str, list[set[str]]]:
     """Return, for each entity whose dynamic block has visibility states, the entities that each of them shows."""
     found: dict[str, list[set[str]]] = {}
-    for parameter in document.objects.query("BLOCKVISIBILITYPARAMETER"):
+    parameters: Iterable[Any] = document.objects.query("BLOCKVISIBILITYPARAMETER")
+    for parameter in parameters:
         states: list[set[str]] = []
         governed: set[str] = set()
         for subclass in parameter.xtags.subclasses:
