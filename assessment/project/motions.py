@@ -155,7 +155,7 @@ def motion_of(
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
     try:
-        window = original.arias_window() if table.window_s == "arias" else table.window_s
+        window = original.strong_window() if table.window_s == "arias" else table.window_s
         cut = original.windowed(*window) if window else original
         if table.time_step_s and cut.duration > MOST_SAMPLES * table.time_step_s:
             raise ValueError(

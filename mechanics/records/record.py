@@ -16,6 +16,7 @@ from mechanics.types import Array
 
 HIGHEST_CREDIBLE_PGA = 10.0  # g; beyond it the unit is wrong
 LOWEST_PGA = 1e-9  # g; below it nothing moves
+QUIET = 0.05  # of the PGA: what rests below 20 times its own activation rests under less
 SAME_TIME = 1e-6  # of a time step: times closer than this are one
 
 
@@ -96,6 +97,16 @@ class Record:
         intensity = np.concatenate([[0.0], np.cumsum(squared[:-1] + squared[1:])])
         start, end = np.interp([low, high], intensity / intensity[-1], self.time)
         return float(start), float(end)
+
+    def strong_window(self) -> tuple[float, float]:
+        """Find the times (s) from which the motion is worth following and until which it is strong.
+
+        It begins at 0.1 % of the Arias intensity, or where |a| first reaches 5 % of the PGA if that is earlier, and ends
+        at 95 %. From 5 % on a scaled record would lack pulses that set a structure rocking. Raises as arias_window.
+        """
+        start, end = self.arias_window(1e-3, 0.95)
+        first = int(np.argmax(np.abs(self.acceleration) >= QUIET * self.pga))
+        return min(start, first * self.time_step), end
 
     def resampled(self, time_step: float) -> Record:
         """Return the record at another time step (s); a rest shorter than one step is dropped from its end.

@@ -28,7 +28,9 @@ class MotionTable(Table):
         description="time step, s; default the record's; also the sampling step of a one-column record",
     )
     window_s: Window | Literal["arias"] | None = Field(
-        default=None, description='first and last second of the record to use, or "arias": its 5–95 % window'
+        default=None,
+        description='first and last second of the record to use, or "arias": from 0.1 % of its Arias intensity, '
+        "or 5 % of its peak if that is earlier, to 95 %",
     )
     contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
     integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = Field(

@@ -516,6 +516,18 @@ def test_arias_window_refusals():
         Record(np.zeros(5), 0.1, "still").arias_window()
 
 
+def test_the_strong_window_begins_before_anything_that_may_move():
+    """A pulse of 8 % of the peak holds less than 0.1 % of the intensity, and overturns what stands to 5 %."""
+    start, end = NOISE.strong_window()
+    before = NOISE.time < start
+    assert abs(NOISE.acceleration[before]).max() < 0.05 * NOISE.pga
+    assert start <= NOISE.arias_window(1e-3)[0] and end == NOISE.arias_window()[1]
+    pulse = np.where(abs(NOISE.time - 0.2) < 0.03, 0.08 * NOISE.pga, 0.0)
+    shaken = Record(NOISE.acceleration + pulse, NOISE.time_step, "pulse first")
+    assert shaken.arias_window(1e-3)[0] > 0.3 and shaken.strong_window()[0] == pytest.approx(0.18)
+    assert shaken.scaled(7.0).strong_window() == pytest.approx(shaken.strong_window())
+
+
 # --- resampling ---
 
 

@@ -276,7 +276,7 @@ def test_the_window_scale_and_step_of_a_motion(tmp_path):
         tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "wave.csv"'
     )
     (motion,) = history_motions(project)
-    begin = read_record(tmp_path / "block" / "wave.csv").arias_window()[0]
+    begin = read_record(tmp_path / "block" / "wave.csv").strong_window()[0]
     assert 0.0 <= motion.start - begin < STEP
     np.testing.assert_allclose(motion.vertical, motion.record.acceleration, atol=1e-12)
 
