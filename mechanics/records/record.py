@@ -101,7 +101,7 @@ class Record:
     def strong_window(self) -> tuple[float, float]:
         """Find the times (s) from which the motion is worth following and until which it is strong.
 
-        It begins at 0.1 % of the Arias intensity, or where |a| first reaches 5 % of the PGA if that is earlier, and ends
+        It begins at 0.1 % of the Arias intensity, or where |a| first reaches 5 % of the PGA if that is earlier; it ends
         at 95 %. From 5 % on a scaled record would lack pulses that set a structure rocking. Raises as arias_window.
         """
         start, end = self.arias_window(1e-3, 0.95)
