@@ -16,7 +16,7 @@ from assessment.results.schema.summary import (
     SummaryMechanism,
     SummaryRow,
 )
-from assessment.results.table import quoted_limit_state, reduction
+from assessment.results.table import quoted_limit_state, reduction, static_pga
 from assessment.results.undetermined import directions_asked
 
 ORIGINAL = "original"
@@ -66,7 +66,6 @@ def _row(
     ratios = {limit: ratio for limit, check in checks.items() if (ratio := check.zeta_E) is not None}
     indexed = [limit for limit in INDEXED if limit in checks] or list(checks)
     farthest = quoted_limit_state(capacity.checks) if capacity else None
-    quoted = capacity.checks[farthest] if capacity and farthest else None
     row = SummaryRow(
         state=name,
         direction=direction,
@@ -75,7 +74,7 @@ def _row(
         governing=min(ratios, key=lambda limit: ratios[limit], default=None),
         verified=_all(checks[limit].verified for limit in indexed),
         limit_state=farthest,
-        static_pga_g=quoted.pga_g if quoted else None,
+        static_pga_g=static_pga(capacity),
     )
     if direction is not None:
         row = _with_curves(row, pushed, original.pushover.get(direction) if original else None)

@@ -8,7 +8,7 @@ from typing import Any
 
 from assessment.ntc.limit_states import INDEXED, QUOTED, ROCK, SURFACE
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity, StrengtheningRow
+from assessment.results.schema.checks import Capacity, Check, StrengtheningRow
 from assessment.results.schema.part import Part
 from assessment.results.schema.studies import Capacities, Scenarios
 
@@ -60,11 +60,17 @@ def quoted_limit_state(checks: Mapping[str, object]) -> str | None:
     return next((limit_state for limit_state in QUOTED if checks.get(limit_state)), None)
 
 
-def static_pga(capacity: Capacity | None) -> float | None:
-    """Return the a_g borne (g) at the farthest limit state that was checked in a direction."""
+def quoted_check(capacity: Capacity | None) -> Check | None:
+    """Return the check of the farthest limit state that was checked in a direction."""
     checks = capacity.checks if capacity else {}
     limit_state = quoted_limit_state(checks)
-    return checks[limit_state].a_g_g if limit_state else None
+    return checks[limit_state] if limit_state else None
+
+
+def static_pga(capacity: Capacity | None) -> float | None:
+    """Return the PGA borne at the surface (g), S a_g, at the farthest limit state that was checked in a direction."""
+    check = quoted_check(capacity)
+    return check.pga_g if check else None
 
 
 def brought_together(static: float | None, dynamic: float | None) -> Row:

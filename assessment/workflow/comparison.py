@@ -17,8 +17,8 @@ COMPARED = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")  # of which the firs
 def comparison(states: Mapping[str, State]) -> list[ComparisonRow]:
     """Return a row for each settled state and direction; the dynamic capacity is the same in every direction.
 
-    The static capacity is that of the farthest limit state checked, on rock with F_C; the dynamic one is at the surface
-    without it, where `static_surface_pga_g` brings the static one before `dynamic_to_static` is taken.
+    The static capacity is that of the farthest limit state checked, with F_C; the dynamic one has none, and
+    `dynamic_to_static` is over `static_surface_pga_g`, which has none either. All are PGA at the surface.
     """
     original = states.get(ORIGINAL)
     if original is None:
@@ -43,7 +43,6 @@ def _row(name: str, original: State, state: State, direction: Direction | None) 
     was, now = (each.capacity.get(direction) if direction else None for each in (original, state))
     before, after = static_pga(was), static_pga(now)
     limit = _limit_state(was) or _limit_state(now)
-    check = now.checks.get(limit) if now and limit else None
     dynamic = state.incremental.pga_collapse_g
     row = ComparisonRow(
         state=name,
@@ -53,7 +52,7 @@ def _row(name: str, original: State, state: State, direction: Direction | None) 
         static_reduction=reduction(before, after),
         dynamic_pga_g=dynamic,
         dynamic_reduction=reduction(original.incremental.pga_collapse_g, dynamic),
-        static_reference=check.reference if check else None,
+        static_reference=None if after is None else SURFACE,
         dynamic_reference=None if dynamic is None else SURFACE,
     )
     if dynamic is None:

@@ -17,6 +17,7 @@ from assessment.results.schema import FORMAT, Results
 from assessment.results.summary import EMPTY, summary_of
 
 G = 9.80665
+S = 1.2
 SETTLED = "right support 20 mm"
 DEMAND = {"SLD": (0.104, 2.33, 0.28), "SLV": (0.261, 2.36, 0.35), "SLC": (0.334, 2.40, 0.36)}  # L'Aquila
 DAMPING = {"SLD": 0.05, "SLV": 0.08, "SLC": 0.10}
@@ -345,7 +346,8 @@ def _point(method: str, damping: float) -> dict[str, Any]:
 
 def _demanded(a_g: float, limit: str) -> dict[str, Any]:
     demand = DEMAND[limit][0]
-    return {"demand_a_g_g": demand, "zeta_E": a_g / demand, "verified": a_g >= demand}
+    at_surface = {"pga_g": S * a_g, "demand_pga_g": S * demand, "S": S, "demand_S": S}
+    return {"demand_a_g_g": demand, **at_surface, "zeta_E": a_g / demand, "verified": a_g >= demand}
 
 
 def _spectrum(a_g: float, F0: float, Tc_star: float, damping: float = 0.05) -> dict[str, Any]:
@@ -401,7 +403,7 @@ def _pushdown() -> dict[str, Any]:
 
 
 def _pga(states: dict[str, Any], name: str, direction: str) -> float:
-    return float(states[name]["capacity"][direction]["SLC"]["a_g_g"])
+    return float(states[name]["capacity"][direction]["SLC"]["pga_g"])
 
 
 def _echo(language: str) -> dict[str, Any]:

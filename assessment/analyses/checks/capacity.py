@@ -18,6 +18,7 @@ from assessment.analyses.checks.refusals import other_mechanism, refused, toward
 from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.ntc.capacity.curve import (
+    Activation,
     CapacityCurve,
     Participation,
     capacity_curve,
@@ -115,7 +116,12 @@ def _assessed(
     fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
     fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
     capacity = capacity_curve(
-        fit, part.e_star, part.gamma_star, assessment.confidence_factor, confidence_source(assessment)
+        fit,
+        part.e_star,
+        part.gamma_star,
+        assessment.confidence_factor,
+        confidence_source(assessment),
+        activation_of(rigid),
     )
     method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
     beyond = _beyond_loss(assessment, rigid.local_loss)
@@ -135,6 +141,13 @@ def _assessed(
     if elastic is not None and fit.alpha_y is not None:
         curves = curves.replace(elastic=elastic.replace(alpha_y=fit.alpha_y, d_y_m=fit.d_y))
     return Assessed(curves, made)
+
+
+def activation_of(rigid: RigidPush) -> Activation | None:
+    """Return what activates the first mechanism, where that of α0 moves only once blocks have met others (C8.7.1.2)."""
+    if rigid.onset is None:
+        return None
+    return Activation(rigid.alpha_onset, known(rigid.onset.e_star))
 
 
 def _refuse_other_mechanism(rigid: RigidPush) -> None:
@@ -207,7 +220,7 @@ def _vertical(
     if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
         return None
     assert linear.demand_a_star is not None
-    made = vertical_component(ground, capacity.fit.alpha_0, capacity.a_0_star, linear.demand_a_star)
+    made = vertical_component(ground, capacity.activation.alpha, capacity.a_0_star, linear.demand_a_star)
     return parts.VerticalCheck(
         a_v_g=made.a_v,
         alpha_0=made.alpha_0,

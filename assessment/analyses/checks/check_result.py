@@ -46,9 +46,9 @@ def check_of(kind: type[Kind], check: verification.Check, common: int, **more: A
 
 
 def checks_of(curve: capacity.CapacityCurve, checks: Mapping[str, verification.Check]) -> dict[str, Check]:
-    """Return the checks of a capacity curve by their names; linear ones with the mechanism's α_0 and e*."""
+    """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
     common = len(curve.steps())
-    linear = {"alpha_0": curve.fit.alpha_0, "e_star": curve.e_star}
+    linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
     return {
         name: check_of(Check, check, common, **(linear if check.method == "linear" else {}))
         for name, check in checks.items()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from assessment.analyses.static.local_loss import local_loss
 from assessment.analyses.static.paths import configuration
-from assessment.ntc.capacity.curve import mechanism_participation
+from assessment.ntc.capacity.curve import mass_share, mechanism_participation
 from assessment.ntc.capacity.curve_fit import CapacityError, yield_point
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
@@ -17,7 +17,7 @@ from assessment.results.plain import finite
 from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
 from assessment.results.table import sense
 from mechanics import Assembly, ConvergenceError, NoEquilibriumError, State
-from mechanics.model import Direction
+from mechanics.model import Contacts, Direction
 from mechanics.procedures import Pushover, hinges, limit_in, virtual_work_multiplier
 from mechanics.steps import Sliding
 
@@ -40,7 +40,9 @@ def rigid_push(
     Where joints slide in it, with the multiplier by the other law of friction.
     """
     at, met = path.states[path.formed], Met(model)
-    mechanism = _mechanism(model, control, path, met)
+    point = path.formed
+    moving = _Moving(point, float(path.multiplier[point]), at, path.mechanism, path.contacts, path.forces)
+    mechanism = _mechanism(model, control, met, moving)
     found = RigidPush(
         alpha_0=float(path.multiplier[path.peak]),
         alpha_onset=float(path.multiplier[0]),
@@ -59,6 +61,11 @@ def rigid_push(
         final_configuration=configuration(model, path.states[-1]),
         frames=pushover_frames(model, path, met),
     )
+    if path.formed:
+        first = limit_in(model, direction, path.states[0], sliding)
+        begins = float(path.multiplier[0])
+        moving = _Moving(0, begins, path.states[0], first.mechanism, first.contacts, first.forces)
+        found = found.replace(onset=_mechanism(model, control, met, moving))
     carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
     carried[path.formed] = path.forces
     moved = list(np.diff([state.positions for state in path.states], axis=0))
@@ -103,26 +110,34 @@ def _yield_point(path: Pushover) -> tuple[float, float] | None:
         return None
 
 
-def _mechanism(model: Assembly, control: ControlTable, path: Pushover, met: Met) -> Mechanism:
-    """Return the mechanism at the point of α0.
+class _Moving(NamedTuple):
+    """What moves at a point of a curve: virtual displacements (b, 3), contacts and the forces (j, 3) in them."""
 
-    Pairs of faces that slide in it although they did not touch as drawn are added to `met`.
-    """
-    at = path.states[path.formed]
-    displacements, control_dx = _scaled(model, control, at, path.mechanism)
-    found = hinges(model, path.contacts, at, displacements, path.forces)
-    slides = np.isin(np.arange(len(path.contacts)), found.sliding)
+    point: int
+    alpha: float
+    at: State
+    displacements: NDArray[np.float64]
+    contacts: Contacts
+    forces: NDArray[np.float64]
+
+
+def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _Moving) -> Mechanism:
+    """Return a mechanism; pairs of faces that slide in it although they did not touch as drawn are added to `met`."""
+    point, alpha, at, moved, contacts, forces = moving
+    displacements, control_dx = _scaled(model, control, at, moved)
+    found = hinges(model, contacts, at, displacements, forces)
+    slides = np.isin(np.arange(len(contacts)), found.sliding)
     e_star, gamma_star = _participation(model, displacements, control_dx)
     return Mechanism(
-        point=path.formed,
-        alpha=float(path.multiplier[path.formed]),
+        point=point,
+        alpha=alpha,
         hinges=len(found.points),
         e_star=e_star,
         gamma_star=gamma_star,
         displacements=displacements.tolist(),
         control_displacement_x=control_dx,
         hinge_points_m=model.as_drawn(found.points).tolist(),
-        sliding_joints=met.numbers(path.contacts, slides)[found.sliding].tolist(),
+        sliding_joints=met.numbers(contacts, slides)[found.sliding].tolist(),
         moving_weight_kN=float(found.moving_weight),
     )
 
@@ -198,11 +213,12 @@ def _participation(
     model: Assembly, mechanism: NDArray[np.float64], control_dx: float
 ) -> tuple[float | None, float | None]:
     """Return e* and Γ*; None where they are not defined: the capacity is refused later, with its reason."""
+    e_star = None
     try:
-        part = mechanism_participation(model, mechanism, control_dx)
+        e_star = mass_share(model, mechanism)
+        return e_star, mechanism_participation(model, mechanism, control_dx).gamma_star
     except CapacityError:
-        return None, None
-    return part.e_star, part.gamma_star
+        return e_star, None
 
 
 def _curve(path: Pushover, direction: Direction) -> Curve:

@@ -103,12 +103,31 @@ def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float
     return participation(weights, mechanism[:, 0], control_dx, (size > 1e-6 * size.max()) & model.movable)
 
 
+def mass_share(model: Assembly, mechanism: Array) -> float:
+    """Return e* of virtual displacements (b, 3), which does not depend on a control point.
+
+    Raises CapacityError where no weight moves horizontally.
+    """
+    weights = np.array([block.mass * GRAVITY for block in model.blocks])
+    mean = float(weights[model.movable] @ mechanism[model.movable, 0] / weights[model.movable].sum())
+    return mechanism_participation(model, mechanism, mean).e_star
+
+
+@dataclass(frozen=True)
+class Activation:
+    """The onset of motion that a linear check asks for: multiplier α and e* of the first mechanism; its `source`."""
+
+    alpha: float
+    e_star: float
+    source: str = "limit analysis in the configuration of the state"
+
+
 @dataclass(frozen=True, eq=False)
 class CapacityCurve:
     """Capacity of the equivalent oscillator: a* (k,) in g over d* (k,) in m, with the fit it comes from.
 
     a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is applied here alone. `confidence_source`: the
-    paragraph that F_C follows from.
+    paragraph that F_C follows from. `activation`: what activates the first mechanism.
     """
 
     fit: CurveFit
@@ -116,6 +135,7 @@ class CapacityCurve:
     gamma_star: float
     confidence_factor: float
     confidence_source: str
+    activation: Activation
 
     @cached_property
     def displacement(self) -> Array:
@@ -129,8 +149,8 @@ class CapacityCurve:
 
     @property
     def a_0_star(self) -> float:
-        """Acceleration that activates the rigid mechanism, g."""
-        return self.fit.alpha_0 / (self.e_star * self.confidence_factor)
+        """Acceleration that activates the first mechanism, g."""
+        return self.activation.alpha / (self.activation.e_star * self.confidence_factor)
 
     @property
     def a_y_star(self) -> float | None:
@@ -165,10 +185,8 @@ class CapacityCurve:
             datum("e_star", e, "", _LAW),
             datum("Gamma_star", Gamma, "", _LAW),
             datum("F_C", F_C, "", self.confidence_source),
-            datum("alpha_0", fit.alpha_0, "", fit.source),
-            step("a_0_star", "alpha_0/(e_star*F_C)", self.a_0_star, "g", _LAW, alpha_0=fit.alpha_0, e_star=e,
-                 F_C=F_C),
-        ]  # fmt: skip
+            *self._activation_steps(),
+        ]
         if fit.d_0 is not None and self.d_0_star is not None:
             lines += [
                 datum(
@@ -191,6 +209,22 @@ class CapacityCurve:
             ]  # fmt: skip
         return tuple(lines)
 
+    def _activation_steps(self) -> Trace:
+        """Return a_0* by hand: of the mechanism of the curve, or of another one that moves before."""
+        first, F_C = self.activation, self.confidence_factor
+        if first.e_star == self.e_star:
+            return (
+                datum("alpha_0", first.alpha, "", first.source),
+                step("a_0_star", "alpha_0/(e_star*F_C)", self.a_0_star, "g", _LAW, alpha_0=first.alpha,
+                     e_star=first.e_star, F_C=F_C),
+            )  # fmt: skip
+        return (
+            datum("alpha_act", first.alpha, "", first.source),
+            datum("e_star_act", first.e_star, "", first.source),
+            step("a_0_star", "alpha_act/(e_star_act*F_C)", self.a_0_star, "g", _LAW, alpha_act=first.alpha,
+                 e_star_act=first.e_star, F_C=F_C),
+        )  # fmt: skip
+
 
 def capacity_curve(
     fit: CurveFit,
@@ -198,14 +232,20 @@ def capacity_curve(
     gamma_star: float,
     confidence_factor: float = 1.0,
     confidence_source: str = CONFIDENCE_FACTOR,
+    activation: Activation | None = None,
 ) -> CapacityCurve:
     """Return the capacity curve d* = d Γ*, a* = α/(e* F_C): the confidence factor divides once, here.
 
-    `confidence_source`: the paragraph that F_C follows from. Raises ValueError naming the argument.
+    `confidence_source`: the paragraph that F_C follows from; `activation`: default, the curve's own mechanism at α0.
+    Raises ValueError naming the argument.
     """
     require(0.0 < e_star <= 1.0 + 1e-9, "e_star", e_star, "above 0 and at most 1")
     require(0.0 < gamma_star < np.inf, "gamma_star", gamma_star, "positive")
     require(
         1.0 <= confidence_factor < np.inf, "confidence_factor", confidence_factor, "1 or more (1.35, 1.20, 1)"
     )
-    return CapacityCurve(fit, e_star, gamma_star, confidence_factor, confidence_source)
+    activation = activation or Activation(fit.alpha_0, e_star, fit.source)
+    require(
+        0.0 < activation.e_star <= 1.0 + 1e-9, "activation.e_star", activation.e_star, "above 0 and at most 1"
+    )
+    return CapacityCurve(fit, e_star, gamma_star, confidence_factor, confidence_source, activation)

@@ -65,7 +65,7 @@ LINEAR_CHECK = (
     "direction",
     "limit_state",
     "mechanism",
-    "alpha_0",
+    "alpha_onset",
     "e_star",
     "a_0_star_g",
     "demand_a_star_g",
@@ -235,22 +235,34 @@ def chosen_checks(results: Results) -> Table:
 
 
 def linear_checks(results: Results) -> Table:
-    """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
+    """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height.
+
+    They are of the mechanism that is activated first, in the configuration of its state.
+    """
     rows = [
         {"state": name, "direction": direction, "limit_state": limit, "mechanism": mechanism}
-        | {"alpha_0": check.alpha_0, "e_star": check.e_star, "a_0_star_g": check.a_star_g}
+        | {"alpha_onset": check.alpha_0, "e_star": check.e_star, "a_0_star_g": check.a_star_g}
         | {"demand_a_star_g": check.demand_a_star_g, "ratio": check.zeta_E, "verified": check.verified}
-        for name, direction, mechanism, found in _mechanisms_checked(results)
+        for name, direction, mechanism, found in _mechanisms_activated(results)
         for limit, check in found.checks.items()
         if limit in LINEAR and check.demand_a_star_g is not None
     ]
     return Table("linear_checks", rows, LINEAR_CHECK)
 
 
-def _mechanisms_checked(results: Results) -> Iterator[tuple[str, Direction, str, Capacity | GivenMechanism]]:
-    """Yield state, direction, name and checks of every mechanism: those found, then those chosen."""
+def _mechanisms_activated(
+    results: Results,
+) -> Iterator[tuple[str, Direction, str, Capacity | GivenMechanism]]:
+    """Yield state, direction, name and checks of every mechanism: what is activated first, then those chosen."""
     for name, direction, capacity in capacities(results):
-        yield name, direction, mechanism_text(capacity.mechanism), capacity
+        pushed = results.states[name].pushover.get(direction)
+        first = pushed.rigid.onset if pushed and pushed.rigid else None
+        count = (
+            Count(hinges=first.hinges, sliding_joints=len(first.sliding_joints))
+            if first
+            else capacity.mechanism
+        )
+        yield name, direction, mechanism_text(count), capacity
     for given in results.mechanisms or []:
         if given.direction:
             yield given.state, given.direction, given.name, given

@@ -191,9 +191,9 @@ def incremental_curves(results: Results) -> Table:
 
 
 def static_dynamic(results: Results) -> Table:
-    """Set the a_g of the static check beside the PGA of the incremental analysis, with what a settlement costs.
+    """Set the PGA of the static check beside that of the incremental analysis, with what a settlement costs.
 
-    They are compared at the surface and without confidence factor: `static_surface_pga_g`.
+    They are compared without confidence factor: `static_surface_pga_g`.
     """
     original = results.states.get("original")
     rows: list[Row] = []

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from assessment.results.echo import taken_to_collapse
 from assessment.results.schema import Results
 from assessment.results.schema.studies import Capacities, Scenarios, Sensitivity, SensitivityRun
-from assessment.results.table import Row, Table, cells, static_pga
+from assessment.results.table import Row, Table, cells, quoted_check
 
 CAPACITY = ("collapses", "alpha_0", "alpha_u", "d_0_m", "limit_state", "a_g_g", "zeta_E")
 SCENARIOS = (
@@ -101,8 +101,8 @@ def bars(results: Results) -> list[Bar]:
     for state in dict.fromkeys(run.state for run in runs):
         own = [run for run in runs if run.state == state]
         directions = dict.fromkeys(run.direction for run in own)
-        capacities = results.states[state].capacity
-        base = _weaker(static_pga(capacities.get(direction)) for direction in directions)
+        checks = [quoted_check(results.states[state].capacity.get(direction)) for direction in directions]
+        base = _weaker(check.a_g_g if check else None for check in checks)
         of_state = [_bar(state, name, own, base) for name in dict.fromkeys(run.property for run in own)]
         found += sorted(of_state, key=lambda bar: -float("inf") if bar.swing_g is None else -bar.swing_g)
     return found

@@ -123,8 +123,8 @@ COLUMNS = {
         (Column(digits=COARSE, null=NONE), "beta_low beta_high"),  # fewer than three records have no interval
         (Column(null=NONE, ground=SURFACE), "median_low_g median_high_g"),
         (TWO_DIGITS, "beta beta_record beta_ensemble I_S acceptable_nominal_life_years"),
-        (ON_ROCK, "a_g_g demand_a_g_g static_pga_g a_g_error_g a_g_low_g a_g_base_g a_g_high_g"),
-        (Column(ground=SURFACE, null=OPEN), "pga_g demand_pga_g static_surface_pga_g"),
+        (ON_ROCK, "a_g_g demand_a_g_g a_g_error_g a_g_low_g a_g_base_g a_g_high_g"),
+        (Column(ground=SURFACE, null=OPEN), "pga_g demand_pga_g static_pga_g static_surface_pga_g"),
         (AT_SURFACE, "dynamic_pga_g record_pga_g pga_safe_g median_g"),
         (AT_SURFACE, "pga_collapse_g pga_all_collapse_g mean_pga_collapse_g lowest_pga_collapse_g"),
         (AT_SURFACE, "pga_collapse_error_g median_all_collapse_g"),

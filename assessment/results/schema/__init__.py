@@ -25,7 +25,7 @@ from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, 
 from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
 from assessment.results.schema.summary import Summary
 
-FORMAT: Final = 2
+FORMAT: Final = 3
 """Of the file: it changes where a key goes, or gets another meaning."""
 
 
@@ -50,7 +50,7 @@ class State(Part):
 class Results(Part):
     """The whole file."""
 
-    format: Literal[2] = key("format of the file; a file of another one is refused")
+    format: Literal[3] = key("format of the file; a file of another one is refused")
     assesto: str = key("version of the program")
     title: str = key("title of the project")
     summary: Summary = key("what the first page of a report prints")

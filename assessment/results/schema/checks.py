@@ -31,7 +31,7 @@ class Check(Part):
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "g")
     demand_a_g_g: float = key("demand a_g", "g")
     demand_a_star_g: float | None = optional("of a linear check: a_g S/q, or a_Z/q at height", "g")
-    alpha_0: float | None = optional("of a linear check: multiplier of its mechanism", "–")
+    alpha_0: float | None = optional("of a linear check: multiplier that activates the first mechanism", "–")
     e_star: float | None = optional("of a linear check: share of the mass that takes part, e*", "–")
     pga_g: float | None = optional("capacity at the surface, S a_g", "g")
     demand_pga_g: float | None = optional("demand at the surface, S a_g", "g")
@@ -100,7 +100,7 @@ class VerticalCheck(Part):
     """`capacity.+x.vertical`: the linear check at SLV with 0.3 of the vertical component (NTC 2018, §7.2.2)."""
 
     a_v_g: float = key("vertical acceleration S_ve(0)", "g")
-    alpha_0: float = key("multiplier of the rigid mechanism under the lighter weights", "–")
+    alpha_0: float = key("multiplier that activates the first mechanism under the lighter weights", "–")
     a_0_star_g: float = key("a_0* of it", "g")
     demand_a_star_g: float = key("what it is compared with", "g")
     ratio: float = key("their ratio", "–")
@@ -231,13 +231,15 @@ class ComparisonRow(Part):
     state: str = key("the settled state")
     direction: Direction | None = key("direction of the push; null: no pushover")
     limit_state: str | None = key("the farthest one checked, of which the static capacity is")
-    static_pga_g: float | None = key("capacity a_g of the state", "g")
-    static_reduction: float | None = key("1 − a_g(settled)/a_g(original)", "–")
+    static_pga_g: float | None = key("capacity of the state as PGA at the surface, S a_g, with F_C", "g")
+    static_reduction: float | None = key("1 − PGA(settled)/PGA(original) of it", "–")
     dynamic_pga_g: float | None = key("PGA at collapse of the state", "g")
     dynamic_reduction: float | None = key("1 − PGA(settled)/PGA(original)", "–")
-    static_reference: str | None = optional("of the static capacity: rock or surface")
+    static_reference: str | None = optional("of the static capacity: surface")
     dynamic_reference: str | None = optional("of the dynamic capacity: surface")
-    static_surface_pga_g: float | None = optional("static capacity at the surface with F_C = 1", "g")
+    static_surface_pga_g: float | None = optional(
+        "static capacity with F_C = 1, as the dynamic one has none", "g"
+    )
     dynamic_to_static: float | None = optional("dynamic capacity over that", "–")
 
 

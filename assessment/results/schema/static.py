@@ -135,7 +135,11 @@ class RigidPush(Part):
 
     alpha_0: float = key("largest multiplier of the curve, α_0", "–")
     alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
-    alpha_onset: float = key("its first multiplier; above it an open hinge of a settlement may close", "–")
+    alpha_onset: float = key(
+        "its first multiplier, of limit analysis in the state's own configuration; above it blocks meet others, or a "
+        "hinge of a settlement closes",
+        "–",
+    )
     d_0_m: float | None = key("displacement capacity, along the push; null: the path was cut short", "m")
     d_0_m_range: list[float | None] | None = optional(
         "least and largest of an ensemble; null: none in some", "m"
@@ -164,6 +168,9 @@ class RigidPush(Part):
     members: list[Curve] | None = optional("curves of the other members of the ensemble")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     mechanism: Mechanism = key("the mechanism at its activation")
+    onset: Mechanism | None = optional(
+        "the mechanism that `alpha_onset` sets in motion, of which the linear checks are; missing: the same"
+    )
     virtual_work_alpha: float | None = key(
         "multiplier by virtual work over all blocks; null: the horizontal load does no work", "–"
     )

@@ -126,7 +126,7 @@ def test_results_cut_short(project, capsys):
     (project / "output" / "results.json").write_text(json.dumps(content), encoding="utf-8")
     assert main(["report", str(project)]) == 2
     said = capsys.readouterr().err
-    assert said.startswith(f"error: {project / 'output' / 'results.json'}: inputs: missing (and ")
+    assert said.startswith(f"error: {project / 'output' / 'results.json'}: summary: missing (and ")
     assert said.endswith("; run the project again\n")
 
 

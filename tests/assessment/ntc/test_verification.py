@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity.curve import capacity_curve, participation
+from assessment.ntc.capacity.curve import Activation, capacity_curve, participation
 from assessment.ntc.capacity.curve_fit import CurveFit, fit_curve, fit_rigid
 from assessment.ntc.demand.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.demand.hazard import HazardCurve, return_period_steps, site_curve
@@ -85,6 +85,27 @@ def test_single_rigid_block_by_hand():
         assert check.governing.endswith("d_0")
         assert found["a_0_star"] == pytest.approx(1 / 7)
     assert not checks["SLD"].verified
+
+
+def test_what_is_activated_first_is_what_linear_checks_are_of():
+    """A wall of α0 = 1/7, e* = 1 leans on a neighbour: together α0 = 0.3, e* = 0.8. Soil A, q = 2, F_C = 1.35.
+
+    SLD  a_0* = 0.142857/(1·1.35) = 0.105820 g;  SLV linear 0.211640 g; of α0 it would be 0.3/(0.8·1.35) = 0.277778 g.
+    The nonlinear checks of the rigid branch are not below 0.105820 g, the activation, either.
+    """
+    d = np.linspace(0.0, 0.004, 21)
+    fit = fit_rigid((d, 0.3 * (1.0 - d / 0.004)))
+    together = capacity_curve(fit, 0.8, 0.5, 1.35)
+    assert together.a_0_star == pytest.approx(0.277778, rel=2e-6)
+    capacity = capacity_curve(fit, 0.8, 0.5, 1.35, activation=Activation(1.0 / 7.0, 1.0))
+    checks = verify(capacity, dict.fromkeys(("SLD", "SLV"), SOIL_A))
+    assert checks["SLD"].a_g == pytest.approx(0.105820, rel=2e-6)
+    assert checks["SLV linear"].a_g == pytest.approx(0.211640, rel=2e-6)
+    assert (checks["SLV"].governing, checks["SLV"].a_g) == ("activation", pytest.approx(0.105820, rel=2e-6))
+    assert verify(together, {"SLV": SOIL_A})["SLV"].a_g == pytest.approx(0.277778, rel=2e-6)
+    for line in checks["SLD"].trace:
+        if line.formula:
+            assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-12)
 
 
 def test_references_by_hand():

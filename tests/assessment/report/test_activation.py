@@ -17,6 +17,7 @@ from lxml import html
 from assessment.analyses.static.curve_numbers import mechanism_participation
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
+from assessment.report.chapters.curve_remarks import onsets
 from assessment.report.document import render_html
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.thrust import draw_thrust
@@ -65,7 +66,8 @@ def test_the_example_has_runs_whose_multipliers_differ(results):
     """Without one the tests below would show nothing of ensembles."""
     found = [push(results, *case) for case in CASES]
     assert any(each.members for each in found)
-    assert any(each.alpha_0 != each.mechanism.alpha for each in found)
+    assert any(each.alpha_0_range and each.alpha_0_range[0] < each.alpha_0_range[1] for each in found)
+    assert any(each.onset and each.onset.e_star != each.mechanism.e_star for each in found)
     assert any(each.alpha_onset < 0.9 * each.alpha_0 for each in found), "a hinge of the settlement closes"
 
 
@@ -75,10 +77,10 @@ def test_tables_and_summaries_have_one_multiplier(results, rows, state, directio
     rigid = push(results, state, direction)
     shown = {
         "results": rigid.alpha_0,
-        "range": (rigid.alpha_0_range or [rigid.alpha_0])[0],
-        "curves": min(max(curve.multiplier) for curve in (rigid.curve, *(rigid.members or []))),
+        "curve": max(rigid.curve.multiplier),
+        "mechanism": rigid.mechanism.alpha,
     }
-    for name in ("mechanisms", "linear_checks", "all_mechanisms"):
+    for name in ("mechanisms", "all_mechanisms"):
         shown |= {
             f"{name} {number}": row["alpha_0"] for number, row in enumerate(of(rows[name], state, direction))
         }
@@ -90,22 +92,44 @@ def test_tables_and_summaries_have_one_multiplier(results, rows, state, directio
     for row in of(rows["static_ranges"], state, direction):
         if row["quantity"] == "alpha_0":
             shown["ranges"] = row["value"]
+    assert shown == pytest.approx(dict.fromkeys(shown, rigid.alpha_0), rel=1e-12)
+
+
+@each_case
+def test_linear_checks_are_of_what_is_activated_first(results, rows, state, direction):
+    """C8.7.1.2: they were of α0, which is reached only once hinges of the settlement have closed, above the onset.
+
+    The sentence on the curve says the number of the table.
+    """
+    rigid = push(results, state, direction)
+    shown = {
+        f"{name} {number}": row["alpha_onset"]
+        for name in ("linear_checks", "all_mechanisms")
+        for number, row in enumerate(of(rows[name], state, direction))
+    }
     [vertical] = of(rows["vertical"], state, direction)
     [factor] = [
         line.inputs["lambda_v"]
         for line in results.states[state].capacity[direction].vertical.trace
         if line.symbol == "alpha_0_v"
     ]
-    shown["vertical component"] = vertical["alpha_0"] / factor
-    assert shown == pytest.approx(dict.fromkeys(shown, rigid.alpha_0), rel=1e-12)
+    shown |= {"vertical component": vertical["alpha_0"] / factor, "curve": rigid.curve.multiplier[0]}
+    assert shown == pytest.approx(dict.fromkeys(shown, rigid.alpha_onset), rel=1e-12)
+    e_star = rigid.onset.e_star if rigid.onset else rigid.mechanism.e_star
+    for row in of(rows["linear_checks"], state, direction):
+        assert row["e_star"] == pytest.approx(e_star, rel=CORNERS)
+    words = words_of(results)
+    for sentence in onsets(results, words):
+        if f"“{words.state(state)}”, direction {direction_name(direction)}" in sentence:
+            assert f"α = {words.show(rigid.alpha_onset)}: the linear checks" in sentence
 
 
 @each_case
 def test_each_linear_check_is_what_its_row_says(results, rows, state, direction):
-    """a_0* = α0/(e* F_C) and its ratio to the demand, of the run that is least there; they were of two runs."""
+    """a_0* = α/(e* F_C) of the onset and its ratio to the demand, of one run; they were of two."""
     factor = results.echo.assessment["confidence_factor"]
     for row in of(rows["linear_checks"], state, direction):
-        assert row["a_0_star_g"] == pytest.approx(row["alpha_0"] / (row["e_star"] * factor), rel=1e-12)
+        assert row["a_0_star_g"] == pytest.approx(row["alpha_onset"] / (row["e_star"] * factor), rel=1e-12)
         assert row["ratio"] == pytest.approx(row["a_0_star_g"] / row["demand_a_star_g"], rel=1e-12)
         traced = results.states[state].capacity[direction]
         lines = [*traced.trace, *traced.checks[row["limit_state"]].trace]  # the last word is the check's own
@@ -212,7 +236,7 @@ def test_the_page_prints_the_multipliers_of_the_tables(results, page):
         lighter = results.states[state].capacity[direction].vertical.alpha_0
         expected[place] = {
             "α0 [–]": {words.show(rigid.alpha_0), words.show(lighter)},
-            "α where it is activated [–]": {words.show(rigid.mechanism.alpha), "–", ""},
+            "α, first motion [–]": {words.show(rigid.alpha_onset)},
             "α program [–]": {words.number(rigid.mechanism.alpha, 4)},
         }
     seen = set()
@@ -221,7 +245,7 @@ def test_the_page_prints_the_multipliers_of_the_tables(results, page):
         if known is not None:
             assert cell.text in known, cell
             seen.add(cell.head)
-    assert seen == {"α0 [–]", "α where it is activated [–]", "α program [–]"}, seen
+    assert seen == {"α0 [–]", "α, first motion [–]", "α program [–]"}, seen
     said = re.findall(r"α0 = (\d+\.\d+)", page.text_content())
     numbers = {words.show(rigid.alpha_0) for _, _, rigid in mechanisms(results)}
     assert set(said) <= numbers

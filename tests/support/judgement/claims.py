@@ -344,7 +344,7 @@ def _dynamic(said: Fields, read: Read) -> None:
         show(row["static_surface_pga_g"]),
     )
     checked = read.row("verification", said, "state", "direction", "limit")
-    assert checked["a_g_g"] == row["static_pga_g"]
+    assert checked["pga_g"] == row["static_pga_g"]
 
 
 def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:

@@ -47,7 +47,7 @@ def directions_checked(draw, limits, demand):
         for check in ("SLV linear", "SLV") if limit == "SLV" else (limit,):
             a_g = draw(CAPACITY)
             ratio = None if a_g is None else a_g / demand[limit]
-            found[check] = {"a_g_g": a_g, "demand_a_g_g": demand[limit], "zeta_E": ratio}
+            found[check] = {"a_g_g": a_g, "demand_a_g_g": demand[limit], "pga_g": a_g, "zeta_E": ratio}
             found[check]["verified"] = None if ratio is None else ratio >= 1.0
     found["nominal"] = {"pga_g": draw(CAPACITY)}
     return found

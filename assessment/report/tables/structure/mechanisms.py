@@ -21,6 +21,7 @@ ALL = (
     "state",
     "direction",
     "alpha_0",
+    "alpha_onset",
     "a_0_star_g",
     "d_0_star_m",
     "ratio_SLV_linear",
@@ -115,17 +116,18 @@ def _row(
     element: str, mechanism: str, state: str, direction: Direction, found: Capacity | GivenMechanism
 ) -> Row:
     checks = found.checks
-    alpha_0, started = found.alpha_0, None
+    onset = started = None
     if isinstance(found, GivenMechanism):
         started = found.a_0_star_g
     elif linear := next((checks[name] for name in LINEAR if name in checks), None):
-        alpha_0, started = linear.alpha_0, linear.a_star_g
+        onset, started = linear.alpha_0, linear.a_star_g
     numbers = {
         "macro_element": element,
         "mechanism": mechanism,
         "state": state,
         "direction": direction,
-        "alpha_0": alpha_0,
+        "alpha_0": found.alpha_0,
+        "alpha_onset": onset,
         "a_0_star_g": started,
         "d_0_star_m": found.d_0_star_m,
     }

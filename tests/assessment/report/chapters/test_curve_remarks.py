@@ -31,7 +31,7 @@ def test_a_later_peak_is_not_said_to_be_where_the_hinges_close():
     [said] = [each for each in _plain(onsets(results, words_of(results))) if "+x" in each]
     assert "it is 0.218 at d = 1.70 mm already" in said
     assert "largest at d = 43.80 mm: α0 = 0.220" in said
-    assert said.endswith("What sets blocks in motion first, as a linear check asks, is α = 0.0200.")
+    assert said.endswith("What sets blocks in motion first is α = 0.0200: the linear checks are of it.")
 
 
 def test_a_first_peak_that_stays_low_is_not_told():
