@@ -56,7 +56,7 @@ def _section(table: type[BaseModel]) -> str:
     ]
     for name, field in table.model_fields.items():
         extra = field.json_schema_extra
-        unit = extra["unit"] if isinstance(extra, dict) else ""
+        unit = extra.get("unit", "") if isinstance(extra, dict) else ""
         kind = _kind(field.annotation) + ("" if field.is_required() else ", optional")
         lines.append(f"| `{field.alias or name}` | {kind} | {unit} | {field.description} |")
     return "\n".join([*lines, ""])

@@ -16,10 +16,10 @@ from assessment.ntc.calculation import renamed
 from assessment.ntc.limit_states import CHECKS
 from assessment.report.chapters.grid import Grid
 from assessment.report.tables import capacity as capacity_tables
-from assessment.report.text.columns import check_name
 from assessment.report.text.formula import typeset
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.messages import translated
+from assessment.report.text.quantities import check_name, heading
 from assessment.results.schema import Results
 from assessment.results.schema.model import Line as Step
 from assessment.results.undetermined import determined_indices
@@ -134,10 +134,10 @@ def _tables(columns: Mapping[str, Column], caption: Markup, words: Words) -> Ite
     titles = list(columns)
     for start in range(0, len(titles), COLUMNS):
         shown = {title: columns[title] for title in titles[start : start + COLUMNS]}
-        head = [words("column.symbol"), words("column.formula"), *map(Markup.escape, shown)]
+        head = [heading("symbol", words), heading("formula", words), *map(Markup.escape, shown)]
         yield Grid(
             caption,
-            [*head, words("column.paragraph")],
+            [*head, heading("paragraph", words)],
             [_row(line, shown.values(), words) for line in _merged(shown.values())],
             [True, True, *[False] * len(shown), True],
         )

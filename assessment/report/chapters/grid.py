@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,26 +11,13 @@ from assessment.ntc.limit_states import CHECKS, INDEX, INDEXED, ROCK
 from assessment.report.tables.capacity import SummaryLine, directions, summary_lines
 from assessment.report.tables.ranges import Range
 from assessment.report.tables.structure.ties import gains
-from assessment.report.text.columns import cell, check_name, heading, is_text, written
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.quantities import cell, check_name, heading, is_text, written
 from assessment.results.schema import Results
 from assessment.results.table import Table, reference_of
 
-LETTERS = 109.0  # of a's width in a row of a table
-PADDING = 1.7  # letters, of a cell
-BOLD = 1.1  # of a heading, beside the same words in a row
-HEADING_LINES = 2  # of a heading: one that takes more is given what room a row leaves
-SIZES = {
-    letter: size
-    for letters, size in (("ijl’'|.,;: \u00a0", 0.5), ("frt()[]-/", 0.65), ("mwMW%", 1.5))
-    for letter in letters
-}
-BLANK = SIZES[" "]
-BLANKS = re.compile(
-    r"[ \n]+"
-)  # where a line may end: not at a blank that holds a number and its unit together
 AT_ONSET = {name for name in CHECKS if name not in INDEXED}
-ROUNDING = 1e-9  # a reduction, or a width in letters, no larger is none
+ROUNDING = 1e-9  # a reduction no larger is none
 ORIGINAL = "original"
 MANIFOLD = 10.0  # a value that grows by more has its factor in place of a reduction
 REDUCTIONS = 3  # settled states beside the original in one table
@@ -45,90 +31,6 @@ class Grid:
     head: list[Markup]
     rows: list[list[Markup]]
     text: list[bool]
-
-    @property
-    def widths(self) -> list[float]:
-        """Return the widths of the columns in per cent: numbers stay whole, words make room by wrapping.
-
-        A letter at a time is taken from the column of words where that costs the table the fewest lines, from the
-        left ones, the names, last.
-        """
-        columns = [
-            _Column.of(head, cells, text)
-            for head, cells, text in zip(self.head, zip(*self.rows, strict=True), self.text, strict=True)
-        ]
-        widths = [column.natural for column in columns]
-        lines = [column.lines(width) for column, width in zip(columns, widths, strict=True)]
-        while (excess := sum(widths) - LETTERS) > ROUNDING:
-            ways = []
-            for at, column in enumerate(columns):
-                if widths[at] > column.least:
-                    width = max(column.least, widths[at] - min(1.0, excess))
-                    tried = [*lines[:at], column.lines(width), *lines[at + 1 :]]
-                    ways.append((sum(map(max, zip(*tried, strict=True))), -at, width, tried))
-            if not ways:
-                break
-            _, at, width, lines = min(ways, key=lambda way: way[:2])
-            widths[-at] = width
-        widths = _headings_in_fewer_lines(columns, widths)
-        return [round(100.0 * width / sum(widths), 2) for width in widths]
-
-
-@dataclass(frozen=True)
-class _Column:
-    """What the words of a column take, in letters: those of its heading, then those of each cell.
-
-    `natural`: a width in which no cell wraps; `least`: one in which no word is parted.
-    """
-
-    words: list[list[float]]
-    natural: float
-    least: float
-
-    @classmethod
-    def of(cls, head: Markup, cells: Sequence[Markup], text: bool) -> _Column:
-        title = [BOLD * _room(word) for word in _parted(head)]
-        words = [[_room(word) for word in _parted(cell)] for cell in cells]
-        whole = max(*title, *(_room(cell.striptags()) for cell in cells))
-        natural = PADDING + min(36.0, max(6.0, whole))
-        longest = max(*title, *(max(of) for of in words))
-        return cls([title, *words], natural, PADDING + min(36.0, longest) if text else natural)
-
-    def lines(self, width: float) -> list[int]:
-        """Return how many lines each cell takes, the heading first."""
-        return [_lines(of, width - PADDING) for of in self.words]
-
-
-def _headings_in_fewer_lines(columns: Sequence[_Column], widths: Sequence[float]) -> list[float]:
-    """Return the widths with what they leave of a row given to the headings that take the most lines."""
-    wider = list(widths)
-    while True:
-        tall = [column.lines(width)[0] for column, width in zip(columns, wider, strict=True)]
-        at = tall.index(max(tall))
-        width = wider[at]
-        while tall[at] > HEADING_LINES and columns[at].lines(width)[0] == tall[at]:
-            width += 1.0
-        if width == wider[at] or sum(wider) + width - wider[at] > LETTERS:
-            return wider
-        wider[at] = width
-
-
-def _lines(words: Sequence[float], width: float) -> int:
-    lines, used = 1, -BLANK
-    for word in words:
-        used += BLANK + word
-        if used > width + ROUNDING and used > word:
-            lines, used = lines + 1, word
-    return lines
-
-
-def _parted(cell: Markup) -> list[str]:
-    return BLANKS.split(cell.striptags()) or [""]
-
-
-def _room(text: str) -> float:
-    """Return the width of a text in letters like a; capitals and digits are wider."""
-    return sum(SIZES.get(each, 1.12 if each.isupper() else 1.05 if each.isdigit() else 1.0) for each in text)
 
 
 def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
@@ -149,11 +51,11 @@ def summary_grids(results: Results, words: Words) -> Iterator[Grid]:
     for direction in directions(results):
         lines = [line for line in summary_lines(results, direction) if not _again(line)]
         for names in portions:
-            head = [words("column.quantity"), Markup.escape(words.state(ORIGINAL))]
+            head = [heading("quantity", words), Markup.escape(words.state(ORIGINAL))]
             strengthened = {name for name in names if results.states[name].strengthening}
             for name in names:
-                reduction = f"column.reduction{'_strengthened' if name in strengthened else ''}"
-                head += [Markup.escape(words.state(name)), words(reduction)]
+                reduction = "reduction_strengthened" if name in strengthened else "reduction"
+                head += [Markup.escape(words.state(name)), heading(reduction, words)]
             caption = f"caption.summary{'_strengthened' if strengthened else ''}"
             yield Grid(
                 words(caption, direction=direction_name(direction)),
@@ -171,7 +73,7 @@ def ranges_grid(ranges: Sequence[Range], words: Words, reference: str = ROCK) ->
     head = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
     return Grid(
         words("caption.static_ranges"),
-        [words(f"column.{column}") for column in head],
+        [heading(column, words) for column in head],
         [_range_row(each, words, reference) for each in ranges if each.quantity != "zeta_E"],
         [is_text(column) for column in head],
     )
@@ -194,7 +96,7 @@ def strengthening_grid(results: Results, words: Words) -> Grid:
             title = where = Markup("")  # named in the first row of each direction
     return Grid(
         words("caption.strengthening"),
-        [words(f"column.{column}") for column in head],
+        [heading(column, words) for column in head],
         rows,
         [is_text(column) for column in head],
     )

@@ -16,8 +16,8 @@ from assessment.report.chapters.second_solver import agreement
 from assessment.report.tables.capacity import capacities, directions, verification
 from assessment.report.tables.structure.ties import gains
 from assessment.report.tables.studies import bars
-from assessment.report.text.columns import COARSE, PER_CENT_DECIMALS, check_name
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.quantities import COARSE, check_name, written
 from assessment.results.configurations.hand_check import hand_checks, mechanisms
 from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
@@ -88,7 +88,7 @@ def _governing(results: Results, words: Words) -> Iterator[Markup]:
             capacity=worst["a_g_g"],
             demand=worst["demand_a_g_g"],
             reference=_reference(results, words),
-            ratio=worst["zeta_E"],
+            ratio=words.ratio(worst["zeta_E"]),
             outcome=words.plain("value.verified" if worst["verified"] else "value.not_verified"),
         )
         yield from _indices(results, words)
@@ -120,10 +120,12 @@ def _indices(results: Results, words: Words) -> Iterator[Markup]:
         return
     at_life = [(zeta, place) for zeta, place in found if place.limit_state.startswith("SLV")]
     zeta, place = min(at_life or found, key=itemgetter(0))
-    yield words("judgement.zeta_known" if missing else "judgement.zeta", **place.worded(words), zeta=zeta)
+    yield words(
+        "judgement.zeta_known" if missing else "judgement.zeta", **place.worded(words), zeta=words.ratio(zeta)
+    )
     least, place = min(found, key=itemgetter(0))
     if least < zeta:
-        yield words("judgement.zeta_SLC", **place.worded(words), zeta=least)
+        yield words("judgement.zeta_SLC", **place.worded(words), zeta=words.ratio(least))
 
 
 def _without_index(results: Results, words: Words) -> Iterator[Markup]:
@@ -156,7 +158,7 @@ def _chosen(results: Results, words: Words) -> Iterator[Markup]:
             mechanism=given.name,
             state=words.state(given.state),
             limit=check_name(limit, words),
-            ratio=ratio,
+            ratio=words.ratio(ratio),
         )
 
 
@@ -179,7 +181,7 @@ def _losses(results: Results, words: Words) -> Iterator[Markup]:
             losses.setdefault((state, direction), []).append(loss)
         elif not unknown:
             place = Place(state, direction, check).worded(words)
-            increase = _percent(max(0.0, -largest), words)
+            increase = words.per_cent(max(0.0, -largest))
             none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
     if losses:
         by_curve = [
@@ -239,21 +241,15 @@ def _loss(
     results: Results, state: str, direction: Direction, check: str, loss: float, words: Words
 ) -> Markup:
     """Return a reduction of a_g with its check, and between which values ranges of both states let it lie."""
-    found = {"reduction": _percent(loss, words)}
+    found = {"reduction": words.per_cent(loss)}
     low, high = (_range(results, name, direction, check) for name in (state, ORIGINAL))
     if low and high and (low[0] < low[1] or high[0] < high[1]):
         ends = {"least": 1.0 - low[1] / high[0], "most": 1.0 - low[0] / high[1]}
-        shown = {end: _percent(share, words) for end, share in ends.items()}
+        shown = {end: words.per_cent(share) for end, share in ends.items()}
         if shown["least"] != shown["most"]:
             found |= shown
     kind = "range" if "least" in found else "of"
     return words(f"judgement.reduction_{kind}", limit=check_name(check, words), **found)
-
-
-def _percent(share: float, words: Words) -> str:
-    """Write a share in per cent as the tables do, and what they do not tell from nothing with its digits."""
-    text = words.rounded(100.0 * share, PER_CENT_DECIMALS)
-    return words.number(100.0 * share, COARSE) if text == "0" else text
 
 
 def _range(results: Results, state: str, direction: str, check: str) -> tuple[float, float] | None:
@@ -273,7 +269,7 @@ def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
     largest, state, direction = max(found, key=itemgetter(0))
     if largest > ROUNDING:
         place = {"state": words.state(state), "direction": direction_name(direction)}
-        yield words("judgement.alpha_reduction", **place, reduction=_percent(largest, words))
+        yield words("judgement.alpha_reduction", **place, reduction=words.per_cent(largest))
 
 
 def _strengthened(results: Results, words: Words) -> Iterator[Markup]:
@@ -309,7 +305,9 @@ def _interventions(results: Results, state: str, words: Words) -> Iterator[Marku
     found = determined_indices(results).get(state)
     if found is None or found.attained is None:
         return
-    before = words.plain("value.not_determined") if found.zeta_before is None else found.zeta_before
+    before = (
+        words.plain("value.not_determined") if found.zeta_before is None else words.ratio(found.zeta_before)
+    )
     told = Markup("; ").join(
         words(
             f"judgement.{'attained' if reached else 'not_attained'}",
@@ -319,7 +317,9 @@ def _interventions(results: Results, state: str, words: Words) -> Iterator[Marku
         for kind, reached in found.attained.items()
     )
     if told:
-        yield words("judgement.interventions", state=state, zeta=found.zeta_SLV, before=before, told=told)
+        yield words(
+            "judgement.interventions", state=state, zeta=words.ratio(found.zeta_SLV), before=before, told=told
+        )
 
 
 def _gained(row: StrengtheningRow, quantity: str, values: tuple[float | None, ...], words: Words) -> Markup:
@@ -331,9 +331,9 @@ def _gained(row: StrengtheningRow, quantity: str, values: tuple[float | None, ..
         state=row.state,
         of=words.state(row.of),
         quantity=words(f"judgement.of_{quantity}", limit=limit),
-        before=before,
-        after=after,
-        gain=_percent(known(gain), words),
+        before=written(quantity, before, words),
+        after=written(quantity, after, words),
+        gain=words.per_cent(known(gain)),
         direction=direction_name(row.direction or ""),
     )
 
@@ -430,7 +430,7 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
         )
         if not worst.collapses and worst.reduction is not None:
             sentence += Markup(" ") + words(
-                "judgement.worst_reduction", reduction=_percent(worst.reduction, words)
+                "judgement.worst_reduction", reduction=words.per_cent(worst.reduction)
             )
         yield sentence
 
@@ -467,7 +467,7 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
                     state=words.state(name),
                     contacts=words.plain(f"value.{contacts}"),
                     applied=1000.0 * applied,
-                    share=_percent(applied / ultimate, words),
+                    share=words.per_cent(applied / ultimate),
                     ultimate=1000.0 * ultimate,
                 )
 

@@ -104,7 +104,7 @@ def headlines(results: Results, words: Words) -> Iterator[Markup]:
             yield words(
                 "text.headline",
                 state=words.state(name),
-                zeta=found.zeta_SLV,
+                zeta=words.ratio(found.zeta_SLV),
                 direction=direction_name(found.direction),
             )
         elif name in missing:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.report.text.columns import COARSE
 from assessment.report.text.language import Words
+from assessment.report.text.quantities import COARSE
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.schema import Results
 

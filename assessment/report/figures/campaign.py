@@ -15,8 +15,8 @@ from matplotlib.patches import Patch
 
 from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.style import DASHES, chart
-from assessment.report.text.columns import COARSE, referenced
 from assessment.report.text.language import Words
+from assessment.report.text.quantities import COARSE, referenced
 from assessment.results.schema import Results
 from assessment.results.schema.campaign import (
     Campaign,

@@ -16,8 +16,8 @@ from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
 from assessment.report.figures.drawings.ties import draw_ties, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
-from assessment.report.text.columns import referenced
 from assessment.report.text.language import Words
+from assessment.report.text.quantities import referenced
 from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import History, Incremental, Search

@@ -12,8 +12,8 @@ from matplotlib.patches import Patch
 
 from assessment.report.figures.style import chart, state_style
 from assessment.report.tables.studies import ROUNDING, Bar, bars
-from assessment.report.text.columns import referenced
 from assessment.report.text.language import Words, direction_name
+from assessment.report.text.quantities import referenced
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
 from assessment.results.schema.studies import Scenarios

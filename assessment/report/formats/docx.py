@@ -120,12 +120,11 @@ def _table(document: Any, table: Element) -> None:
         len(rows), max(map(len, rows)), style=styles.TABLE if headed else "Normal Table"
     )
     native.autofit = False
-    shares = [float(col.get("style").removeprefix("width: ").rstrip("%")) for col in table.iter("col")]
-    widths = [Emu(round(styles.WIDTH * share / 100.0)) for share in shares or [30.0, 70.0]]
+    texts = [[SPACES.sub(" ", cell.text_content()).strip() for cell in cells] for cells in rows]
+    widths = styles.widths(texts) if headed else [Emu(round(styles.WIDTH * share)) for share in (0.3, 0.7)]
     for column, width in zip(native.columns, widths, strict=True):
         column.width = width
     small = headed and len(widths) > styles.MANY_COLUMNS
-    texts = [[SPACES.sub(" ", cell.text_content()).strip() for cell in cells] for cells in rows]
     kept = styles.kept_with_next(texts, widths) if headed else ()
     for number, (row, cells) in enumerate(zip(native.rows, rows, strict=True)):
         styles.keep_whole(row, head=headed and number == 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ from docx.enum.style import WD_STYLE_TYPE
 from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_TAB_ALIGNMENT
 from docx.oxml import OxmlElement, parse_xml
 from docx.oxml.ns import nsdecls, qn
-from docx.shared import Mm, Pt, RGBColor
+from docx.shared import Emu, Mm, Pt, RGBColor
 
 FONT = "Arial"
 PAGE, MARGIN = (Mm(210), Mm(297)), Mm(20)
@@ -133,6 +134,15 @@ def running_heads(section: Any, title: str, subtitle: str, program: str) -> None
         paragraph.text = f"{left}\t{right}"
         paragraph.paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
     _field(section.footer.paragraphs[0], "PAGE", "1")
+
+
+def widths(rows: Sequence[Sequence[str]]) -> list[Emu]:
+    """Return widths of the columns of a table, texts of cells: as their longest words and the square roots of texts."""
+    wanted = [
+        max(max([4, *map(len, text.split())]) + math.sqrt(len(text)) for text in column)
+        for column in zip(*rows, strict=True)
+    ]
+    return [Emu(round(WIDTH * each / sum(wanted))) for each in wanted]
 
 
 def kept_with_next(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> set[int]:

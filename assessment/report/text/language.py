@@ -80,6 +80,20 @@ class Words:
             text = f"{mantissa}·10{str(exponent).translate(SUPERSCRIPTS)}"
         return self.comma(text).replace("-", "−")
 
+    def ratio(self, value: float) -> str:
+        """Write what is compared with 1: two decimals, more where they would not tell on which side of 1 it is."""
+        if abs(value) >= 10.0 or value == 0.0:
+            return self.number(value)
+        decimals = 2 - min(0, math.floor(math.log10(abs(value))) + 1)
+        while (float(f"{value:.{decimals}f}") >= 1.0) != (value >= 1.0) and decimals < 15:
+            decimals += 1
+        return self.rounded(value, decimals)
+
+    def per_cent(self, share: float) -> str:
+        """Write a share in per cent, without the sign: two digits, and one decimal at most."""
+        value = 100.0 * share
+        return self.number(value, 2) if abs(value) >= 0.995 else self.rounded(value, 1)
+
     def rounded(self, value: float, decimals: int) -> str:
         """Write a number with so many decimals; what they do not tell from nothing is 0."""
         text = f"{value:.{decimals}f}"

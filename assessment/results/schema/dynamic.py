@@ -73,32 +73,44 @@ class AnimationFrames(Part):
 class Energy(Part):
     """`energy`: the balance of a motion from its beginning to its end."""
 
-    kinetic_kNm: float = key("change of the kinetic energy", "kNm")
-    potential_kNm: float = key("change of the potential energy of the weights", "kNm")
-    elastic_kNm: float = key("change of what the joints store", "kNm")
-    input_kNm: float = key("work of the base's motion", "kNm")
-    friction_kNm: float = key("dissipated by friction, crushing and ties that yield", "kNm")
-    impact_kNm: float = key("dissipated at impacts", "kNm")
-    viscous_kNm: float = key("dissipated by viscous damping", "kNm")
-    integrator_kNm: float = key("taken by the integrator itself", "kNm")
-    residual_kNm: float = key("what does not balance", "kNm")
+    kinetic_kNm: float = key("change of the kinetic energy", "kNm", ("Cinetica", "Kinetic"))
+    potential_kNm: float = key(
+        "change of the potential energy of the weights", "kNm", ("Potenz.", "Potential")
+    )
+    elastic_kNm: float = key("change of what the joints store", "kNm", ("Elastica", "Elastic"))
+    input_kNm: float = key("work of the base's motion", "kNm", ("Immessa", "Input"))
+    friction_kNm: float = key(
+        "dissipated by friction, crushing and ties that yield", "kNm", ("Attrito", "Friction")
+    )
+    impact_kNm: float = key("dissipated at impacts", "kNm", ("Urti", "Impacts"))
+    viscous_kNm: float = key("dissipated by viscous damping", "kNm", ("Viscosa", "Viscous"))
+    integrator_kNm: float = key("taken by the integrator itself", "kNm", ("Integraz.", "Integration"))
+    residual_kNm: float = key("what does not balance", "kNm", ("Residuo", "Open"))
 
 
 class History(Part):
     """`history[]`: one record from the state at rest; without a start only the reason is there."""
 
-    record: str = key("name of the record")
+    record: str = key("name of the record", label=("Accelerogramma", "Record"))
     pga_g: float = key("its largest acceleration in the window, scale included", "g")
     scale: float = key("factor on the record", "–")
     time_step_s: float = key("time step", "s")
-    contacts: str = key("rigid or elastic")
-    integrator: str | None = key("integrator used")
+    contacts: str = key("rigid or elastic", label=("Contatti", "Contacts"))
+    integrator: str | None = key("integrator used", label=("Integrazione", "Integration"))
     amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it", "–")
-    control: str = key("control point")
-    peak_displacement_m: float | None = key("largest displacement of the control point, either way", "m")
-    residual_displacement_m: float | None = key("displacement at the end; null: collapse", "m")
-    collapsed: bool | None = key("whether it ends in collapse; null: not computed")
-    time_of_collapse_s: float | None = key("when, in the record's file; null: it stands", "s")
+    control: str = key("control point", label=("Controllo", "Control"))
+    peak_displacement_m: float | None = key(
+        "largest displacement of the control point, either way", "m", ("Picco", "Peak"), shown="mm"
+    )
+    residual_displacement_m: float | None = key(
+        "displacement at the end; null: collapse", "m", ("Alla fine", "At the end"), shown="mm"
+    )
+    collapsed: bool | None = key(
+        "whether it ends in collapse; null: not computed", label=("Collasso", "Collapse")
+    )
+    time_of_collapse_s: float | None = key(
+        "when, in the record's file; null: it stands", "s", ("t di collasso", "t of collapse")
+    )
     reason: Sentence | None = key("of the collapse, or why it was not computed")
     sustained_displacement_m: float | None = optional("largest one from which the structure came back", "m")
     time_of_peak_s: float | None = optional("when that is", "s")
@@ -111,15 +123,22 @@ class History(Part):
     final_configuration: Configuration | None = optional("at the end", "m, rad")
     energy: Energy | None = optional("its energies")
     integrator_chosen: str | None = optional("why that integrator")
-    integrator_share: float | None = optional("of all that was dissipated, taken by the integrator", "–")
+    integrator_share: float | None = optional(
+        "of all that was dissipated, taken by the integrator",
+        "–",
+        ("Quota integraz.", "Integrator’s share"),
+        shown="%",
+    )
     programs: int | None = optional("programs solved")
     halvings: int | None = optional("halvings of the time step where a step was not solved")
     notes: list[Sentence] | None = optional("what to know about it")
     seconds: float | None = optional("computing time", "s")
     frames: AnimationFrames | None = optional("for the animation")
     ties: list[ShakenTie] | None = optional("tension of the ties of the state; missing: no tie")
-    members: int | None = optional("members of the ensemble that were run")
-    members_collapsed: int | None = optional("members that collapse")
+    members: int | None = optional("members of the ensemble that were run", label=("Membri", "Members"))
+    members_collapsed: int | None = optional(
+        "members that collapse", label=("Di cui collassano", "Of which collapse")
+    )
     peak_displacement_m_range: Range | None = optional("of the members' peaks; null: a collapse", "m")
     peak_displacement_median_m: float | None = optional("median of the members; null: a collapse", "m")
     band: Band | None = optional("where all members are")
@@ -142,10 +161,22 @@ class Search(Part):
     """`incremental.records[]`: the PGA at incipient collapse of one record."""
 
     record: str = key("name of the record")
-    record_pga_g: float = key("its own PGA", "g")
-    pga_collapse_g: float | None = key("least PGA at which a member collapses; null: none found", "g")
-    pga_safe_g: float | None = key("largest PGA below at which all stand; null: not known", "g")
-    runs: int = key("motions computed")
+    record_pga_g: float = key(
+        "its own PGA", "g", ("PGA dell’accelerogramma", "PGA of the record"), ground="surface"
+    )
+    pga_collapse_g: float | None = key(
+        "least PGA at which a member collapses; null: none found",
+        "g",
+        ("PGA al collasso", "PGA at collapse"),
+        ground="surface",
+    )
+    pga_safe_g: float | None = key(
+        "largest PGA below at which all stand; null: not known",
+        "g",
+        ("PGA sopportata", "Withstood"),
+        ground="surface",
+    )
+    runs: int = key("motions computed", label=("Analisi", "Runs"))
     resurrections_g: list[float] = key("levels above at which the structure stands again", "g")
     points: list[Level] = key("every level that was tried")
     reason: Sentence | None = key("why there is no answer")
@@ -159,8 +190,8 @@ class Fragility(Part):
     """`fragility`: lognormal distribution of the PGA at collapse."""
 
     median_g: float = key("median", "g")
-    dispersion: float = key("standard deviation of ln PGA, β", "–")
-    records: int = key("records that it is of")
+    dispersion: float = key("standard deviation of ln PGA, β", "–", ("Dispersione β", "Dispersion β"))
+    records: int = key("records that it is of", label=("Accelerogrammi", "Records"))
     censored: int = key("of these, records that make nothing collapse")
 
 
@@ -168,9 +199,11 @@ class Incremental(Part):
     """`incremental`: the searches of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
 
     records: list[Search] | None = optional("the searches")
-    mean_pga_collapse_g: float | None = optional("mean of the records; null: one is open", "g")
+    mean_pga_collapse_g: float | None = optional(
+        "mean of the records; null: one is open", "g", ("Media", "Mean"), ground="surface"
+    )
     lowest_pga_collapse_g: float | None = optional(
-        "lowest of the records; null: an open one may be lower", "g"
+        "lowest of the records; null: an open one may be lower", "g", ("Minima", "Lowest"), ground="surface"
     )
     rule: str | None = optional(
         "what counts: the mean of seven records or more, the lowest of three to six; null: fewer, §7.3.5 gives none"

@@ -12,8 +12,8 @@ class SupportMovement(Part):
     """
 
     support: str = key("support")
-    x_m: float = key("movement along x", "m")
-    z_m: float = key("movement along z, upward", "m")
+    x_m: float = key("movement along x", "m", "x", decimals=3)
+    z_m: float = key("movement along z, upward", "m", "z", decimals=3)
     rotation_rad: float = key("rotation about the support's centroid, anticlockwise", "rad")
     x_standard_error_m: float | None = optional("standard error of x", "m")
     z_standard_error_m: float | None = optional("standard error of z", "m")
@@ -23,30 +23,32 @@ class SupportMovement(Part):
 class Fitted(Part):
     """`fit[]`: a measurement beside what the movement predicts."""
 
-    measurement: str = key("name of the measurement")
+    measurement: str = key("name of the measurement", label=("Misura", "Measurement"))
     kind: str = key("crack, slip, lean or relative")
-    unit: str = key("mm or mrad, of the four values")
-    predicted: float = key("predicted by the movement", "mm, mrad")
-    measured: float = key("measured", "mm, mrad")
-    sigma: float = key("standard deviation of the measured value", "mm, mrad")
-    residual: float = key("predicted less measured", "mm, mrad")
-    residual_in_sigma: float = key("the same over sigma", "–")
+    unit: str = key("mm or mrad, of the four values", label=("Unità", "Unit"))
+    predicted: float = key("predicted by the movement", "mm, mrad", ("Previsto", "Predicted"))
+    measured: float = key("measured", "mm, mrad", ("Misurato", "Measured"))
+    sigma: float = key("standard deviation of the measured value", "mm, mrad", "σ")
+    residual: float = key("predicted less measured", "mm, mrad", ("Residuo", "Residual"))
+    residual_in_sigma: float = key("the same over sigma", "–", ("Residuo/σ", "Residual/σ"))
 
 
 class Explanation(Part):
     """`hypotheses[]`: the movement of some supports that fits the measurements best."""
 
-    hypothesis: Sentence = key("supports and their unknowns")
-    unknowns: int = key("number of unknowns")
+    hypothesis: Sentence = key("supports and their unknowns", label=("Ipotesi", "Hypothesis"))
+    unknowns: int = key("number of unknowns", label=("Incognite", "Unknowns"))
     movement: list[SupportMovement] = key("the best movement; empty: none could be followed")
     chi_squared: float | None = key(
-        "sum of the squared residuals over sigma; null: none could be followed", "–"
+        "sum of the squared residuals over sigma; null: none could be followed", "–", "χ²"
     )
-    degrees_of_freedom: int = key("measurements less unknowns")
+    degrees_of_freedom: int = key(
+        "measurements less unknowns", label=("Gradi di libertà", "Degrees of freedom")
+    )
     probability: float | None = key(
         "of a χ² as large, were the hypothesis true; null: no degree of freedom", "–"
     )
-    aic: float | None = key("Akaike's criterion, χ² plus twice the number of unknowns", "–")
+    aic: float | None = key("Akaike's criterion, χ² plus twice the number of unknowns", "–", "AIC")
     distinguished: bool = key("whether its AIC is more than 2 above the best one")
     undetermined: list[Sentence] = key("movements that the measurements do not determine")
     kinked: list[Sentence] = key(

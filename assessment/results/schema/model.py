@@ -14,10 +14,17 @@ class Tie(Part):
     start_m: Point = key("one end: x, z", "m")
     end_m: Point = key("the other end: x, z", "m")
     blocks: list[int] = key("numbers of the blocks that hold its ends")
-    yield_force_kN: float | None = key("tension at which it lengthens without bearing more; null: none", "kN")
-    stiffness_kN_m: float | None = key("stiffness of the whole tie; null: rigid", "kN/m")
-    pretension_kN: float = key("tension when it is set", "kN")
-    states: list[str] = key("states in which it is there")
+    yield_force_kN: float | None = key(
+        "tension at which it lengthens without bearing more; null: none",
+        "kN",
+        ("Tiro di snervamento", "Yield force"),
+        null="none",
+    )
+    stiffness_kN_m: float | None = key(
+        "stiffness of the whole tie; null: rigid", "kN/m", ("Rigidezza", "Stiffness"), null="none"
+    )
+    pretension_kN: float = key("tension when it is set", "kN", ("Pretensione", "Pretension"))
+    states: list[str] = key("states in which it is there", label=("Stati", "States"))
     set_in: list[str] = key("of these, strengthened ones in which it is set after the movement")
 
 
@@ -43,26 +50,32 @@ class Block(Part):
 
     vertices_m: list[Point] = key("corners, anticlockwise: x, z", "m")
     centroid_m: Point = key("centroid as drawn: x, z", "m")
-    depth_m: float = key("depth out of plane", "m")
-    layer: str = key("layer of the drawing")
+    depth_m: float = key("depth out of plane", "m", ("Spessore", "Depth"))
+    layer: str = key("layer of the drawing", label="Layer")
     handle: str = key("handle of its polyline in the drawing")
     support: str | None = key("name of the support that it belongs to; null: it moves")
-    vertical_load_kN: float = key("load at its centroid, downward: G_2 + ψ₂ Q", "kN")
-    weight_kN: float = key("own weight with the vertical load", "kN")
+    vertical_load_kN: float = key(
+        "load at its centroid, downward: G_2 + ψ₂ Q", "kN", ("Carico G_2 + ψ_2 Q", "Load G_2 + ψ_2 Q")
+    )
+    weight_kN: float = key("own weight with the vertical load", "kN", "W")
 
 
 class LayerLoads(Part):
     """`loads[]`: vertical loads of the blocks of a layer, G_1 + G_2 + ψ₂ Q (NTC 2018, §2.5.3)."""
 
     layer: str = key("layer of the drawing")
-    blocks: int = key("its blocks")
-    own_weight_kN: float = key("G_1, of the stone", "kN")
-    permanent_load_kN: float = key("G_2, loads of the project file", "kN")
-    variable_load_kN: float = key("Q, characteristic", "kN")
-    use_category: str | None = key("category of Q, NTC 2018 Tab. 2.5.I; null: not given")
-    psi_2: float | None = key("its ψ₂; null: no variable load", "–")
-    combined_kN: float = key("G_1 + G_2 + ψ₂ Q", "kN")
-    seismic_weight_kN: float = key("what of it is seismic mass", "kN")
+    blocks: int = key("its blocks", label=("Blocchi", "Blocks"))
+    own_weight_kN: float = key("G_1, of the stone", "kN", ("Peso proprio G_1", "Own weight G_1"))
+    permanent_load_kN: float = key(
+        "G_2, loads of the project file", "kN", ("Permanenti G_2", "Permanent G_2")
+    )
+    variable_load_kN: float = key("Q, characteristic", "kN", ("Variabili Q", "Variable Q"))
+    use_category: str | None = key(
+        "category of Q, NTC 2018 Tab. 2.5.I; null: not given", label=("Categoria", "Category")
+    )
+    psi_2: float | None = key("its ψ₂; null: no variable load", "–", "ψ_2")
+    combined_kN: float = key("G_1 + G_2 + ψ₂ Q", "kN", "G_1 + G_2 + ψ_2 Q")
+    seismic_weight_kN: float = key("what of it is seismic mass", "kN", "W_s")
 
 
 class Control(Part):
@@ -79,9 +92,13 @@ class Face(Part):
     blocks: list[int] = key("numbers of the two blocks")
     middle_m: list[Point] = key("a point of the face of either block, from which slips count: x, z", "m")
     faces_m: list[list[Point]] = key("start and end of the face of either block, as drawn: x, z", "m")
-    friction: float | None = key("coefficient of friction; null: it does not slide", "–")
+    friction: float | None = key(
+        "coefficient of friction; null: it does not slide", "–", ("Attrito", "Friction")
+    )
     depth_m: float = key("depth out of plane, the lesser of the two", "m")
-    compressive_strength_kN_m2: float | None = key("strength; null: it does not crush", "kN/m²")
+    compressive_strength_kN_m2: float | None = key(
+        "strength; null: it does not crush", "kN/m²", ("Resistenza", "Strength")
+    )
 
 
 class Joint(Face):
@@ -152,14 +169,20 @@ class QualityRow(Part):
     """`quality.by_stage[]`: the worst certificate of the programs that an analysis solved."""
 
     state: str | None = key("state; null: of several")
-    stage: str = key("which analysis")
-    solves: int = key("programs solved")
-    worst_equilibrium_residual: float = key("largest unbalanced force, per weight", "–")
-    worst_penetration_m: float | None = optional("deepest penetration of two blocks", "m")
-    worst_complementarity: float = key(
-        "largest product of a contact force and its gap, per weight and step", "–"
+    stage: str = key("which analysis", label=("Fase", "Stage"))
+    solves: int = key("programs solved", label=("Problemi", "Programs"))
+    worst_equilibrium_residual: float = key(
+        "largest unbalanced force, per weight", "–", ("Equilibrio", "Equilibrium")
     )
-    worst_cone_violation: float | None = optional("largest force outside the friction cone, per weight", "–")
+    worst_penetration_m: float | None = optional(
+        "deepest penetration of two blocks", "m", ("Compenetr.", "Penetration")
+    )
+    worst_complementarity: float = key(
+        "largest product of a contact force and its gap, per weight and step", "–", "Complem."
+    )
+    worst_cone_violation: float | None = optional(
+        "largest force outside the friction cone, per weight", "–", ("Attrito", "Friction")
+    )
 
 
 class Quality(Part):
@@ -177,12 +200,14 @@ class Quality(Part):
 class Line(Part):
     """A line of a calculation (`trace[]`): symbol = formula(inputs) = result."""
 
-    symbol: str = key("name of the result")
-    formula: str = key("plain arithmetic in the names of the inputs; empty: a datum")
-    inputs: dict[str, float] = key("the numbers put in")
-    result: float = key("the result", "that of `unit`")
+    symbol: str = key("name of the result", label=("Simbolo", "Symbol"))
+    formula: str = key("plain arithmetic in the names of the inputs; empty: a datum", label="Formula")
+    inputs: dict[str, float] = key("the numbers put in", label=("Dati", "Data"))
+    result: float = key("the result", "that of `unit`", ("Risultato", "Result"))
     unit: str = key("unit of the result")
-    paragraph: Sentence = key("paragraph of the standard, or source of a datum")
+    paragraph: Sentence = key(
+        "paragraph of the standard, or source of a datum", label=("Riferimento", "Reference")
+    )
 
 
 __all__ = [

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Self, TypeVar
+from dataclasses import dataclass
+from typing import Annotated, Any, Self, TypeVar, get_args
 
 from pydantic import (
     BaseModel,
@@ -31,6 +32,56 @@ Sentence = Annotated[str, WrapValidator(_kept)]
 """A sentence for people; a message keeps what it is made of."""
 
 
+Label = str | tuple[str, str]
+"""What a quantity is called in headings, α_0 or d_0*: in Italian and English, or in both alike."""
+FACTORS = {("m", "mm"): 1000.0, ("–", "%"): 100.0, ("kN/m²", "MPa"): 0.001, ("rad", "mrad"): 1000.0}
+"""From the unit of results.json to that of a report."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """How a quantity is called and written, wherever it is: in tables, headings, figures, page, and documents.
+
+    `label` by language; `words`: whether its values are words; `shown`: unit in reports, where it is another one;
+    `digits`: significant ones at most; `decimals`: of what has an accuracy of its own, in place of digits; `null`: what
+    null means, as in `value.<null>` of the strings; `ground`: what an acceleration refers to, "rock" (or the surface,
+    where the spectrum is that of a record) or "surface"; `ratio`: to be compared with 1, with digits enough to tell;
+    `change`: a loss or a gain, in per cent.
+    """
+
+    name: str
+    unit: str
+    label: Mapping[str, str]
+    words: bool
+    shown: str = ""
+    digits: int | None = None
+    decimals: int | None = None
+    null: str = ""
+    ground: str = ""
+    ratio: bool = False
+    change: bool = False
+
+    @property
+    def factor(self) -> float:
+        """From the unit of results.json to that of reports."""
+        return FACTORS[self.unit, self.shown] if self.shown else 1.0
+
+    @property
+    def printed_unit(self) -> str:
+        """Unit in reports; empty where there is none."""
+        return "" if self.unit == "–" and not self.shown else self.shown or self.unit
+
+
+QUANTITIES: dict[str, Quantity] = {}
+"""Every quantity that a table of results, or a table that follows from them, describes."""
+
+
+def _kinds(annotation: Any) -> set[Any]:
+    """Return the plain types within an annotation."""
+    inner = get_args(annotation)
+    return set().union(*map(_kinds, inner)) if inner else {annotation}
+
+
 class Part(BaseModel):
     """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
 
@@ -41,6 +92,22 @@ class Part(BaseModel):
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
     )
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Enter the quantities that the fields describe. Raises ValueError for one that is described twice."""
+        for name, field in cls.model_fields.items():
+            extra = field.json_schema_extra
+            if not isinstance(extra, dict) or "label" not in extra or name not in cls.__annotations__:
+                continue
+            if name in QUANTITIES:
+                raise ValueError(f"{cls.__name__}.{name}: described in another table too")
+            look: dict[str, Any] = {
+                key: value for key, value in extra.items() if key not in {"label", "unit"}
+            }
+            words = not {float, int} & _kinds(field.annotation)
+            label: Any = extra["label"]
+            QUANTITIES[name] = Quantity(name, str(extra.get("unit", "")), label, words, **look)
+
     def replace(self, **values: Any) -> Self:
         """Return the part with other values of some keys, or with keys that it did not have.
 
@@ -49,14 +116,19 @@ class Part(BaseModel):
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | values)
 
 
-def key(meaning: str, unit: str = "", alias: str | None = None) -> Any:
-    """Describe a key that is always there; `unit` where its name does not tell it, or tells it too."""
-    return Field(description=meaning, alias=alias, json_schema_extra=_of(unit))
+def key(meaning: str, unit: str = "", label: Label = "", *, alias: str | None = None, **look: Any) -> Any:
+    """Describe a key that is always there; `unit` where its name does not tell it, or tells it too.
+
+    `label` and `look`: see Quantity; a quantity that several tables have is labelled in one of them.
+    """
+    return Field(description=meaning, alias=alias, json_schema_extra=_extra(unit, label, look))
 
 
-def optional(meaning: str, unit: str = "", alias: str | None = None) -> Any:
-    """Describe a key that is there only where it was asked for, or where it has a meaning."""
-    return Field(default=None, description=meaning, alias=alias, json_schema_extra=_of(unit))
+def optional(
+    meaning: str, unit: str = "", label: Label = "", *, alias: str | None = None, **look: Any
+) -> Any:
+    """Describe a key that is there only where it was asked for, or where it has a meaning; as `key`."""
+    return Field(default=None, description=meaning, alias=alias, json_schema_extra=_extra(unit, label, look))
 
 
 def present(found: Mapping[Name, Value | None]) -> dict[Name, Value]:
@@ -81,5 +153,9 @@ def first_error(error: ValidationError) -> str:
     return f"{place or 'the whole'}: {wrong}{more}"
 
 
-def _of(unit: str) -> dict[str, Any] | None:
-    return {"unit": unit} if unit else None
+def _extra(unit: str, label: Label, look: Mapping[str, Any]) -> dict[str, Any] | None:
+    found: dict[str, Any] = {"unit": unit} if unit else {}
+    if label:
+        italian, english = (label, label) if isinstance(label, str) else label
+        found |= {"label": {"it": italian, "en": english}, **look}
+    return found or None

@@ -33,19 +33,29 @@ class OtherLaw(Part):
 class TieTension(Part):
     """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
 
-    tie: str = key("name of the tie")
-    rest_kN: float | None = key("where the path starts; null: rigid joints do not determine it", "kN")
-    peak_kN: float | None = key(
-        "where α_0 or α_u is reached, or the movement ends; null: not determined", "kN"
+    tie: str = key("name of the tie", label=("Catena", "Tie"))
+    rest_kN: float | None = key(
+        "where the path starts; null: rigid joints do not determine it",
+        "kN",
+        ("In quiete", "At rest"),
+        null="none",
     )
-    greatest_kN: float | None = key("greatest along the path, where determined; null: nowhere", "kN")
-    yields: bool = key("whether it reaches the yield force")
+    peak_kN: float | None = key(
+        "where α_0 or α_u is reached, or the movement ends; null: not determined",
+        "kN",
+        ("A α_0, α_u", "At α_0, α_u"),
+        null="none",
+    )
+    greatest_kN: float | None = key(
+        "greatest along the path, where determined; null: nowhere", "kN", ("Massimo", "Greatest"), null="none"
+    )
+    yields: bool = key("whether it reaches the yield force", label=("Snervata", "Yields"))
 
 
 class Frames(Part):
     """`frames`: where the blocks are at some points of a path, and what the joints carry there; for pictures."""
 
-    index: list[int] = key("which points of the path")
+    index: list[int] = key("which points of the path", label="ζ_E")
     configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
     force_kN: list[list[Point] | None] = key(
         "N and T of each joint, those of the drawing and then `met`; null: not known", "kN"
@@ -63,7 +73,7 @@ class LocalLoss(Part):
     """`local_loss`: the first joint of a path that bears and whose faces come to slide off each other."""
 
     displacement_m: float = key("of the control point along the push, or of the movement of a support", "m")
-    joint: int = key("number of the joint")
+    joint: int = key("number of the joint", label=("Giunto", "Joint"))
     blocks: list[int] = key("numbers of its two blocks")
     overlap_m: float = key("how far its faces overlap where the path starts", "m")
 
@@ -72,11 +82,13 @@ class PushdownPath(Part):
     """`pushdown.rigid`, `.elastic`: a support moves as the settlement asks, and on to collapse where asked for."""
 
     movement_m: list[float] = key("largest component of the movement along the path", "m")
-    reaction_x_kN: list[float] = key("force of the moved support on the structure", "kN")
-    reaction_z_kN: list[float] = key("the same, vertical", "kN")
+    reaction_x_kN: list[float] = key("force of the moved support on the structure", "kN", "R_x")
+    reaction_z_kN: list[float] = key("the same, vertical", "kN", "R_z")
     ultimate_movement_m: float | None = key(
         "largest component of the movement at which the structure falls; null: not reached or not looked for",
         "m",
+        ("Spostamento ultimo impresso", "Ultimate movement"),
+        shown="mm",
     )
     ultimate_movement_m_range: list[float | None] | None = optional(
         "least and largest of an ensemble; null: none in some", "m"
@@ -104,10 +116,10 @@ class Mechanism(Part):
     """`mechanism`: virtual displacements at the activation (where α_0 is reached)."""
 
     point: int = key("which point of the curve")
-    alpha: float = key("multiplier there", "–")
-    hinges: int = key("joints that turn")
-    e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "–")
-    gamma_star: float | None = key("participation factor Γ*; null: not defined", "–")
+    alpha: float = key("multiplier there", "–", "α")
+    hinges: int = key("joints that turn", label=("Cerniere", "Hinges"))
+    e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "–", "e*")
+    gamma_star: float | None = key("participation factor Γ*; null: not defined", "–", "Γ*")
     displacements: Configuration = key(
         "x, z, ω of each block; the control point moves by 1 m along x", "m, rad"
     )
@@ -116,47 +128,62 @@ class Mechanism(Part):
     )
     hinge_points_m: list[Point] = key("x, z of each hinge in its configuration", "m")
     sliding_joints: list[int] = key("numbers of the joints that slide")
-    moving_weight_kN: float = key("weight of the blocks that move", "kN")
+    moving_weight_kN: float = key("weight of the blocks that move", "kN", ("Peso in moto", "Moving weight"))
 
 
 class SecondSolver(Part):
     """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs."""
 
     alpha_0: float = key("α_0 of the curve, with its law of friction", "–")
-    alpha_program: float | None = key("by the program; null: none was found", "–")
-    alpha_linear_program: float | None = key(
-        "by a linear program written apart (static theorem, HiGHS); null: no optimum was found", "–"
+    alpha_program: float | None = key(
+        "by the program; null: none was found", "–", ("α di questo programma", "α this program")
     )
-    relative_difference: float | None = key("of the second from the first; null: one is missing", "–")
+    alpha_linear_program: float | None = key(
+        "by a linear program written apart (static theorem, HiGHS); null: no optimum was found",
+        "–",
+        ("α del programma lineare", "α linear program"),
+    )
+    relative_difference: float | None = key(
+        "of the second from the first; null: one is missing", "–", ("Scarto relativo", "Relative difference")
+    )
 
 
 class RigidPush(Part):
     """`pushover.+x.rigid`: the capacity curve with rigid joints."""
 
-    alpha_0: float = key("largest multiplier of the curve, α_0", "–")
+    alpha_0: float = key("largest multiplier of the curve, α_0", "–", "α_0")
     alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
     alpha_onset: float = key(
         "its first multiplier, of limit analysis in the state's own configuration; above it blocks meet others, or a "
         "hinge of a settlement closes",
         "–",
+        ("α, primo moto", "α, first motion"),
     )
-    d_0_m: float | None = key("displacement capacity, along the push; null: the path was cut short", "m")
+    d_0_m: float | None = key(
+        "displacement capacity, along the push; null: the path was cut short", "m", "d_0", shown="mm"
+    )
     d_0_m_range: list[float | None] | None = optional(
         "least and largest of an ensemble; null: none in some", "m"
     )
     other_law: OtherLaw | None = optional("by the other law of friction, where it differs by 1 % or more")
     alpha_0_associative: float | None = optional(
-        "α_0 where what slides lifts, if it differs by 1 % or more", "–"
+        "α_0 where what slides lifts, if it differs by 1 % or more",
+        "–",
+        ("α_0 con attrito associato", "α_0, associative friction"),
     )
     alpha_0_coulomb: float | None = optional(
-        "α_0 where what slides does not lift, if it differs by 1 % or more", "–"
+        "α_0 where what slides does not lift, if it differs by 1 % or more",
+        "–",
+        ("α_0 con attrito di Coulomb", "α_0, Coulomb friction"),
     )
     control_share: float | None = optional(
         "d* of the blocks that move, at the end of the curve, over that told by the control point; null: not defined",
         "–",
     )
     sliding_residual: float | None = optional(
-        "how far the lift taken back is from settled, per largest displacement of the mechanism", "–"
+        "how far the lift taken back is from settled, per largest displacement of the mechanism",
+        "–",
+        ("Sollevamento residuo, attrito di Coulomb", "Residual lift of Coulomb’s flow"),
     )
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
@@ -172,7 +199,9 @@ class RigidPush(Part):
         "the mechanism that `alpha_onset` sets in motion, of which the linear checks are; missing: the same"
     )
     virtual_work_alpha: float | None = key(
-        "multiplier by virtual work over all blocks; null: the horizontal load does no work", "–"
+        "multiplier by virtual work over all blocks; null: the horizontal load does no work",
+        "–",
+        ("α lavori virtuali", "α virtual work"),
     )
     second_solver: SecondSolver | None = optional(
         "α of limit analysis by a second program; null: joints crush, the program is not linear"
@@ -186,15 +215,20 @@ class RigidPush(Part):
 class ElasticPush(Part):
     """`pushover.+x.elastic`: the curve with elastic joints."""
 
-    alpha_u: float = key("largest multiplier, α_u", "–")
+    alpha_u: float = key("largest multiplier, α_u", "–", "α_u")
     alpha_u_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
     d_u_m: float = key("displacement where it is reached, along the push", "m")
     peak: int = key("which point of the curve that is")
     alpha_y: float | None = key(
-        "plateau of the fitted capacity curve; without a check 0.9 α_u; null: d does not grow with α", "–"
+        "plateau of the fitted capacity curve; without a check 0.9 α_u; null: d does not grow with α",
+        "–",
+        "α_y",
     )
     d_y_m: float | None = key(
-        "end of its elastic branch, along the push, on the secant at 0.4 α_u; null: as α_y", "m"
+        "end of its elastic branch, along the push, on the secant at 0.4 α_u; null: as α_y",
+        "m",
+        "d_y",
+        shown="mm",
     )
     end: Sentence = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")
@@ -233,7 +267,9 @@ class Strengthening(Part):
 class Settlement(Part):
     """`settlement`: the movement that leads to the state."""
 
-    support: str = key("name of the support that moves")
+    support: str = key("name of the support that moves", label=("Appoggio", "Support"))
     displacement_m: Point = key("x, z", "m")
-    rotation_rad: float = key("about the centroid of the support, anticlockwise", "rad")
+    rotation_rad: float = key(
+        "about the centroid of the support, anticlockwise", "rad", ("Rotazione", "Rotation")
+    )
     increment_m: float = key("increment of the largest component", "m")

@@ -21,6 +21,7 @@ from assessment.report.figures.campaign import (
 from assessment.report.figures.index import pictures
 from assessment.report.tables.campaign import LOSS, campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
+from assessment.report.text.quantities import heading
 from assessment.results.plain import plain
 from assessment.results.schema import Campaign
 from assessment.runtime.terminal.dynamic import dynamic_lines
@@ -201,7 +202,7 @@ def test_columns_say_what_they_are_and_have_no_more_digits_than_are_known():
     assert "Estremo inferiore, 95\u00a0% in superficie [g]" in fits.head[4] and "share" not in "".join(
         lost.head
     )
-    assert lost.head[-4:] == [words(f"column.{key}") for key in LOSS[-5:] if key != "left_out"]
+    assert lost.head[-4:] == [heading(key, words) for key in LOSS[-5:] if key != "left_out"]
     assert [row[1] for row in fits.rows] == ["0", "50", "100"]
     assert [row[-1] for row in lost.rows] == ["0", "10", "20"] and [row[4] for row in lost.rows] == [
         "0",

@@ -95,8 +95,8 @@ def test_numbers_of_the_results_are_in_the_document(report):
             assert words.number(pushover["elastic"]["alpha_y"]) in text
             for limit in ("SLD", "SLV", "SLC"):
                 assert words.number(capacity[limit]["a_g_g"]) in text
-                assert words.number(capacity[limit]["zeta_E"]) in text
-    assert words.number(100 * results["comparison"][0]["static_reduction"]) in text
+                assert words.ratio(capacity[limit]["zeta_E"]) in text
+    assert words.per_cent(results["comparison"][0]["static_reduction"]) in text
     assert ("0,153" if language == "it" else "0.153") in text
     assert squeezed(results["model"]["warnings"][0][1:]) in text
     assert "Comune<A&B>" in squeezed(pages[0])

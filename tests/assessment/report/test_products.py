@@ -11,8 +11,8 @@ from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.tables.capacity import summary
 from assessment.report.tables.indices import reported_indices
-from assessment.report.text.columns import cell
 from assessment.report.text.language import words_of
+from assessment.report.text.quantities import cell
 from assessment.results.configurations.hand_check import (
     figures_of,
     governing_mechanisms,

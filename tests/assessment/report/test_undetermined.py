@@ -63,7 +63,7 @@ def test_tables_have_its_rows_and_no_index(language, open_cell):
     printed = printed_tables(results, words)
     assert [str(cell) for cell in printed["risk"].rows[1]].count(open_cell) == 2
     [towards, _] = summary_grids(results, words)
-    assert [row[3] for row in towards.rows if "ζ" in row[0]] == [open_cell]
+    assert [row[3] for row in towards.rows if "ζ" in row[0]] == 3 * [open_cell]
 
 
 def test_sentences_and_terminal_say_so(tmp_path):

@@ -16,8 +16,8 @@ from assessment.report.tables import index as tables
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.structure import mechanisms as mechanism_tables
-from assessment.report.text.columns import check_name
 from assessment.report.text.language import direction_name, words_of
+from assessment.report.text.quantities import check_name, written
 from assessment.results.configurations.hand_check import hand_check
 from assessment.results.configurations.reactions import balance
 from assessment.results.table import reference_of
@@ -97,20 +97,14 @@ WORDS_OF: dict[str, Callable[[Any], str]] = {
     "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
 }
 CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
-show = WORDS.show
-
-
-def per_cent(share: float) -> str:
-    """Write a share with one decimal, or two digits where that would be nothing."""
-    text = f"{100.0 * share:.1f}".replace("-", "−")
-    return text if float(text.replace("−", "-")) else WORDS.number(100.0 * share, 2)
+show, ratio, per_cent = WORDS.show, WORDS.ratio, WORDS.per_cent
 
 
 def _governing(said: Fields, read: Read) -> None:
     row = read.row("verification", said, "state", "direction", "limit")
     assert row["zeta_E"] == min(each["zeta_E"] for each in read.made())
     assert (said["capacity"], said["demand"]) == (show(row["a_g_g"]), show(row["demand_a_g_g"]))
-    assert said["ratio"] == show(row["zeta_E"])
+    assert said["ratio"] == ratio(row["zeta_E"])
     assert said["outcome"] == ("verified" if row["verified"] else "not verified")
 
 
@@ -147,14 +141,14 @@ def _least_index(said: Fields, read: Read) -> None:
     at_life = [row for row in counted if row["limit_state"].startswith("SLV")]
     row = read.row("verification", said, "state", "direction", "limit")
     assert row in counted and row["zeta_E"] == min(each["zeta_E"] for each in at_life or counted)
-    assert said["zeta"] == show(row["zeta_E"])
+    assert said["zeta"] == ratio(row["zeta_E"])
 
 
 def _zeta_SLC(said: Fields, read: Read) -> None:
     """Said where SLC has less than the index at SLV, which all SLV rows have more than."""
     counted = _indices(read)
     row = read.row("verification", {**said, "limit": "SLC"}, "state", "direction", "limit")
-    assert row["zeta_E"] == min(each["zeta_E"] for each in counted) and said["zeta"] == show(row["zeta_E"])
+    assert row["zeta_E"] == min(each["zeta_E"] for each in counted) and said["zeta"] == ratio(row["zeta_E"])
     at_life = [each["zeta_E"] for each in counted if each["limit_state"].startswith("SLV")]
     assert at_life and row["zeta_E"] < min(at_life)
 
@@ -195,7 +189,7 @@ def _governing_alpha(said: Fields, read: Read) -> None:
 def _chosen(said: Fields, read: Read) -> None:
     row = read.row("chosen_checks", said, "mechanism", "state", "limit")
     assert row["zeta_E"] == min(each["zeta_E"] for each in read.made("chosen_checks"))
-    assert said["ratio"] == show(row["zeta_E"])
+    assert said["ratio"] == ratio(row["zeta_E"])
 
 
 def _place(said: Fields) -> tuple[str, str]:
@@ -204,7 +198,7 @@ def _place(said: Fields) -> tuple[str, str]:
 
 def _interventions(said: Fields, read: Read) -> None:
     found = read.results["states"][said["state"]]["indices"]
-    assert (said["zeta"], said["before"]) == (show(found["zeta_SLV"]), show(found["zeta_before"]))
+    assert (said["zeta"], said["before"]) == (ratio(found["zeta_SLV"]), ratio(found["zeta_before"]))
     pattern = re.compile(r"(?P<kind>.+) \(at least (?P<least>.+)\) (?P<how>attained|not attained)")
     told = {
         match["kind"]: (match["least"], match["how"] == "attained")
@@ -322,7 +316,10 @@ def _strengthened(gains: bool) -> Callable[[Fields, Read], None]:
         ]
         known = [each for each in own if each.get(key) is not None and each.get(OF[key])]
         assert row[key] == min(each[key] for each in known)
-        assert (said["before"], said["after"]) == (show(row[OF[key]]), show(row[key]))
+        assert (said["before"], said["after"]) == (
+            written(key, row[OF[key]], WORDS),
+            written(key, row[key], WORDS),
+        )
         share = row[key] / row[OF[key]] - 1.0
         assert (share > SMALLEST) == gains and said.get("gain", per_cent(share)) == per_cent(share)
         assert said["of"] == WORDS.state(row["of"])

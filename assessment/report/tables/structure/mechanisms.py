@@ -6,8 +6,8 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import LINEAR
 from assessment.report.tables.capacity import capacities, mechanism_text
-from assessment.report.text.columns import WHOLE
 from assessment.report.text.language import Words
+from assessment.report.text.quantities import WHOLE
 from assessment.results.configurations.hand_check import mechanisms as found_mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism

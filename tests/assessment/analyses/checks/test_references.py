@@ -8,8 +8,8 @@ from assessment.ntc.capacity.curve import capacity_curve
 from assessment.ntc.capacity.curve_fit import fit_rigid
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
-from assessment.report.text.columns import heading
 from assessment.report.text.language import Words
+from assessment.report.text.quantities import heading
 from assessment.results.table import brought_together
 
 
@@ -38,4 +38,4 @@ def test_headings_say_what_an_acceleration_refers_to():
     assert heading("a_g_g", words, "rock") == "a<sub>g</sub> on rock [g]"
     assert heading("a_g_g", words, "surface") == "a<sub>g</sub> at the surface [g]"
     assert heading("pga_collapse_g", words, "rock") == "PGA at collapse at the surface [g]"
-    assert heading("e_star", words, "rock") == "e* [–]"
+    assert heading("e_star", words, "rock") == "e*"

@@ -5,19 +5,18 @@ import io
 
 import pandas as pd
 import pytest
-from markupsafe import Markup
 
 from assessment.project.project import json_schema
-from assessment.report.chapters.grid import Grid, _Column, grid, ranges_grid
+from assessment.report.chapters.grid import grid, ranges_grid
 from assessment.report.chapters.remarks import index_sentences
 from assessment.report.tables.capacity import summary, trace, verification
 from assessment.report.tables.index import blocks, layers, write_tables
 from assessment.report.tables.indices import indices, reported_indices
 from assessment.report.tables.ranges import Range
 from assessment.report.tables.structure.mechanisms import all_mechanisms
-from assessment.report.text.columns import cell
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
+from assessment.report.text.quantities import cell
 from assessment.results.configurations.hand_check import hand_check
 from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
@@ -243,53 +242,12 @@ def test_a_mechanism_is_named_by_what_it_is_made_of():
         ("return_period_years", 0.0636191, "&lt; 30 (0,064)"),
         ("I_S", 0.00101808, "0,0010"),
         ("hand_deviation", -0.0005708, "−0,057"),  # %
-        ("IS_V", 0.168152, "16,8"),  # %
+        ("IS_V", 0.168152, "17"),  # %
     ],
 )
 def test_no_number_has_digits_that_mean_nothing(column, value, shown):
     """A joint at x = −0.00323 m, T_R = 50.0 years, e* reduced by 0.0960 % stood there."""
     assert cell(column, {column: value}, Words.of("it"), 4) == shown
-
-
-def test_those_columns_wrap_first_that_cost_the_fewest_lines():
-    """Twenty of twenty names of states took two lines, for four names of checks that had one."""
-    names = ["right support 20 mm"] * 20
-    checks = ["SLV"] * 16 + ["SLD, elastic branch of the curve"] * 4
-    rows = [list(map(Markup, row)) for row in zip(names, checks, ["0.104 g of it"] * 20, strict=True)]
-    wide = [[*row, *([Markup("0.12345678")] * 5)] for row in rows]
-    made = Grid(Markup(""), [Markup("State")] * 8, wide, [True, True, True, *[False] * 5])
-    letters = [109.0 * width / 100.0 for width in made.widths]
-    assert letters[0] > 18.0 and letters[2] > 11.5
-    assert letters[1] < len(checks[-1])
-
-
-def lines_of(made):
-    """How many lines the cell of each row and column takes; numbers of the tests never wrap."""
-    columns = zip(made.head, zip(*made.rows, strict=True), made.text, strict=True)
-    widths = (109.0 * width / 100.0 + 0.01 for width in made.widths)  # rounded to a hundredth of a per cent
-    cells = [_Column.of(*column).lines(width)[1:] for column, width in zip(columns, widths, strict=True)]
-    return [list(row) for row in zip(*cells, strict=True)]
-
-
-def test_of_columns_that_cost_as_many_lines_the_names_wrap_last():
-    """ "appoggio destro 20 mm" stood in three lines beside "SLV, lineare" in one."""
-    for numbers, expected in ((6, [2, 2, 2]), (5, [1, 1, 2])):
-        row = ["appoggio destro 20 mm", "SLV, lineare", "4 cerniere e scorrimenti", *["0.12345678"] * numbers]
-        words = [True] * 3 + [False] * numbers
-        made = Grid(Markup(""), [Markup("Stato")] * len(row), [list(map(Markup, row))] * 4, words)
-        assert [row[:3] for row in lines_of(made)] == [expected] * 4
-
-
-def test_a_row_of_two_lines_has_two_in_every_column_before_any_has_three():
-    """Names of states, four of eight, took three lines beside mechanisms, eight of eight, that took one."""
-    rows = [
-        [state, check, "25 cerniere, 13 scorrimenti", *["0.12345678"] * 5, "non verificato"]
-        for state in ("originale", "appoggio destro 150 mm")
-        for check in ("SLD", "SLV, lineare") * 2
-    ]
-    words = [True] * 3 + [False] * 5 + [True]
-    made = Grid(Markup(""), [Markup("Stato")] * 9, [list(map(Markup, row)) for row in rows], words)
-    assert max(map(max, lines_of(made))) == 2
 
 
 def test_safety_and_risk_have_a_table_each():

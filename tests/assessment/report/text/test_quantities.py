@@ -2,15 +2,25 @@
 
 import pytest
 
-from assessment.report.text.columns import COLUMNS, cell, heading, written
 from assessment.report.text.language import LANGUAGES, Words
+from assessment.report.text.quantities import cell, heading, written
+from assessment.results.schema.part import QUANTITIES, Part, key
 
 ENGLISH = Words.of("en")
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_every_specified_column_has_a_heading(language):
-    assert COLUMNS.keys() <= Words.of(language).strings["column"].keys()
+def test_every_quantity_is_labelled_in_both_languages_and_once():
+    """A column of a table that nothing describes stops the report; one described twice stops the program."""
+    assert all(found.label.keys() == set(LANGUAGES) for found in QUANTITIES.values())
+    with pytest.raises(ValueError, match=r"Again\.alpha_0: described in another table too"):
+        type("Again", (Part,), {"__annotations__": {"alpha_0": float}, "alpha_0": key("", "–", "α")})
+
+
+def test_a_ratio_is_told_from_one():
+    """ "1,00 non verificato" was printed of 0.9996."""
+    assert [ENGLISH.ratio(each) for each in (0.9996, 1.0, 0.0975, 0.004, 0.48, 3.434, 12.34)] == [
+        *("0.9996", "1.00", "0.098", "0.0040", "0.48", "3.43", "12.3"),
+    ]
 
 
 def test_a_value_is_written_in_the_unit_of_its_heading():
