@@ -10,11 +10,12 @@ import gc
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 
-from assessment.runtime.cache import Store, packed, unpacked
+from assessment.runtime.cache import Store, packed, returned, unpacked
 from assessment.runtime.fingerprint import fingerprint
 from assessment.runtime.processes.pool import KilledError, Pool, finished, processes
 from assessment.runtime.show import SILENCE, Show
@@ -177,12 +178,13 @@ class Workers:
         Raises KilledError where a process was ended from outside.
         """
         known: dict[int, Result] = {}
-        plan = _Plan(function, tasks, known)
+        plan, kind = _Plan(function, tasks, known), returned(function)
         if self.store and not self.fresh:
             for number in range(len(tasks)):
                 if plan.ready(number) and (text := self.store.find(key := plan.key(number))):
-                    known[number] = unpacked(text)
-                    self.taken += key not in self.kept
+                    with suppress(Exception):  # whatever another text than a result makes of it: it is absent
+                        known[number] = unpacked(text, kind)
+                        self.taken += key not in self.kept
         unknown = [number for number in range(len(tasks)) if number not in known]
         if not tasks:
             return []
@@ -196,7 +198,7 @@ class Workers:
                 if self.store:
                     self.store.keep(key := plan.key(number), text)
                     self.kept.add(key)
-                known[number] = unpacked(text)  # now, while other processes compute
+                known[number] = unpacked(text, kind)  # now, while other processes compute
                 self.computed += 1
                 work.finish(number)
                 self._tell(titles[number], known[number])

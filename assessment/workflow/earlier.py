@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.report.formats.pdf import printable
 from assessment.runtime import fingerprint
-from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.cache import FOLDER, Store, unpacked
 from assessment.runtime.files.atomic_files import file_digest
 from assessment.runtime.outcome import Outcome
 
@@ -103,10 +104,10 @@ class Earlier:
 def recall(folder: Path) -> Earlier | None:
     """Return the record of the last run in an output folder; None if there is none that can be read."""
     text = Store(folder / FOLDER).read(ENTRY)
-    try:
-        return Earlier(**json.loads(text)) if text else None
-    except TypeError:  # a record of another version
-        return None
+    with suppress(Exception):  # of another version, or none at all
+        found: Earlier | None = unpacked(text, Earlier) if text else None
+        return found
+    return None
 
 
 def remember(folder: Path, outcome: Outcome, keys: Keys, parts: Collection[str], warnings: list[str]) -> None:

@@ -16,7 +16,7 @@ from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.fingerprint import fingerprint as digest
 from assessment.workflow.stages import run
 from mechanics import State
-from mechanics.messages import headed, message
+from mechanics.messages import Message, headed, message
 from tests.support.structures import block_on_base
 from tests.support.typed import filled, made
 
@@ -40,15 +40,16 @@ def test_results_keep_every_bit():
         np.array([[3.0, 7.0, 0.1]]),
         np.array([True, False]),
     )
+    odd = message("{text}", text="w «é»\r\n")
     row = made(QualityRow, {"solves": 3, "worst_complementarity": 1 / 7})
     part = PathResult(
         {"a": (0.1, None, np.float64(1 / 7), np.int64(3))},
         reached=state,
         quality=[row],
-        warnings=["w «é»\r\n"],
+        warnings=[odd],
         seconds=0.3,
     )
-    found = unpacked(packed(part))
+    found = unpacked(packed(part), PathResult)
     assert found.found == {"a": [0.1, None, 1 / 7, 3]}
     assert found.reached.positions.tobytes() == state.positions.tobytes()
     assert (found.reached.velocities.shape, found.reached.shear.shape) == ((1, 3), (0,))
@@ -56,7 +57,7 @@ def test_results_keep_every_bit():
     assert found.reached.carrying.tolist() == [True, False]
     assert (found.quality, found.warnings, found.failures, found.seconds) == (
         [row],
-        ["w «é»\r\n"],
+        [odd],
         [],
         0.3,
     )
@@ -67,7 +68,7 @@ def test_a_part_of_the_results_comes_back_with_the_keys_that_it_had():
     """A key that was null stays apart from one that was not there; names in the file may have spaces."""
     check = filled(Check, {"a_g_g": 1 / 7, "return_period_stated": None})
     part = made(Capacity, {"SLD elastic": check, "alpha_0": 0.1})
-    found = unpacked(packed({"of": [part]}))["of"][0]
+    found = unpacked(packed([part]), list[Capacity])[0]
     assert found == part and found.checks["SLD elastic"].a_g_g == 1 / 7
     assert found.model_dump(exclude_unset=True) == part.model_dump(exclude_unset=True)
     assert "S" not in found.checks["SLD elastic"].model_fields_set
@@ -79,13 +80,13 @@ def test_messages_keep_what_they_are_made_of():
     outer = headed("original", message("{levels}", levels=[inner, inner]))
     search = made(Search, {"record": "a"}).replace(reason=inner)
     part = PathResult(found=search, warnings=[outer], failures=[inner])
-    found = unpacked(packed({"of": [part]}))["of"][0]
+    found = unpacked(packed([part]), list[PathResult[Search]])[0]
     assert (
         found.warnings == [outer]
         and found.warnings[0].fields["text"].fields["levels"][1].template == inner.template
     )
     assert found.failures[0].fields == found.found.reason.fields == {"size": 1 / 7, "turned": 0.5}
-    assert unpacked(packed(inner)).fields == inner.fields
+    assert unpacked(packed(inner), Message | None).fields == inner.fields
 
 
 def test_fingerprints_tell_every_content_and_type_apart():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from assessment.report.figures import index as figures
 from assessment.results.plain import plain
 from assessment.runtime import fingerprint
 from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests.support.block_project import edit, forget, timeless
 from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage, write_wave
@@ -48,7 +50,7 @@ def output(folder: Path) -> dict[str, bytes]:
     files = {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted((folder / "output").rglob("*"))
-        if path.is_file() and FOLDER not in path.parts
+        if path.is_file() and not {FOLDER, JOURNAL} & {*path.parts}
     }
     content = json.loads(files["output/results.json"])
     del content["timing_s"]["assessment"]
@@ -146,6 +148,54 @@ def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
     assert counts(done, capsys) == (1, ALL - 1)
     found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(done))]
     assert found[0] == found[1]
+
+
+FORGED = (
+    "",
+    "null",
+    "true",
+    "1",
+    '"text"',
+    "[]",
+    "[null]",
+    "{}",
+    "{",
+    '{"found": 1}',
+    '[{"found": {"rigid": 3}}]',
+    '[{"failures": [3]}]',
+    '{"reached": {"positions": [1, 2]}}',
+    '{"reached": {"positions": {"·array": [0.0], "shape": [7], "type": "<f8"}}}',
+    '{"reached": {"positions": {"·array": ["a"], "shape": [1], "type": "<U1"}}}',
+    '{"warnings": [{"·message": "{missing}", "fields": {}}]}',
+    '{"seconds": "long"}',
+    '{"·kind": "builtins:eval"}',
+    "[" * 100_000,
+)
+
+
+@pytest.mark.parametrize("text", FORGED, ids=lambda text: text[:30])
+def test_entries_that_are_no_results_count_as_absent(done, capsys, text):
+    """Each has the digest of its content, and ended in a traceback; the record of the last run is one of them."""
+    before = output(done)
+    store = Store(done / "output" / FOLDER)
+    for entry in entries(done):
+        store.keep(entry.name, text)
+    computed, taken = counts(done, capsys)
+    assert (
+        computed >= ALL - 2 and computed + taken == ALL
+    )  # null is a result: nothing stands against self-weight
+    found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(done))]
+    assert found[0] == found[1]
+
+
+def test_an_entry_that_never_ends_is_not_waited_for(done, capsys):
+    first = entries(done)[0]
+    first.unlink()
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no pipes in folders")
+    os.mkfifo(first)
+    forget(done / "output")
+    assert counts(done, capsys) == (1, ALL - 1)
 
 
 def test_a_disk_that_refuses_entries_costs_no_results(project, capsys, monkeypatch):
