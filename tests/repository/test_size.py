@@ -1,0 +1,61 @@
+"""Every folder of the program has a budget of lines, which may only fall.
+
+`python -m tests.repository.test_size` prints the table for what is there now: where a folder has become smaller, its
+line goes into the table below. A folder that outgrows its budget loses something first.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from tests import ROOT
+
+LINES = {
+    # of code, comments and blank lines in *.py
+    "assessment": 50,
+    "assessment/analyses": 5250,
+    "assessment/app": 1600,
+    "assessment/benchmark": 3300,
+    "assessment/cli": 650,
+    "assessment/ntc": 2750,
+    "assessment/project": 5150,
+    "assessment/report": 8850,
+    "assessment/results": 4150,
+    "assessment/runtime": 2650,
+    "assessment/studies": 3150,
+    "assessment/workflow": 1600,
+    "mechanics": 600,
+    "mechanics/kernels": 3550,
+    "mechanics/model": 3300,
+    "mechanics/procedures": 2800,
+    "mechanics/records": 1200,
+    "mechanics/solvers": 1150,
+    "mechanics/steps": 1750,
+}
+
+
+def counted() -> dict[str, int]:
+    """Return the number of lines of every folder of the packages, with its subfolders, and of what is in no folder."""
+    found: dict[str, int] = {}
+    for package in ("assessment", "mechanics"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            within = path.relative_to(ROOT).parts
+            folder = "/".join(within[:2]) if len(within) > 2 else package
+            found[folder] = found.get(folder, 0) + len(path.read_text(encoding="utf-8").splitlines())
+    return found
+
+
+@pytest.mark.parametrize("folder", counted())
+def test_a_folder_keeps_to_its_budget(folder):
+    lines = counted()[folder]
+    assert folder in LINES, f"{folder}: new; give it a budget"
+    assert lines <= LINES[folder], f"{folder}: {lines} lines; the budget is {LINES[folder]}"
+
+
+def test_no_budget_is_of_a_folder_that_is_gone():
+    assert LINES.keys() == counted().keys()
+
+
+if __name__ == "__main__":
+    for name, lines in sorted(counted().items()):
+        print(f'    "{name}": {min(lines, LINES.get(name, lines))},')
