@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from assessment.analyses.checks.demand import demand_spectra
-from assessment.ntc.demand.hazard_grid import read_grid, read_site_table
+from assessment.ntc.demand.hazard_grid import HazardError, read_grid, read_site_table
 from assessment.project.consistency.files import attachment_problems
 from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.comments import commented_toml
@@ -203,9 +203,12 @@ def drawing_picture(path: Path) -> dict[str, Any]:
 
 
 def grid_picture(path: Path) -> dict[str, Any]:
-    """Return nothing of a hazard grid, or the hazard of one site, that can be read. Raises HazardError for others."""
-    if read_site_table(path) is None:
-        read_grid(path)
+    """Return nothing of a hazard grid, or the hazard of one site, that can be read. Raises ProjectError for others."""
+    try:
+        if read_site_table(path) is None:
+            read_grid(path)
+    except HazardError as error:
+        raise ProjectError(str(error)) from None
     return {}
 
 

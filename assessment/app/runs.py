@@ -62,6 +62,8 @@ class Runs:
         found = progress_of(self._recorded(), holder(self.output))
         own = self.process is not None and code is None
         said = "" if code in (None, 0) else self.log.read_text(encoding="utf-8", errors="replace")[-TOLD:]
+        if found["exit_code"] is None and not own:
+            found["exit_code"] = code  # of a command that has left no journal
         return found | {"running": found["running"] or own, "own": own, "said": said.strip()}
 
     def _recorded(self) -> Recorded:

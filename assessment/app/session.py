@@ -171,14 +171,14 @@ class Session:
         if self.folder is None:
             path = Path(self.staging.name) / name
             write_atomically(path, content)
-            return {"name": name} | self.look(kind, path)
+            return self.look(kind, path) | {"name": name}
         path, number = self.folder / place / name, 1
         while path.exists() and path.read_bytes() != content:
             number += 1
             path = path.with_name(f"{Path(name).stem}-{number}{Path(name).suffix}")
         kept = {"name": path.relative_to(self.folder).as_posix()}
         if path.exists():
-            return kept | self.look(kind, path)
+            return self.look(kind, path) | kept
         trial = self.folder / OWN / "dropped" / path.name
         try:
             write_atomically(trial, content)
@@ -187,7 +187,7 @@ class Session:
             trial.replace(path)
         finally:
             trial.unlink(missing_ok=True)
-        return kept | picture
+        return picture | kept
 
     def dropped(self, name: str) -> Path:
         """Return the drawing that was dropped without a project."""
@@ -208,13 +208,8 @@ class Session:
 
 def file_name(name: str) -> str:
     """Return a name of a file or folder, in no folder and not hidden. Raises ProjectError for any other text."""
-    if (
-        Path(name).name != name
-        or name.startswith(".")
-        or not name.isprintable()
-        or "\\" in name
-        or len(name) > 120
-    ):
+    plain_name = name.isprintable() and Path(name).name == name and "\\" not in name and len(name) <= 120
+    if not plain_name or not name or name.startswith("."):
         raise ProjectError(f"{name[:120]!r}: no name of a file or folder; write another")
     return name
 

@@ -1,0 +1,386 @@
+"""What the page is told and may do, without a socket; the process that draws, and runs that go on by themselves."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from importlib.resources import files
+
+import pytest
+
+from assessment.app.answers import ANSWERS
+from assessment.app.editing import ConflictError
+from assessment.app.session import Session
+from assessment.app.worker import Worker, WorkerError
+from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.project import json_schema
+from assessment.runtime.errors import ProjectError
+from tests.support.block_project import ASSESSMENT, PROJECT, edit, write_block
+
+SLOW = 600  # times that something is looked for, with a tenth of a second between
+
+
+@pytest.fixture(scope="module")
+def worker():
+    found = Worker()
+    yield found
+    found.end()
+
+
+@pytest.fixture
+def session(tmp_path, worker):
+    """A session over a block whose project has everything."""
+    found = Session(tmp_path, write_block(tmp_path / "block", PROJECT + ASSESSMENT))
+    found.worker = worker
+    return found
+
+
+def ask(session, question, /, **sent):
+    answer = ANSWERS[question](session, json.loads(json.dumps(sent)))
+    json.dumps(answer, allow_nan=False)
+    return answer
+
+
+def changed(session, *changes):
+    return ask(session, "edit", digest=ask(session, "state")["digest"], changes=[*changes])
+
+
+# ---- state, edits ----
+
+
+def test_the_state_is_content_and_problems_of_the_file(session):
+    state = ask(session, "state")
+    assert state["content"]["title"] == "Block"
+    assert (state["problems"], state["error"], state["results"]) == ([], None, None)
+    assert (state["undo"], state["run"]["running"], state["language"]) == (False, False, "it")
+
+
+def test_an_edit_that_contradicts_is_written_and_told(session):
+    changed(session, [["settlements", 0, "support"], "nowhere"])
+    state = ask(session, "state")
+    assert state["content"]["settlements"][0]["support"] == "nowhere"
+    assert 'no support "nowhere"' in state["problems"][0]
+
+
+def test_a_broken_file_is_told_with_its_line_and_undone(session):
+    known = changed(session, [["title"], "Two"])["digest"]
+    (session.folder / "project.toml").write_text("title = \n", encoding="utf-8")
+    state = ask(session, "state")
+    assert "line 1" in state["error"]
+    assert state["content"] is None
+    assert ask(session, "undo", digest=state["digest"]) == {"digest": known}
+    assert ask(session, "state")["content"]["title"] == "Two"
+
+
+def test_two_pages_do_not_overwrite_each_other(session):
+    known = ask(session, "state")["digest"]
+    ask(session, "edit", digest=known, changes=[[["title"], "One"]])
+    with pytest.raises(ConflictError):
+        ask(session, "edit", digest=known, changes=[[["title"], "Other"]])
+    assert ask(session, "state")["content"]["title"] == "One"
+
+
+def test_the_drawing_is_drawn_again_where_it_changes_and_not_for_the_report(session):
+    tag = ask(session, "state")["tag"]
+    changed(session, [["report", "client"], "Somebody"])
+    assert ask(session, "state")["tag"] == tag
+    changed(session, [["layers", "BLOCCO", "friction"], 0.4])
+    assert ask(session, "state")["tag"] != tag
+
+
+def test_infinity_is_a_text(session):
+    changed(session, [["material", "compressive_strength_kN_m2"], "inf"])
+    assert ask(session, "state")["content"]["material"]["compressive_strength_kN_m2"] == "inf"
+
+
+def test_a_spreadsheet_is_shown_not_written_and_can_be_converted(tmp_path, worker):
+    folder = write_block(tmp_path / "block")
+    content = tomllib.loads(PROJECT)
+    (folder / "project.toml").unlink()
+    (folder / "project.xlsx").write_bytes(to_xlsx(content))
+    session = Session(tmp_path, folder)
+    session.worker = worker
+    assert ask(session, "state")["source"] == "project.xlsx"
+    with pytest.raises(ProjectError, match="convert"):
+        changed(session, [["title"], "Two"])
+    assert ask(session, "convert") == {"kept": "project.xlsx.old"}
+    assert changed(session, [["title"], "Two"])["digest"]
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs rights that can be taken away")
+def test_a_folder_without_rights_is_told(session):
+    session.folder.chmod(0o500)
+    with pytest.raises(OSError, match="Permission"):
+        changed(session, [["title"], "Two"])
+    session.folder.chmod(0o700)
+    assert ask(session, "state")["content"]["title"] == "Block"
+
+
+@pytest.mark.parametrize(
+    ("name", "sent"),
+    [
+        ("edit", {"digest": "x", "changes": {}}),
+        ("edit", {"digest": "x", "changes": [[["title"]]]}),
+        ("edit", {"digest": "x", "changes": [["title", "Two"]]}),
+        ("live", {"tag": "x", "support": "base", "target": [0, 0]}),
+        ("live", {"tag": "x", "support": "base", "target": [0, 0, "x"]}),
+        ("live", {"tag": "x", "support": "base", "target": [0, 0, 1e9]}),
+        ("run", {"only": ["everything"]}),
+        ("run", {"only": []}),
+        ("record", {"name": "../../etc/passwd"}),
+        ("record", {"name": "project.toml\0"}),
+        ("judgement", {"text": 1}),
+        ("judgement", {"text": "x" * 600_000}),
+        ("open", {"folder": "nowhere"}),
+        ("new", {"name": "../up", "template": "block"}),
+        ("new", {"name": "", "template": "block"}),
+        ("new", {"name": "block", "template": "block"}),
+        ("new", {"name": "other", "template": "cathedral"}),
+        ("new", {"name": "other", "drawing": "../block/geometry.dxf"}),
+        ("convert", {}),
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_changes_nothing(session, name, sent):
+    before = {path: path.read_bytes() for path in session.home.rglob("*") if path.is_file()}
+    with pytest.raises(ProjectError):
+        ask(session, name, **sent)
+    assert {path: path.read_bytes() for path in session.home.rglob("*") if path.is_file()} == before
+
+
+# ---- the drawing ----
+
+
+def test_the_model_is_blocks_joints_and_whether_they_stand(session):
+    model = ask(session, "model")
+    assert [block["support"] for block in model["blocks"]] == ["base", None]
+    assert (len(model["joints"]), model["self_weight"], model["error"]) == (1, True, None)
+    assert model["layers"] == {"BASE": 1, "BLOCCO": 1}
+
+
+def test_what_a_run_would_refuse_is_told_and_the_drawing_is_drawn_all_the_same(session):
+    changed(session, [["control", 0, "point_m"], [50.0, 50.0]])
+    model = ask(session, "model")
+    assert len(model["blocks"]) == 2
+    assert "control.right.point_m" in model["error"]
+
+
+def overlapping(folder):
+    layout = template_layout("block")
+    layout["BLOCCO"] = [polygon - [0.0, 0.005] for polygon in layout["BLOCCO"]]
+    write_drawing(folder / "geometry.dxf", layout)
+
+
+def test_faults_have_places_and_a_repair_tells_its_changes_first(session):
+    overlapping(session.folder)
+    model = ask(session, "model")
+    assert (model["repairable"], len(model["blocks"])) == (True, 2)
+    assert model["faults"][0]["kind"] == "overlap"
+    assert model["faults"][0]["points"]
+    told = ask(session, "repair")
+    assert told["changes"]
+    assert told["drawing"] is None
+    assert not (session.folder / "geometry-repaired.dxf").exists()
+    made = ask(session, "repair", apply=True)
+    assert made == {"changes": told["changes"], "drawing": "geometry-repaired.dxf"}
+    changed(session, [["geometry", "drawing"], made["drawing"]])
+    assert (ask(session, "model")["faults"], session.folder.joinpath("geometry.dxf").is_file()) == ([], True)
+
+
+def test_a_support_is_followed_and_its_whole_way_is_that_of_the_project(session):
+    tag = ask(session, "state")["tag"]
+    target = [0.01, -0.02, 0.0]
+    answer = ask(session, "live", tag=tag, support="base", target=target, home=True)
+    while not answer["there"]:
+        answer = ask(session, "live", tag=tag, support="base", target=target)
+    whole = ask(session, "live", tag=tag, support="base", target=target, whole=True)
+    assert whole["there"]
+    assert whole["positions"][1] == pytest.approx(target, abs=1e-6)
+    assert whole["reaction"] == pytest.approx([0.0, 0.6 * 4.2 * 18.0], rel=1e-6)
+    fallen = ask(session, "live", tag=tag, support="base", target=[0.0, 0.0, 0.5], whole=True)
+    assert fallen["fallen"]
+    assert 0.1 < fallen["at"][2] < 0.15  # the block overturns at 0.3/2.1
+    assert fallen["stopped"]
+
+
+def test_the_spectra_are_those_of_the_site(session):
+    found = ask(session, "spectrum")
+    assert found["spectra"]["SLV"]["ag"] == 0.261
+    assert max(found["spectra"]["SLV"]["Se"]) == pytest.approx(
+        0.261 * found["spectra"]["SLV"]["S"] * 2.36, abs=1e-4
+    )
+
+
+def test_a_process_that_takes_too_long_is_ended_and_the_next_question_is_answered(session):
+    impatient = Worker({"model": 0.0})
+    session.worker = impatient
+    with pytest.raises(ProjectError, match="not answered within 0 s"):
+        ask(session, "model")
+    impatient.limits = {}
+    assert ask(session, "model")["error"] is None
+    os.kill(impatient.process.pid, signal.SIGKILL)
+    with pytest.raises(WorkerError, match="begins anew"):
+        while True:
+            ask(session, "model")
+    assert ask(session, "model")["error"] is None
+    impatient.end()
+
+
+# ---- dropped files ----
+
+RECORD = "\n".join(f"{0.01 * k:.2f} {0.1 * (-1) ** k * k / 100:.6f}" for k in range(300)).encode()
+
+
+def test_a_record_is_kept_with_the_records_and_drawn(session):
+    found = session.receive("quake.csv", "record", RECORD)
+    assert (found["name"], found["step"], found["pga"]) == ("records/quake.csv", 0.01, pytest.approx(0.299))
+    assert len(found["time"]) == len(found["acceleration"])
+    assert session.receive("quake.csv", "record", RECORD)["name"] == "records/quake.csv"
+    other = session.receive("quake.csv", "record", RECORD[: len(RECORD) // 2].rsplit(b"\n", 1)[0])
+    assert other["name"] == "records/quake-2.csv"
+    assert (session.folder / "records" / "quake.csv").read_bytes() == RECORD
+
+
+def test_a_long_record_is_drawn_with_its_peak(session):
+    long = "\n".join(
+        f"{0.01 * k:.2f} {0.5 if k == 7777 else 0.01 * (-1) ** k}" for k in range(20_000)
+    ).encode()
+    found = session.receive("long.csv", "record", long)
+    assert len(found["acceleration"]) <= 4000
+    assert max(found["acceleration"]) == 0.5
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "content"),
+    [
+        ("plan.dxf", "drawing", b"%PDF-1.4 no drawing"),
+        ("plan.dxf", "drawing", b""),
+        ("quake.csv", "record", b"a;b\n1;2\n"),
+        ("quake.csv", "record", b"\x00\xff" * 500),
+        ("grid.txt", "grid", b"not a grid"),
+        ("photo.png", "picture", b"GIF89a"),
+        ("photo.exe", "picture", b"MZ"),
+        ("plan.dxf", "virus", b""),
+    ],
+)
+def test_a_file_that_is_not_what_it_should_be_is_told_and_not_kept(session, name, kind, content):
+    before = sorted(session.folder.rglob("*"))
+    with pytest.raises(ProjectError) as refused:
+        session.receive(name, kind, content)
+    assert ".assesto" not in str(refused.value)
+    assert [path for path in sorted(session.folder.rglob("*")) if ".assesto" not in path.parts] == before
+
+
+def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
+    session = Session(tmp_path, None)
+    session.worker = worker
+    write_drawing(tmp_path / "survey.dxf", template_layout("arch"))
+    dropped = session.receive("survey.dxf", "drawing", (tmp_path / "survey.dxf").read_bytes())
+    assert dropped["unit"] in ("", "m")
+    assert sum(dropped["layers"].values()) > 10
+    sent = {"name": "my arch", "drawing": "survey.dxf", "title": "My arch", "unit": "m", "depth_m": 1.0}
+    with pytest.raises(ProjectError, match="unit_weight_kN_m3"):
+        ask(session, "new", **sent, unit_weight_kN_m3=None)
+    assert not (tmp_path / "my arch").exists()
+    ask(session, "new", **sent, unit_weight_kN_m3=18)
+    state = ask(session, "state")
+    assert state["content"]["title"] == "My arch"
+    assert (session.folder / state["content"]["geometry"]["drawing"]).read_bytes() == (
+        tmp_path / "survey.dxf"
+    ).read_bytes()
+
+
+def test_without_a_project_there_is_a_choice(tmp_path, worker):
+    write_block(tmp_path / "one")
+    session = Session(tmp_path, None)
+    session.worker = worker
+    assert ask(session, "state") == {"folder": None, "home": str(tmp_path), "projects": ["one"]}
+    ask(session, "open", folder="one")
+    assert ask(session, "state")["content"]["title"] == "Block"
+    ask(session, "new", name="two", template="wall")
+    assert ask(session, "state")["folder"] == str(tmp_path / "two")
+
+
+# ---- runs ----
+
+
+def until(condition):
+    for _ in range(SLOW):
+        if condition():
+            return
+        time.sleep(0.1)
+    raise AssertionError(condition)
+
+
+def test_what_a_run_refuses_is_said(session):
+    (session.folder / "geometry.dxf").write_text("no drawing", encoding="utf-8")
+    ask(session, "run")
+    until(lambda: not ask(session, "state")["run"]["running"])
+    run = ask(session, "state")["run"]
+    assert run["exit_code"] == 2
+    assert "geometry.dxf" in run["said"]
+
+
+def test_a_run_of_a_terminal_is_seen_and_stopped_and_goes_on(session):
+    edit(session.folder, "increment_m = 0.2", "increment_m = 0.00002")
+    command = [sys.executable, "-m", "assessment.cli", "run", str(session.folder), "--no-report"]
+    terminal = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    until(lambda: ask(session, "state")["run"]["stages"])
+    with pytest.raises(ProjectError, match="at work"):
+        ask(session, "run")
+    ask(session, "stop")
+    assert terminal.wait() == 3
+    state = ask(session, "state")["run"]
+    assert (state["running"], state["exit_code"]) == (False, 3)
+    edit(session.folder, "increment_m = 0.00002", "increment_m = 0.2")
+    ask(session, "run", only=["pushover"])
+    until(lambda: not ask(session, "state")["run"]["running"])
+    state = ask(session, "state")
+    assert state["run"]["exit_code"] == 0, state["run"]
+    assert "report.html" in state["results"]["files"]
+    assert "<!--" in ask(session, "judgement")["text"]
+    assert ask(session, "judgement", text="Sound.\n")["text"] == "Sound.\n"
+    assert ask(Session(session.home, session.folder), "state")["run"]["exit_code"] == 0
+    changed(session, [["material", "friction"], 0.5])
+    assert ask(session, "state")["results"]["stale"]
+
+
+# ---- words ----
+
+
+def words(language):
+    return tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
+
+
+def test_both_languages_have_the_same_words():
+    it, en = words("it"), words("en")
+    assert it["page"].keys() == en["page"].keys()
+    assert it["templates"].keys() == en["templates"].keys()
+    for key, text in en["page"].items():
+        assert [part.partition("}")[0] for part in text.split("{")[1:]] == [
+            part.partition("}")[0] for part in it["page"][key].split("{")[1:]
+        ]
+
+
+def test_every_word_that_the_page_says_is_there():
+    import re
+
+    said = set()
+    for script in (files("templates") / "app").iterdir():
+        if script.name.endswith(".js"):
+            said |= set(re.findall(r"\bw\(\"(\w+)\"", script.read_text(encoding="utf-8")))
+    assert said - words("en")["page"].keys() == set()
+
+
+def test_every_key_of_the_project_file_has_its_italian():
+    keys, schema = words("it")["keys"], json_schema()
+    tables = {"ProjectContent": schema, **schema["$defs"]}
+    named = [(table, key) for table, each in tables.items() for key in each["properties"]]
+    assert [pair for pair in named if ".".join(pair) not in keys and pair[1] not in keys] == []
+    assert {key for key in keys if key.partition(".")[2]} <= {".".join(pair) for pair in named}
+    assert all(len(each) == 2 and all(each) for each in keys.values())
