@@ -145,9 +145,10 @@ def convert(session: Session, _: Sent) -> dict[str, Any]:
 
 
 def open_folder(session: Session, sent: Sent) -> dict[str, Any]:
-    """Show the project of another folder."""
+    """Show the project of another folder, or with `folder` null none."""
+    folder = None if sent.get("folder") is None else session.home / _given(sent, "folder", str)
     with session.lock:
-        session.open(session.home / _given(sent, "folder", str))
+        session.open(folder)
     return {}
 
 

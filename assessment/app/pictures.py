@@ -34,6 +34,12 @@ if TYPE_CHECKING:
 
 MENDABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
 SAMPLES = 2000  # of a record that are drawn
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+NAMED = {
+    "Millimeters": "mm",
+    "Centimeters": "cm",
+}  # as DXF names them; of one in metres there is nothing to warn of
+LONGEST = 100.0  # m: of a structure in a drawing that names no unit
 PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150)])  # s
 
 
@@ -187,18 +193,21 @@ def _short(values: Array) -> list[Any]:
 
 
 def drawing_picture(path: Path) -> dict[str, Any]:
-    """Return the outlines of a DXF file by layer, its size and its unit, "" where the file names none.
+    """Return the outlines of a DXF file by layer, its size and its unit.
 
-    `size`: width and height in drawing units. Raises DrawingError for a file that cannot be read.
+    `size`: width and height in drawing units. `unit`: the one that the file names, or else the largest that makes it no
+    longer than LONGEST. Raises DrawingError for a file that cannot be read.
     """
     found = survey_drawing(path, "m", Layer(Material(20.0), 1.0))
     points = np.concatenate([each.points for each in found.outlines] or [np.zeros((1, 2))])
-    named = [str(warning.fields["own"]).lower() for warning in found.warnings if "own" in warning.fields]
-    units = {"millimeters": "mm", "centimeters": "cm"}
+    size = np.ptp(points, axis=0)
+    named = [NAMED.get(str(warning.fields["own"])) for warning in found.warnings if "own" in warning.fields]
+    fitting = [unit for unit, metres in METRES.items() if metres * size.max() <= LONGEST]
+    unit = next(filter(None, named), None) or (fitting or ["mm"])[0]
     return {
         "layers": Counter(each.layer for each in found.outlines),
-        "size": np.ptp(points, axis=0).tolist(),
-        "unit": units.get(named[0], "") if named else "",
+        "size": size.tolist(),
+        "unit": unit,
     }
 
 

@@ -96,7 +96,10 @@ export const poll = async () => {
   const text = JSON.stringify(state);
   if (text !== seen) {
     seen = text;
-    if (before.folder !== state.folder) Object.assign(store, { model: null, selection: null });
+    if (before.folder !== state.folder) {
+      Object.assign(store, { model: null, selection: null, step: "drawing", tool: "select" });
+      drawing.show();
+    }
     render();
   }
   if (state.folder && state.tag && state.tag !== store.model?.tag) fetchModel(state.tag);
@@ -137,6 +140,9 @@ const render = () => {
   $("language").title = w("language");
   document.body.dataset.run = state.run?.running ? "running" : "rest";
   document.body.dataset.step = store.step;
+  document.body.dataset.digest = state.digest ?? "";
+  $("home").title = w("other_project");
+  document.body.dataset.open = String(open);
   document.body.dataset.model = store.model?.tag && store.model.tag === state.tag ? "shown" : "awaited";
   drawing.render();
   renderPanel();
@@ -212,6 +218,7 @@ export const take = async (files, kind) => {
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => { event.preventDefault(); take(event.dataTransfer.files); });
 
+$("home").addEventListener("click", async () => { await attempt(() => ask("open", { folder: null })); await poll(); });
 $("undo").addEventListener("click", () => step("undo"));
 $("redo").addEventListener("click", () => step("redo"));
 $("run").addEventListener("click", async () => {

@@ -1,0 +1,261 @@
+"""The page in a real browser, as a new user would go: a dropped survey, faults, roles, movements, a run, the report."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+
+from assessment.project.catalogue.new_project import write_drawing
+from tests.support.browser import chromium
+from tests.support.structures import rectangle
+
+playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'")
+pytestmark = pytest.mark.skipif(chromium() is None, reason="needs Chromium: apt-get install chromium")
+
+OPTIONS = [
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+]
+PATIENCE = 60_000  # ms, of a browser on a machine that does other things too
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as tools:
+        found = tools.chromium.launch(executable_path=chromium(), args=OPTIONS)
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    """The folder of the new projects."""
+    return tmp_path_factory.mktemp("home")
+
+
+@pytest.fixture(scope="module")
+def served(home):
+    """The address of `assesto app` without a project."""
+    command = [sys.executable, "-m", "assessment.cli", "app", "--no-browser"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    server = subprocess.Popen(command, cwd=home, env=environment, stdout=subprocess.PIPE, text=True)
+    yield server.stdout.readline().strip()
+    server.send_signal(signal.SIGINT)
+    server.communicate()
+
+
+@pytest.fixture
+def page(browser, served):
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    found = context.new_page()
+    found.set_default_timeout(PATIENCE)
+    wrong = []
+    found.on("pageerror", lambda error: wrong.append(str(error)))
+    found.on("console", lambda said: wrong.append(said.text) if "Content Security" in said.text else None)
+    found.goto(served)
+    found.wait_for_selector("body[data-open]")
+    if found.get_attribute("body", "data-open") == "true":
+        found.click("#home")
+    yield found
+    context.close()
+    assert wrong == []
+
+
+def survey(path, lifted=0.0):
+    """A beam on two piers that stand on two bases, as somebody draws it; the beam may lie in its piers by a slip."""
+    layout = {
+        "BASI": [rectangle(-2.4, -0.3, -1.0, 0.0), rectangle(1.0, -0.3, 2.4, 0.0)],
+        "PILE": [rectangle(-2.0, 0.0, -1.4, 3.0), rectangle(1.4, 0.0, 2.0, 3.0)],
+        "TRAVE": [rectangle(-2.0, 3.0 + lifted, 2.0, 3.5)],
+    }
+    write_drawing(path, {layer: [np.array(each) for each in blocks] for layer, blocks in layout.items()})
+    return path
+
+
+def file_of(home, name):
+    return tomllib.loads((home / name / "project.toml").read_text(encoding="utf-8"))
+
+
+def changed(page, job):
+    """Do what changes the project file, and wait until the page has the new one."""
+    before = page.get_attribute("body", "data-digest")
+    job()
+    page.wait_for_selector(f"body:not([data-digest='{before}'])")
+
+
+def fill(page, at, text):
+    def typed():
+        page.fill(f"[data-at='{at}']", text)
+        page.press(f"[data-at='{at}']", "Enter")
+
+    changed(page, typed)
+
+
+def centre(page, block):
+    box = page.locator(f"[data-block='{block}']").bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def drag(page, *points):
+    page.mouse.move(*points[0])
+    page.mouse.down()
+    for point in points[1:]:
+        page.mouse.move(*point, steps=6)
+    page.mouse.up()
+
+
+def begin(page, home, name, lifted=0.0):
+    """Drop a survey and answer what is asked of it."""
+    page.wait_for_selector("[data-drop=drawing]", state="attached")
+    page.set_input_files("[data-drop=drawing]", survey(home / "survey.dxf", lifted))
+    page.wait_for_selector("#new-title")
+    for key, value in {"title": name, "depth": "0,5", "weight": "20"}.items():
+        page.fill(f"#new-{key}", value)
+    page.click("#new-make")
+    page.wait_for_selector("body[data-model=shown]")
+
+
+def test_from_a_dropped_survey_to_the_report(page, home):
+    begin(page, home, "portal", lifted=-0.004)
+
+    # faults, and a repair that tells its changes first
+    page.wait_for_selector("#repair")
+    assert "overlap" in page.inner_text("#problems")
+    page.click("#repair")
+    page.wait_for_selector("#repair-apply")
+    assert file_of(home, "portal")["geometry"]["drawing"] == "survey.dxf"
+    changed(page, lambda: page.click("#repair-apply"))
+    assert file_of(home, "portal")["geometry"]["drawing"] == "survey-repaired.dxf"
+    page.wait_for_selector("body[data-model=shown]")
+
+    # roles by layer and by lasso
+    page.click("[data-block='0']")
+    fill(page, "layers.BASI.support", "sinistro")
+    x, y = centre(page, 1)
+    if page.locator("#panel [data-field='layers.BASI.ignore']").count():  # regions are there
+        page.click("[data-tool=lasso]")
+        drag(page, (x - 90, y - 30), (x + 90, y - 30), (x + 90, y + 30), (x - 90, y + 30))
+        changed(page, lambda: page.click("#make-region"))
+        fill(page, "region.0.support", "destro")
+        page.click("[data-tool=select]")
+
+    # a control point by click, which takes the corner; undone to the byte, and done again
+    before = (home / "portal" / "project.toml").read_bytes()
+    page.click("[data-tool=control]")
+    box = page.locator("[data-block='4']").bounding_box()
+    changed(page, lambda: page.mouse.click(box["x"] + 2, box["y"] + 2))
+    assert file_of(home, "portal")["control"] == [{"name": "C1", "point_m": [-2.0, 3.5]}]
+    changed(page, lambda: page.click("#undo"))
+    assert (home / "portal" / "project.toml").read_bytes() == before
+    changed(page, lambda: page.click("#redo"))
+
+    # a support that is dragged: the structure follows, and the way is written
+    page.click("[data-tool=select]")
+    page.click("[data-step=settlements]")
+    page.wait_for_selector("body[data-model=shown]")
+    x, y = centre(page, 0)
+    drag(page, (x, y), (x - 20, y + 4))
+    page.wait_for_selector("#drawing[data-settled=written]")
+    [movement] = file_of(home, "portal")["settlements"]
+    assert movement["support"] == "sinistro"
+    assert movement["displacement_m"][0] < 0.0 > movement["displacement_m"][1]
+    assert "Rx" in page.inner_text("#caption")
+    page.press("#drawing", "Escape")
+
+    # a tie by two clicks
+    page.click("[data-tool=chain]")
+    page.mouse.click(*centre(page, 2))
+    changed(page, lambda: page.mouse.click(*centre(page, 3)))
+    assert len(file_of(home, "portal")["tie"]) == 1
+    changed(page, lambda: page.click("#undo"))
+
+    # a push; a run that is stopped, and taken up again
+    page.click("[data-step=push]")
+    changed(page, lambda: page.click("[data-add=pushover]"))
+    fill(page, "pushover.increment_m", "0,00001")
+    page.wait_for_selector("#run:not([disabled])")
+    page.click("#run")
+    page.wait_for_selector("body[data-run=running] progress")
+    page.click("#stop")
+    page.wait_for_selector("#run-state[data-running=false][data-code='3']")
+    page.click("[data-step=push]")
+    fill(page, "pushover.increment_m", "0,02")
+    page.wait_for_selector("#run:not([disabled])")
+    page.click("#run")
+    page.wait_for_selector("#run-state[data-running=false][data-code='0']")
+    page.wait_for_selector("#fresh")
+    frame = page.frame_locator("#report-frame")
+    frame.locator("#viewer-shape polygon.block").first.wait_for()
+    assert "α" in page.inner_text("#summary")
+
+    # the title page, and what is stale then
+    page.click("[data-step=report]")
+    fill(page, "report.client", "Comune di Prova")
+    page.click("[data-step=materials]")
+    fill(page, "material.friction", "0,5")
+    page.click("[data-step=results]")
+    page.wait_for_selector("#stale")
+
+
+def test_with_the_keyboard_alone(page, home):
+    begin(page, home, "keys")
+    page.focus("#drawing")
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Enter")
+    fill(page, "layers.BASI.support", "base")
+    page.wait_for_selector("body[data-model=shown]")
+    page.focus("#drawing")
+    page.keyboard.press("m")
+    for _ in range(3):
+        page.keyboard.press("ArrowDown")
+    page.keyboard.press("Shift+ArrowRight")
+    changed(page, lambda: page.keyboard.press("Enter"))
+    page.wait_for_selector("#drawing[data-settled=written]")
+    assert file_of(home, "keys")["settlements"][0]["displacement_m"] == [0.0001, -0.003]
+    page.keyboard.press("Escape")
+    changed(page, lambda: page.keyboard.press("Control+z"))
+    assert "settlements" not in file_of(home, "keys")
+
+
+def test_what_goes_wrong_is_told_and_nothing_is_lost(page, home):
+    begin(page, home, "wrong")
+    folder = home / "wrong"
+    before = (folder / "project.toml").read_bytes()
+
+    # no drawing; a value out of its range, at its field
+    (home / "plan.dxf").write_text("no drawing", encoding="utf-8")
+    page.set_input_files("[data-drop=drawing]", home / "plan.dxf")
+    page.wait_for_selector("#problems .wrong:has-text('plan.dxf')")
+    page.click("[data-step=materials]")
+    page.fill("[data-at='material.friction']", "-1")
+    page.press("[data-at='material.friction']", "Enter")
+    page.wait_for_selector("[data-field='material.friction'].wrong .error:has-text('not less than')")
+    assert (folder / "project.toml").read_bytes() == before
+
+    # an editor beside the page, which breaks the file
+    changed(page, lambda: (folder / "project.toml").write_bytes(before.replace(b"wrong", b"other", 1)))
+    assert "other" in page.inner_text("#title")
+    changed(page, lambda: (folder / "project.toml").write_bytes(b"title = "))
+    page.wait_for_selector("#problems .wrong:has-text('line 1')")
+    assert page.locator("[data-block]").count() == 5
+    (folder / "project.toml").write_bytes(before)
+    page.wait_for_selector("body[data-model=shown]")
+
+    # both widths: nothing is wider than the window
+    for width in (390, 1280):
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_a_server_that_is_gone_is_told(page, home):
+    begin(page, home, "gone")
+    page.context.set_offline(True)
+    page.wait_for_selector("#gone:visible")
+    page.context.set_offline(False)
+    page.wait_for_selector("#gone", state="hidden")
