@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from assessment.results.messages import table_of, with_messages
 from assessment.results.plain import plain
 from assessment.results.schema import FORMAT, Results
 from assessment.results.schema.part import first_error
@@ -19,6 +20,8 @@ MOST_BYTES = (
 
 def as_bytes(results: Results) -> bytes:
     """Return results as they are written, in the order of their schema."""
+    if table := table_of(results):
+        results = results.replace(messages=table)
     return json.dumps(plain(results), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
 
@@ -42,8 +45,9 @@ def read_results(path: Path) -> Results:
             f"{path}: format: {written}, this version reads {FORMAT}: written by another version of assesto; {AGAIN}"
         )
     try:
-        return Results.model_validate(content)
+        return Results.model_validate(with_messages(content))
     except ValidationError as error:
-        raise ValueError(
-            f"{path}: {first_error(error)}: damaged, or written by another version; {AGAIN}"
-        ) from None
+        wrong = first_error(error)
+    except (AttributeError, KeyError, TypeError, ValueError):  # of a table of messages
+        wrong = "messages: not as they are written"
+    raise ValueError(f"{path}: {wrong}: damaged, or written by another version; {AGAIN}")

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from assessment.results.messages import with_messages
 from assessment.results.quality import quality_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.model import QualityRow
@@ -60,11 +59,9 @@ class Draft:
         convergence = self.results.convergence.replace(rows=self.errors)
         if self.search_errors:
             convergence = convergence.replace(incremental=self.search_errors)
-        return with_messages(
-            self.results.replace(
-                summary=summary_of(self.results),
-                convergence=convergence,
-                quality=quality_of(self.quality, self.warnings),
-                timing_s=self.seconds,
-            )
+        return self.results.replace(
+            summary=summary_of(self.results),
+            convergence=convergence,
+            quality=quality_of(self.quality, self.warnings),
+            timing_s=self.seconds,
         )

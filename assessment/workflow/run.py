@@ -99,7 +99,6 @@ def print_again(project: Project, folder: Path) -> list[str]:
     or cannot be printed (damaged, edited, of another version), BusyError as `carry_out`.
     """
     from assessment.results.file import read_results
-    from assessment.results.messages import with_messages
     from assessment.workflow.output import write
     from mechanics.messages import message
 
@@ -119,7 +118,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             quality = results.quality.replace(
                 warnings=[*known, *(text for text in warnings if text not in known)]
             )
-            results = with_messages(_titled(results, project).replace(quality=quality))
+            results = _titled(results, project).replace(quality=quality)
             warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError, ProjectError):  # that name another file
             raise

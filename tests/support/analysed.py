@@ -13,7 +13,7 @@ import numpy as np
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.plain import plain
+from assessment.results.file import as_bytes
 from assessment.workflow.stages import run
 
 SETTLED = "right support 60 mm"
@@ -90,7 +90,7 @@ def _analysed() -> str:
         project = arch(Path(folder) / "arch")
         outcome = run(load_project(project), build_model(load_project(project)), jobs=1)
         assert outcome.complete, outcome.results.quality.warnings
-        return json.dumps(plain(outcome.results), allow_nan=False)
+        return as_bytes(outcome.results).decode()
 
 
 def arch(folder: Path, language: str = "en") -> Path:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from assessment.results.messages import with_messages
 from assessment.results.schema import Results
 from assessment.results.schema.part import Part
 
@@ -18,6 +19,7 @@ NOTHING: dict[Any, Any] = {float: 0.0, int: 0, str: "", bool: False}
 
 def typed(content: Mapping[str, Any]) -> Results:
     """Return plain results by type; keys that have to be there and are not stand for nothing."""
+    content = with_messages(dict(content))
     try:
         return Results.model_validate(content)
     except ValidationError:

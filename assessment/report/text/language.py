@@ -7,7 +7,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Any, TypeVar
@@ -15,7 +15,6 @@ from typing import Any, TypeVar
 from markupsafe import Markup
 
 from assessment.results.schema import Results
-from assessment.results.schema.messages import Worded
 
 LANGUAGES = ("it", "en")
 # blanks at which no line ends: before a unit, and around the equals sign before a number
@@ -29,14 +28,10 @@ SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 @dataclass(frozen=True)
 class Words:
-    """Strings of `templates/strings_<language>.toml`, found by dotted keys; numbers with its decimal mark.
-
-    `messages`: what the sentences of the results are made of, by sentence.
-    """
+    """Strings of `templates/strings_<language>.toml`, found by dotted keys; numbers with its decimal mark."""
 
     language: str
     strings: Mapping[str, Any]
-    messages: Mapping[str, Worded] = field(default_factory=dict)
 
     @classmethod
     def of(cls, language: str) -> Words:
@@ -128,7 +123,7 @@ def words_of(results: Results) -> Words:
     language = results.echo.report.language
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
-    return Words(language, _strings(language), results.messages or {})
+    return Words(language, _strings(language))
 
 
 @cache
