@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from assessment.analyses.checks.capacity import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
+from assessment.analyses.static.control import with_control
 from assessment.analyses.static.paths import stand
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project
@@ -40,10 +41,12 @@ def checked(project: Project, model: ProjectModel | None = None) -> Checked:
     or ValueError naming file and key for everything else, OSError for a file that cannot be read.
     """
     model = model or build_model(project)
-    results, motions = describe(project, model), read_motions(project)
+    followed, chosen = with_control(project, model.assembly)
+    results, motions = describe(followed, model), read_motions(project)
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
     warnings: list[str] = [
         *results.model.warnings,
+        *chosen,
         *motions.notes,
         *implausible_hazard(project, demands.spectra),
         *refused_as_drawn(project, model.states[ORIGINAL]),

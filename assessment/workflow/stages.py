@@ -18,6 +18,7 @@ from assessment.analyses.checks.demand import Demands, demand_parts, demand_spec
 from assessment.analyses.checks.governing import Paths, governed
 from assessment.analyses.checks.indices import knowledge_of, state_indices
 from assessment.analyses.checks.refusals import joined
+from assessment.analyses.static.control import with_control
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.paths import stand
 from assessment.analyses.static.second_solver import second_solver
@@ -85,10 +86,11 @@ def run(
 def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Results, bool]:
     """Return the results, and whether every requested analysis was completed."""
     states = model.states
+    project, chosen = with_control(project, states[ORIGINAL].assembly)
     motions = read_motions(project)
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
     draft = Draft(describe(project, model))
-    draft.warnings += [*motions.notes, *implausible_hazard(project, demands.spectra)]
+    draft.warnings += [*chosen, *motions.notes, *implausible_hazard(project, demands.spectra)]
     if _falls_by_itself(draft, states[ORIGINAL].assembly, workers):
         return draft.finished(), False
 

@@ -4,7 +4,7 @@ The analyses themselves are public names of `mechanics`; here are their results 
 """
 
 from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.mechanism import hinges, virtual_work_multiplier
+from mechanics.procedures.mechanism import farthest_corner, hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.path_start import settled
 from mechanics.procedures.pushdown import (
@@ -25,6 +25,7 @@ __all__ = [
     "Pushover",
     "SupportMovement",
     "drawn_extent",
+    "farthest_corner",
     "hinges",
     "limit_in",
     "pushdown_together",

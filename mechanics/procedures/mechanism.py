@@ -58,6 +58,29 @@ def pressure_centres(contacts: Contacts, positions: Array, forces: Array) -> Arr
     return centre
 
 
+def farthest_corner(model: Assembly, begun: Array, moved: Array, direction: Direction) -> tuple[Array, int]:
+    """Return the drawn corner (2,), m, of a movable block that goes farthest along the push, and its block.
+
+    `begun`, `moved` (b, 3): positions between which the blocks go. Of corners that go equally far it is the highest, of
+    those the foremost. A corner that another block has too is left out, for its block's centroid.
+    """
+    sense = 1.0 if direction == "+x" else -1.0
+    turned = [np.stack([np.cos(at[:, 2]), -np.sin(at[:, 2])]).T for at in (begun, moved)]
+    found = []
+    for k in map(int, np.flatnonzero(model.movable)):
+        block = model.blocks[k]
+        points = np.vstack([block.polygon, block.centroid])
+        way = moved[k, 0] - begun[k, 0] + (points - block.centroid) @ (turned[1][k] - turned[0][k])
+        found.append(np.column_stack([sense * way, points, np.full(len(points), k)]))
+    way, x, z, owner = np.vstack(found).T
+    equal = np.round(way / max(float(abs(way).max()), 1e-300), 6)
+    order = np.lexsort((-sense * x, -z, -equal))
+    of = (k for k in order if model.block_at((x[k], z[k])) == owner[k])
+    best = next(of, order[0])
+    point = np.array([x[best], z[best]])
+    return point, model.block_at(point)
+
+
 def _merged(points: Array, turn: Array, distance: float) -> Array:
     """Return the points (h, 2) m; of points closer than a distance (m) only the one that turns most is kept."""
     kept: list[Array] = []

@@ -106,8 +106,11 @@ class Mirror:
         met = [step.forces[drawn:, 0].max(initial=0.0) for step in path.steps]
         if max([*met, path.forces[drawn:, 0].max(initial=0.0)]) > 0.0:
             return None
+        control = self.model.from_origin(path.control) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
         return replace(
             path,
+            control=self.model.as_drawn(control),
+            block=int(self.block[path.block]),
             end=self._mirrored(path.end),
             states=tuple(map(self._state, path.states)),
             steps=tuple(map(self._step, path.steps)),

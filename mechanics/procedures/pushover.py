@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +22,8 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.closings import behind_closing, closes, may_peak
-from mechanics.procedures.limit_analysis import limit_in
+from mechanics.procedures.limit_analysis import limit_analysis, limit_in
+from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.path_start import (
     PathStart,
     elastic_start,
@@ -70,7 +72,8 @@ RISE = 0.15  # of the time of a curve, about, until its multiplier is largest
 class Pushover:
     """A capacity curve from a state's own equilibrium.
 
-    `displacement` (k,) m of the control point, positive along the push; `multiplier` (k,); `states` of each point;
+    `displacement` (k,) m of the `control` point, a drawn point (2,) m of the `block` of that number, positive along the
+    push; `multiplier` (k,); `states` of each point;
     `steps`: the equilibria of the points (rigid joints: none at the onset); `certificates` of every step.
     `reached_zero`: whether the last point has α = 0; `lost`: whether the curve ends because no equilibrium lies beyond
     its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
@@ -79,6 +82,8 @@ class Pushover:
     there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb").
     """
 
+    control: Array
+    block: int
     displacement: Array
     multiplier: Array
     states: tuple[State, ...]
@@ -106,7 +111,7 @@ class Pushover:
 
 def pushover(
     model: Assembly,
-    control: ArrayLike,
+    control: ArrayLike | None = None,
     direction: Direction = "+x",
     contacts: Behaviour = "rigid",
     increment: float = 0.001,
@@ -117,8 +122,9 @@ def pushover(
 ) -> Pushover:
     """Push the assembly over, from the onset of its mechanism (rigid joints) or from rest (elastic) to α = 0.
 
-    `control`: drawn point (2,) m in or on a block; `increment`: step of its displacement along the push, m; `state`:
-    where the push begins, default as drawn; `until`: share of the peak at which the curve ends.
+    `control`: drawn point (2,) m in or on a block; default the corner that goes farthest along the push in the first
+    mechanism; `increment`: step of its displacement along the push, m; `state`: where the push begins, default as
+    drawn; `until`: share of the peak at which the curve ends.
 
     Every point is an equilibrium in its own displaced geometry: the multiplier is free, and the lateral loads do a
     given work (eq. 5; with elastic joints the same program follows the curve through its peak). If no equilibrium lies
@@ -135,12 +141,39 @@ def pushover(
     Assembly.check(model)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     require(is_number(until) and 0.0 <= until < 1.0, "until", until, "a share of the peak")
-    push = _Push(array_of("control", control, "a point (x, z) in m"), direction, increment, until, tolerances)
-    curve = _Curve(push, static_system(model, contacts, sliding), state)
-    follow(curve, Bisection(increment, curve.first.share * increment))
+    system = static_system(model, contacts, sliding)
+    if control is not None:
+        point = array_of("control", control, "a point (x, z) in m")
+        return _followed(_Push(point, direction, increment, until, tolerances), system, state).finished()
+    first = _Push(_first_to_move(model, direction, state, sliding), direction, increment, until, tolerances)
+    curve = _followed(first, system, state)
+    try:
+        return curve.finished()
+    except ControlError:  # another part moves farther on: the curve is of what goes farthest
+        begun, moved = curve.states[0].positions, curve.states[-1].positions
+        point, _ = farthest_corner(model, begun, moved, direction)
+        return _followed(replace(first, control=point), system, state).finished()
+
+
+def _followed(push: _Push, system: StaticSystem, state: State | None) -> _Curve:
+    """Return a curve followed to its end."""
+    curve = _Curve(push, system, state)
+    follow(curve, Bisection(push.increment, curve.first.share * push.increment))
     if curve.system.rigid:
         curve.locate_peak()
-    return curve.finished()
+    return curve
+
+
+def _first_to_move(model: Assembly, direction: Direction, state: State | None, sliding: Sliding) -> Array:
+    """Return the drawn corner (2,), m, that goes farthest along the push in the first mechanism of rigid joints.
+
+    The highest one where the load meets no mechanism. Raises UnstableError if the state cannot stand.
+    """
+    begun = model.starting(state).positions
+    moved = begun + np.where(model.movable[:, None], [1.0, 0.0, 0.0], 0.0)
+    with suppress(NoEquilibriumError, ConvergenceError):
+        moved = begun + 1e-6 * model.size * limit_analysis(model, direction, state, sliding).mechanism
+    return farthest_corner(model, begun, moved, direction)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -435,6 +468,8 @@ class _Curve:
             )
         formed, mechanism, forces, contacts = self._mechanism()
         return Pushover(
+            self.push.control,
+            self.block,
             np.array(self.displacement),
             np.array(self.multiplier),
             tuple(self.states),

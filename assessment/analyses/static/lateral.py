@@ -6,13 +6,13 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assessment.analyses.static.curve_numbers import LIFTED, elastic_push, rigid_push
 from assessment.analyses.static.local_loss import loss_sentence
 from assessment.analyses.static.paths import PathResult, Quality, crossings, turns_on_rounding
+from assessment.project.schema import ControlTable
 from assessment.results.schema.static import Pushovers, RigidPush
 from mechanics import (
     Assembly,
@@ -27,9 +27,6 @@ from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, Direction
 from mechanics.procedures import Mirror, Pushover
 from mechanics.steps import Sliding
-
-if TYPE_CHECKING:
-    from assessment.project.schema import ControlTable
 
 MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises where blocks meet others
 
@@ -53,25 +50,25 @@ def push(
     state: State | None,
     setting: PushSetting,
     directions: tuple[Direction, ...],
-    controls: tuple[tuple[ControlTable, ...], ...],
+    controls: tuple[ControlTable, ...],
 ) -> list[PathResult[Pushovers]]:
-    """Push the state of that name over (None: as drawn), by the first of its control points (m) that moves.
+    """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
 
     A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
     """
     behaviour = setting.behaviour
     parts = []
     found: tuple[ControlTable, Pushover] | None = None
-    for direction, points in zip(directions, controls, strict=True):
+    for direction, control in zip(directions, controls, strict=True):
         began = time.perf_counter()
         result, quality = PathResult[Pushovers](), Quality(name, f"pushover, {behaviour}")
         title = pushover_title(name, direction, behaviour)
-        # where the first control point does not move, each direction is followed and fails with that message
+        # where the control point of the first direction does not move, that of the other has its own curve
         image = None
-        if found is not None and found[0] == controls[0][0]:
+        if found is not None and found[0] == controls[0]:
             image = mirror_of(model, behaviour).pushover(found[1])
         if image is not None:
-            found = points[0], image
+            found = control, image
         else:
             followed = partial(
                 pushover,
@@ -82,7 +79,7 @@ def push(
                 until=setting.until,
                 sliding=setting.sliding,
             )
-            found = _path(title, model, points, followed, result)
+            found = _path(title, model, control, followed, result)
             if found is not None:
                 quality.add(found[1])
         if found is not None:
@@ -113,23 +110,30 @@ def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
 def _path(
     title: str,
     model: Assembly,
-    controls: tuple[ControlTable, ...],
-    followed: Callable[[Assembly, tuple[float, float]], Pushover],
+    control: ControlTable,
+    followed: Callable[..., Pushover],
     result: PathResult[Pushovers],
 ) -> tuple[ControlTable, Pushover] | None:
-    """Return the first control point that moves, and its curve; None if there is none, with the reason in `result`."""
-    for control in controls:
+    """Return the control point, or one that takes part where it does not, and its curve; the reason is in `result`."""
+    try:
         try:
             return control, followed(model, control.point_m)
-        except ControlError as error:
-            reason = message("control point {name}: {reason}", name=control.name, reason=error.message)
-            result.warnings.append(headed(title, reason))
-        except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
-            result.failures.append(headed(title, error.message))
-            return None
-    nothing = message("no control point takes part in the mechanism; add one on a part that moves")
-    result.failures.append(headed(title, nothing))
-    return None
+        except ControlError:
+            path = followed(model)
+    except (UnstableError, ConvergenceError, NoEquilibriumError, ControlError) as error:
+        result.failures.append(headed(title, error.message))
+        return None
+    x, z = path.control.tolist()
+    other = ControlTable(name=f"({x:.4g}, {z:.4g}) m", point_m=(x, z))
+    reason = message(
+        'control point "{name}" takes no part: that of block {block} at {point} is followed, which goes farthest along '
+        "the push",
+        name=control.name,
+        block=path.block,
+        point=other.name,
+    )
+    result.warnings.append(headed(title, reason))
+    return other, path
 
 
 def add_curve(
@@ -148,11 +152,11 @@ def add_curve(
     if rigid:
         result.activated = path.states[path.peak]
         curve = rigid_push(model, control, setting.sliding, direction, path)
-        result.found = Pushovers(control=control.name, rigid=curve)
+        result.found = Pushovers(control=control.name, control_m=list(control.point_m), rigid=curve)
         result.warnings += [headed(title, note) for note in _rigid_notes(model, curve, path)]
     else:
         elastic = elastic_push(model, setting.sliding, direction, path)
-        result.found = Pushovers(control=control.name, elastic=elastic)
+        result.found = Pushovers(control=control.name, control_m=list(control.point_m), elastic=elastic)
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
         end = message(

@@ -9,11 +9,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from assessment.analyses.static.lateral import PushSetting, push
+from assessment.analyses.static.lateral import PushSetting, push, pushover_title
 from assessment.analyses.static.paths import PathResult, configuration
 from assessment.analyses.static.settlement import path_title, rest_as_drawn, settle
+from assessment.project.schema import ControlTable
 from assessment.results.quality import joined
-from assessment.results.schema.part import present
+from assessment.results.schema.part import known, present
 from assessment.results.schema.static import Pushovers, Run
 from assessment.runtime.tasks import Workers, large
 from mechanics.messages import Message, headed, message
@@ -21,7 +22,7 @@ from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import ControlTable, SettlementTable
+    from assessment.project.schema import SettlementTable
     from assessment.project.structure.state_models import StateModel
     from assessment.results.schema.model import QualityRow
     from assessment.results.schema.static import PushdownPath
@@ -99,6 +100,10 @@ class Settling:
         return f"{self.settlement.name}, {self.behaviour} contacts"
 
 
+Pushing = tuple[Request, tuple["Direction", ...]]
+"""A request, and the directions in which its curves are followed in one task."""
+
+
 @dataclass(frozen=True, eq=False)
 class Beginning:
     """What is pushed, or shaken, and from where: `state` at rest, None: as drawn."""
@@ -158,27 +163,76 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
         (request, together) for request in standing for together in _together(request, begun[id(request)])
     ]
     pushing.sort(key=lambda each: each[0].behaviour, reverse=True)  # rigid first: they take longest
-    pushed = workers.each(
-        f"{prefix}pushover",
-        push,
-        [_push_arguments(request, together, begun[id(request)]) for request, together in pushing],
-        [f"{request.title}, {' and '.join(together)}" for request, together in pushing],
-        large(*(begun[id(request)].model for request, _ in pushing)),
-    )
+    pushed = _pushed(pushing, begun, workers, prefix)
+    again = _of_other_points(standing, pushed)
+    pushed |= _pushed(again, begun, workers, prefix, again)
+    for request, (way,) in _of_other_points(standing, pushed):
+        title = pushover_title(request.state, way, request.behaviour)
+        nothing = message(
+            "the control point of the rigid curve takes no part; give one that moves with elastic joints"
+        )
+        pushed[id(request), way] = PathResult(failures=[headed(title, nothing)])
     results = []
     for request in requests:
-        own = {
-            direction: part
-            for (asked, together), parts in zip(pushing, pushed, strict=True)
-            if asked is request
-            for direction, part in zip(together, parts, strict=True)
-        }
+        own = {way: part for (asked, way), part in pushed.items() if asked == id(request)}
         movement = settled.get(request.settling) if request.settling else None
         results.append(_result(request, movement, begun.get(id(request)), own))
         if id(request) in restless:
             title = path_title(request.state, request.behaviour)
             results[-1].failures.append(headed(title, restless[id(request)]))
     return results
+
+
+def _pushed(
+    pushing: Iterable[Pushing],
+    begun: Mapping[int, Beginning],
+    workers: Workers,
+    prefix: str,
+    points: Mapping[Pushing, ControlTable] | None = None,
+) -> dict[tuple[int, Direction], PathResult[Pushovers]]:
+    """Return the curves of requests by their ids and direction; `points`: where not that of the project is followed."""
+    tasks = list(pushing)
+    found = workers.each(
+        f"{prefix}pushover",
+        push,
+        [
+            _push_arguments(request, together, begun[id(request)], (points or {}).get((request, together)))
+            for request, together in tasks
+        ],
+        [f"{request.title}, {' and '.join(together)}" for request, together in tasks],
+        large(*(begun[id(request)].model for request, _ in tasks)),
+    )
+    return {
+        (id(request), direction): part
+        for (request, together), parts in zip(tasks, found, strict=True)
+        for direction, part in zip(together, parts, strict=True)
+    }
+
+
+def _of_other_points(
+    requests: Iterable[Request], pushed: Mapping[tuple[int, Direction], PathResult[Pushovers]]
+) -> dict[Pushing, ControlTable]:
+    """Return the elastic curves that are of another control point than the rigid ones beside them, with these points.
+
+    A point that takes no part in the rigid mechanism may move with elastic joints, and a capacity is of one point.
+    """
+    found = {
+        (request.what, request.state, request.member, request.behaviour, way): curves
+        for request in requests
+        for way in request.directions
+        if (curves := pushed[id(request), way].found) is not None
+    }
+    other: dict[Pushing, ControlTable] = {}
+    for request in requests:
+        for way in request.directions:
+            own, rigid = (
+                found.get((request.what, request.state, request.member, behaviour, way))
+                for behaviour in (request.behaviour, "rigid")
+            )
+            if own and rigid and own.control != rigid.control:
+                x, z = known(rigid.control_m)
+                other[request, (way,)] = ControlTable(name=rigid.control, point_m=(x, z))
+    return other
 
 
 def _settled(
@@ -249,8 +303,8 @@ def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]
     if len(alone) < 2 or begun.state is not None:
         return alone
     mirror = Mirror.of(begun.model, request.behaviour)
-    points = zip(*(_controls(request.project, direction) for direction in request.directions), strict=True)
-    if mirror is None or not all(mirror.swaps(one.point_m, other.point_m) for one, other in points):
+    one, other = (request.project.pushover_control(direction).point_m for direction in request.directions)
+    if mirror is None or not mirror.swaps(one, other):
         return alone
     return [request.directions]
 
@@ -293,23 +347,19 @@ def _of_run(request: Request, path: PushdownPath | None) -> PushdownPath | None:
     return path.replace(run=Run(increment_m=increment, member=request.member))
 
 
-def _push_arguments(request: Request, together: tuple[Direction, ...], begun: Beginning) -> tuple[Any, ...]:
-    """Return the arguments of `push`."""
+def _push_arguments(
+    request: Request, together: tuple[Direction, ...], begun: Beginning, point: ControlTable | None
+) -> tuple[Any, ...]:
+    """Return the arguments of `push`; `point`: followed in the place of that of the project."""
     project = request.project
     assert project.pushover is not None
-    controls = tuple(_controls(project, direction) for direction in together)
+    controls = tuple(point or project.pushover_control(direction) for direction in together)
     # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
     whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
     setting = PushSetting(
         request.behaviour, request.sliding, project.pushover.increment_m, 0.0 if whole else PAST_PEAK
     )
     return begun.model, request.state, begun.state, setting, together, controls
-
-
-def _controls(project: Project, direction: Direction) -> tuple[ControlTable, ...]:
-    """Return the control points, that of the direction first."""
-    wished = project.pushover_control(direction)
-    return (wished, *(point for point in project.control if point != wished))
 
 
 def _alone(settlement: SettlementTable | None) -> SettlementTable:

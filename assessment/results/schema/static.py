@@ -246,6 +246,7 @@ class Pushovers(Part):
     """`pushover.+x`, `.-x`: the pushover in a direction; each curve where asked for and found."""
 
     control: str = key("control point that was followed")
+    control_m: Point | None = optional("where it is, as drawn: x, z", "m")
     run: Run | None = optional("which run its curves are of; missing: not told")
     rigid: RigidPush | None = optional("rigid joints")
     elastic: ElasticPush | None = optional("elastic joints")

@@ -144,7 +144,7 @@ def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     )  # fmt: skip
     model, control = Assembly([base, wall, neighbour]), ControlTable(name="top", point_m=(0.6, 4.2))
     setting = PushSetting("rigid", "associative", increment=0.005)
-    [pushed] = push(model, "original", None, setting, ("+x",), ((control,),))
+    [pushed] = push(model, "original", None, setting, ("+x",), (control,))
     curve = pushed.found.rigid
     assert curve.alpha_onset == pytest.approx(1.0 / 7.0, rel=1e-6) and curve.alpha_0 > 1.5 / 7.0
     [warning] = [each for each in pushed.warnings if "meet others" in each]
@@ -154,7 +154,7 @@ def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     assert (first.alpha, first.e_star) == pytest.approx((1.0 / 7.0, 1.0), rel=1e-6), "one block, e* = 1"
     assert curve.onset.moving_weight_kN == pytest.approx(18.0 * 0.6 * 4.2)
     assert curve.mechanism.moving_weight_kN > 2.0 * curve.onset.moving_weight_kN
-    [alone] = push(Assembly([base, wall]), "original", None, setting, ("+x",), ((control,),))
+    [alone] = push(Assembly([base, wall]), "original", None, setting, ("+x",), (control,))
     assert not any("meet others" in each for each in alone.warnings)
     assert activation_of(alone.found.rigid) is None
 

@@ -87,7 +87,7 @@ def test_runs_refused_for_the_same_reason_are_told_once_with_how_many_and_betwee
         "+x: no capacity in 3 of 5 runs: virtual work on the mechanism gives α = -0.147 to 0.277, "
         "the curve 0.641 to 0.643: blocks slide"
     )
-    assert as_sentence(told[0], "en").startswith("Direction +x: no capacity in 3 of 5 runs")
+    assert as_sentence(told[0], "en").startswith("+x: no capacity in 3 of 5 runs")
     assert "α = −0.147 to 0.277" in as_sentence(told[0], "en")
     assert in_italian(told[0]).startswith("direzione +x: la capacità non è determinata in 3 delle 5 analisi")
     assert "fra −0,147 e 0,277" in in_italian(told[0])

@@ -174,7 +174,7 @@ def test_a_beam_that_unseats_is_followed_from_the_drawing_to_the_report(tmp_path
     assert capacity["SLV"]["d_star_m"] == pytest.approx(capacity["gamma_star"] * limit)
     write_figures(Pool(0, typed(results)), tmp_path / "figures")
     write_page(typed(results), tmp_path)
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")
     shown = Words.of("it").number(1000.0 * loss["displacement_m"])
     assert "i blocchi 2 e 4, la cui superficie di appoggio all’inizio è lunga 50,0 mm" in page
     assert f"perdere l’appoggio a {shown} mm del punto di controllo" in page
