@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from assessment.benchmark.cases import (
+    app,
     campaigns,
     chain,
     dynamics,
@@ -272,6 +273,16 @@ BENCHMARKS: dict[str, Benchmark[Any]] = {
             ("variants", "variants", str),
             ("not_solved", "not solved", str),
             SECONDS,
+        ),
+    ),
+    "app": Benchmark(
+        "what who works in the page waits for, elapsed: median and largest.",
+        app.latencies,
+        plain(
+            CASE,
+            ("what", "waits for", str),
+            ("seconds", "median, s", number),
+            ("largest", "largest, s", number),
         ),
     ),
     "skips": Benchmark(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 BENCHMARKS = (
     "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain",
-    "campaigns", "sliding", "skips",
+    "campaigns", "sliding", "app", "skips",
 )  # fmt: skip
 STAGES = (
     "pushdown",

@@ -1,0 +1,91 @@
+"""The page in the browser: how long it takes to be there, to draw a model, and to follow a support that is dragged."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from assessment.app.worker import Worker
+from assessment.benchmark.table import Row
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.project import load_project
+
+ROUNDS = 5  # of which the median is told
+ANSWERS = 30  # of a support that is led to and fro
+
+
+@dataclass(frozen=True, kw_only=True)
+class Latency(Row):
+    """How long what a user waits for takes, elapsed, in s: `largest` of all and `seconds` in the median."""
+
+    what: str
+    seconds: float
+    largest: float
+
+
+def latencies(quick: bool) -> Iterator[Latency]:
+    """Rows of an arch of 33 blocks and, not where it is to be quick, of a triumphal arch of 367."""
+    with TemporaryDirectory() as folder:
+        for template in ("buttressed-arch", *(() if quick else ("triumphal-arch",))):
+            project = Path(folder) / template
+            new_project(project, template, {})
+            yield _latency(
+                template, "from the command to the page", [_to_page(project) for _ in range(ROUNDS)]
+            )
+            yield from _of_the_worker(project, template)
+
+
+def _latency(case: str, what: str, seconds: list[float]) -> Latency:
+    return Latency(case=case, what=what, seconds=float(np.median(seconds)), largest=max(seconds))
+
+
+def _to_page(project: Path) -> float:
+    """Time from `assesto app` until the page is answered."""
+    began = time.perf_counter()
+    command = [sys.executable, "-m", "assessment.cli", "app", str(project), "--no-browser"]
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        assert server.stdout is not None
+        urllib.request.urlopen(server.stdout.readline().strip()).read()
+        return time.perf_counter() - began
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def _of_the_worker(project: Path, case: str) -> Iterator[Latency]:
+    """Time of what the process beside the server answers: the model, first and again, and a support that is led."""
+    first, again = [], []
+    for _ in range(ROUNDS):
+        worker = Worker()
+        first.append(_asked(worker, "model", folder=project))
+        again.append(_asked(worker, "model", folder=project))
+        worker.end()
+    yield _latency(case, "the model, with the start of the process", first)
+    yield _latency(case, "the model again", again)
+    worker, moved = Worker(), load_project(project).settlements[0]
+    target = np.array([*moved.displacement_m, 0.0])
+    given = {"folder": project, "tag": "", "support": moved.support}
+    _asked(worker, "live", **given, target=(0.1 * target).tolist(), home=True)
+    ways = [
+        0.1 + 0.05 * abs((k + 5) % 10 - 5) for k in range(ANSWERS)
+    ]  # by what a pointer moves in a frame or two
+    led = [_asked(worker, "live", **given, target=(share * target).tolist()) for share in ways]
+    yield _latency(case, "an answer to a support that is dragged", led)
+    whole = [_asked(worker, "live", **given, target=target.tolist(), whole=True) for _ in range(ROUNDS)]
+    yield _latency(case, "the straight way on release", whole)
+    worker.end()
+
+
+def _asked(worker: Worker, question: str, **given: object) -> float:
+    began = time.perf_counter()
+    worker.ask(question, **given)
+    return time.perf_counter() - began
