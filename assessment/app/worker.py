@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 LIMITS = {"model": 120.0, "live": 30.0, "repair": 300.0}  # s, of an answer
 LIMIT = 60.0  # s, of the others
+OPEN = 1e-4  # of the size of a block: a joint is open that has opened by more
 BUDGET = 0.08  # s, of following the pointer before an answer
 
 
@@ -171,20 +172,22 @@ class Live:
 def followed(follow: Following) -> dict[str, Any]:
     """Return where a support that is led has taken the structure, m, rad and kN.
 
-    `positions` (b, 3): displacements of the blocks; `hinges` (h, 2): where a joint presses on its edge.
+    `positions` (b, 3): displacements of the blocks; `hinges` (h, 2): where a joint that has opened presses on its edge.
     """
     import numpy as np
 
     from assessment.results.configurations.faces import shares
     from assessment.results.configurations.joint_states import EDGE, IDLE
-    from mechanics.model import end_points
+    from mechanics.model import end_gaps, end_points
 
     step, model = follow.equilibrium, follow.model
     at, contacts = step.state.positions, step.contacts
-    share = np.nan_to_num(shares(contacts.places(at), step.forces), nan=0.5)
-    edge = (step.forces[:, 0] > IDLE * model.weight) & ~contacts.ties & (abs(share - 0.5) > 0.5 - EDGE)
-    ends = end_points(contacts, at)[edge]
-    hinges = ends[:, 0] + share[edge, None] * (ends[:, 1] - ends[:, 0])
+    places = contacts.places(at)
+    share = np.nan_to_num(shares(places, step.forces), nan=0.5)
+    open_ = end_gaps(places).max(axis=1) > OPEN * model.size
+    hinge = open_ & (step.forces[:, 0] > IDLE * model.weight) & ~contacts.ties & (abs(share - 0.5) > 0.5 - EDGE)
+    ends = end_points(contacts, at)[hinge]
+    hinges = ends[:, 0] + share[hinge, None] * (ends[:, 1] - ends[:, 0])
     return {
         "positions": (at - model.initial.positions).round(6).tolist(),
         "hinges": hinges.round(5).tolist(),
