@@ -1,8 +1,8 @@
-# make run | test | docs | benchmark | clean; all but clean first build the environment in .venv.
-.PHONY: run test docs benchmark setup clean
+# make run | test | least | docs | benchmark | clean; all but clean first build the environment in .venv.
+.PHONY: run test least docs benchmark setup clean
 
 run: setup
-	.venv/bin/assesto run projects/buttressed_arch --only assessment
+	.venv/bin/assesto run projects/buttressed_arch
 
 test: setup
 	.venv/bin/ruff check .
@@ -10,6 +10,13 @@ test: setup
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-cache
 	.venv/bin/python -m pytest -n 2 --dist loadfile
+
+least: setup  # comparisons with closed forms and a run, on the least versions that pyproject.toml allows
+	.venv/bin/python -m venv --clear build/least
+	.venv/bin/python tools/least_versions.py > build/least/versions.txt
+	build/least/bin/python -m pip install --quiet -r build/least/versions.txt pytest hypothesis pypdf
+	PYTHONPATH=. build/least/bin/python -m pytest tests/validation
+	PYTHONPATH=. build/least/bin/python -m assessment.cli run projects/rocking_block --out build/least/output
 
 docs: setup
 	.venv/bin/python -m sphinx -q -W --keep-going -b html docs build/docs

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Builds .venv (again only when pyproject.toml has changed) and sees to the libraries that PDF output needs.
-# PYTHON=python3.12 chooses another interpreter.
+# PYTHON=python3.12 chooses another interpreter, CONSTRAINTS=/dev/null the newest packages.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -37,7 +37,7 @@ sys.exit(not any(True for folder in folders for _ in folder.rglob("*.[to]tf")))
 END
 }
 
-if ! [ "$ready" -nt pyproject.toml ] || ! .venv/bin/python -c "" 2>/dev/null; then
+if ! [ "$ready" -nt pyproject.toml ] || ! [ "$ready" -nt constraints.txt ] || ! .venv/bin/python -c "" 2>/dev/null; then
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
         echo "setup: $python is missing or older than Python 3.11; try: make PYTHON=python3.12" >&2
         exit 1
@@ -50,7 +50,11 @@ if ! [ "$ready" -nt pyproject.toml ] || ! .venv/bin/python -c "" 2>/dev/null; th
         }
     fi
     echo "installing the Python packages into .venv" >&2
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev,docs]'
+    pip() { .venv/bin/python -m pip install --quiet --disable-pip-version-check "$@" -e '.[dev,docs]'; }
+    pip -c "${CONSTRAINTS:-constraints.txt}" || {
+        echo "setup: the versions of constraints.txt are not all to be had here: the newest instead" >&2
+        pip
+    }
     echo "compiling the loops" >&2
     .venv/bin/python tools/compile_loops.py
     touch "$ready"

@@ -42,6 +42,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
     "new": (
         "assesto new arch --template buttressed-arch",
         "assesto new wall --template wall --set courses=12",
+        "assesto new panel --example tuff_panel",
     ),
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
     "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
@@ -96,11 +97,18 @@ def _parser() -> argparse.ArgumentParser:
         description="Seismic capacity of dry-joint masonry before and after foundation settlements.",
         **_end(""),
     )
+    parser.epilog = f"{parser.epilog}\n\ndocumentation: {_docs() / 'index.md'}"
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and stop")
     parsers = parser.add_subparsers(required=True, metavar="COMMAND", dest="name")
     for add in (_run, _check, _status, _new, _convert, _schema, _report, _app, _benchmark):
         add(parsers)
     return parser
+
+
+def _docs() -> Path:
+    """Return the folder of the documentation: within the package where it is installed, beside it in a checkout."""
+    package = Path(__file__).parents[1]
+    return package / "docs" if (package / "docs").is_dir() else package.parent / "docs"
 
 
 def _run(parsers: Parsers) -> None:
@@ -138,14 +146,15 @@ def _status(parsers: Parsers) -> None:
 
 
 def _new(parsers: Parsers) -> None:
-    parser = _added(parsers, "new", commands.new, "make a new project folder from a template")
+    parser = _added(parsers, "new", commands.new, "make a new project folder from a template or an example")
     parser.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
     parser.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
+    parser.add_argument("--example", metavar="NAME", help="an example project; see --list")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
     )
     _add_flag(parser, "--excel", "write project.xlsx instead of project.toml")
-    _add_flag(parser, "--list", "print the dimensions of the template, or of all, and stop")
+    _add_flag(parser, "--list", "print the dimensions of the template, or of all with the examples, and stop")
 
 
 def _convert(parsers: Parsers) -> None:

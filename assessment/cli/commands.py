@@ -117,34 +117,57 @@ def status(options: argparse.Namespace) -> int:
 
 
 def new(options: argparse.Namespace) -> int:
-    """Make a project folder from a template, or list the dimensions of templates. Raises ValueError for options."""
-    from assessment.project.catalogue.new_project import new_project, template_options
+    """Make a project folder from a template or an example, or list what there is. Raises ValueError for options."""
+    from assessment.project.catalogue.examples import new_example
+    from assessment.project.catalogue.new_project import new_project
     from assessment.project.formats.convert import TOML, XLSX
 
     if options.template is not None:
         options.template = "-".join(options.template.lower().replace("_", " ").split())
     if options.list:
-        for template in [options.template] if options.template else TEMPLATES:
-            say(f"{template}:")
-            for name, (default, unit, description) in template_options(template).items():
-                say(f"  {name:18} {default:>8g} {unit:6} {description}")
+        _list(options.template)
         return DONE
-    if options.template is None:
-        raise ValueError(f"--template: missing; choose from {', '.join(TEMPLATES)}")
+    if (options.template is None) == (options.example is None):
+        both = "both given; choose one" if options.template else "missing; assesto new --list names them"
+        raise ValueError(f"--template or --example: {both}")
     if options.folder is None:
-        raise ValueError(
-            f"DIR: missing; give the folder to make: assesto new DIR --template {options.template}"
-        )
-    given = {}
-    for item in options.set:
-        key, _, value = item.partition("=")
-        try:
-            given[key.strip()] = float(value)
-        except ValueError:
-            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
-    new_project(options.folder, options.template, given, XLSX if options.excel else TOML)
+        raise ValueError("DIR: missing; give the folder to make: assesto new DIR --template NAME")
+    source = XLSX if options.excel else TOML
+    if options.template is not None:
+        new_project(options.folder, options.template, _dimensions(options.set), source)
+    elif options.set:
+        raise ValueError("--set: of a template only; leave it out, or give --template")
+    else:
+        new_example(options.folder, options.example, source)
     say(f"wrote {options.folder}; next: assesto check {options.folder}")
     return DONE
+
+
+def _list(template: str | None) -> None:
+    """Print the dimensions of a template, or of all, and then the examples."""
+    from assessment.project.catalogue.examples import example_title, examples
+    from assessment.project.catalogue.new_project import template_options
+
+    for name in [template] if template else TEMPLATES:
+        say(f"{name}:")
+        for option, (default, unit, description) in template_options(name).items():
+            say(f"  {option:18} {default:>8g} {unit:6} {description}")
+    if template is None:
+        say("examples:")
+        for name, folder in examples().items():
+            say(f"  {name:18} {example_title(folder)}")
+
+
+def _dimensions(given: list[str]) -> dict[str, float]:
+    """Return the dimensions that --set gives, by name. Raises ValueError for what is no KEY=NUMBER."""
+    found = {}
+    for item in given:
+        key, _, value = item.partition("=")
+        try:
+            found[key.strip()] = float(value)
+        except ValueError:
+            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
+    return found
 
 
 def convert(options: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -18,6 +19,7 @@ from tests import ROOT
 
 PACKAGES = ("assessment", "mechanics", "templates")
 COMPILED = {"NUMBA_CACHE_DIR": str(folder.parent)} if (folder := cache_folder()) else {}  # not once more
+PIP = ("-m", "pip", "--quiet", "--disable-pip-version-check")
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
@@ -45,35 +47,64 @@ def execute(*command: str | Path, cwd: Path, **environment: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory) -> Path:
-    """A folder into which a wheel of the checkout is installed, dependencies left out."""
+def built(tmp_path_factory) -> tuple[Path, Path]:
+    """The sdist of the committed files and those beside them, and a wheel made of that sdist alone."""
     if not backend_is_here():
         pytest.skip(f"needs pip and {PYPROJECT['build-system']['requires'][0]}")
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
+        pytest.skip("needs the checkout's git")
     scratch = tmp_path_factory.mktemp("packaging")
-    source, target = scratch / "source", scratch / "installed"
-    source.mkdir()
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, source)
-    for name in PACKAGES:
-        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
-    pip = ("-m", "pip", "--quiet", "--disable-pip-version-check")
-    execute(*pip, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", scratch, source, cwd=scratch)
-    (wheel,) = scratch.glob("*.whl")
-    execute(*pip, "install", "--no-deps", "--no-compile", "--target", target, wheel, cwd=scratch)
+    source = scratch / "source"
+    for name in files_of_git("--cached", "--others", "--exclude-standard"):
+        if (ROOT / name).is_file():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / name, source / name)
+    (source / "projects" / "tuff_panel" / "output").mkdir()
+    (source / "projects" / "tuff_panel" / "output" / "report.html").touch()  # as a run leaves it
+    execute("-c", f"from setuptools import build_meta; build_meta.build_sdist({str(scratch)!r})", cwd=source)
+    (sdist,) = scratch.glob("*.tar.gz")
+    wheel = ("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", scratch, sdist)
+    execute(*PIP, *wheel, cwd=scratch)
+    return sdist, next(scratch.glob("*.whl"))
+
+
+@pytest.fixture(scope="module")
+def installed(built, tmp_path_factory) -> Path:
+    """A folder into which the wheel is installed, dependencies left out."""
+    target = tmp_path_factory.mktemp("installed")
+    execute(*PIP, "install", "--no-deps", "--no-compile", "--target", target, built[1], cwd=target)
     return target
 
 
+def files_of_git(*options: str) -> list[str]:
+    listed = subprocess.run(["git", "ls-files", "-z", *options], cwd=ROOT, capture_output=True, check=True)
+    return [os.fsdecode(name) for name in listed.stdout.split(b"\0") if name]
+
+
+def test_the_sdist_has_every_committed_file_and_no_output(built):
+    with tarfile.open(built[0]) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    committed = {name for name in files_of_git() if not Path(name).parts[0].startswith(".")}
+    assert committed - held == set()
+    assert not {name for name in held if "output" in Path(name).parts}
+
+
 def test_every_file_of_the_packages_is_installed(installed):
-    for package in PACKAGES:
-        ours, theirs = (
-            {
-                path.relative_to(place)
-                for path in (place / package).rglob("*")
-                if "__pycache__" not in path.parts
-            }
-            for place in (ROOT, installed)
+    """The examples and the documentation within the package."""
+    places = {name: name for name in PACKAGES} | {
+        "projects": "assessment/examples",
+        "docs": "assessment/docs",
+    }
+    ours = {
+        Path(places[top], *rest)
+        for top, *rest in (
+            Path(name).parts for name in files_of_git("--cached", "--others", "--exclude-standard")
         )
-        assert ours == theirs
+        if top in places and (ROOT / top).joinpath(*rest).is_file()
+    }
+    theirs = {path.relative_to(installed) for path in installed.rglob("*") if path.is_file()}
+    theirs = {path for path in theirs if path.parts[0] in PACKAGES and "__pycache__" not in path.parts}
+    assert ours == theirs
 
 
 def test_templates_load_from_the_wheel(installed, tmp_path):
@@ -98,6 +129,11 @@ def test_the_command_runs_from_the_wheel(installed, tmp_path):
     assert assesto("--version").split()[-1] == PYPROJECT["project"]["version"]
     assesto("new", "wall", "--template", "wall")
     assert "stands under its own weight: yes" in assesto("check", "wall")
+    assert "tuff_panel" in assesto("new", "--list")
+    assesto("new", "block", "--example", "rocking-block")
+    assert "stands under its own weight: yes" in assesto("check", "block")
+    docs = Path(assesto("--help").rpartition("documentation: ")[2].strip())
+    assert docs.is_file() and docs.is_relative_to(installed)
 
 
 def test_the_benchmark_runs_from_the_wheel(installed, tmp_path):
@@ -121,9 +157,8 @@ def test_help_imports_no_package():
 def test_no_committed_file_names_a_machine():
     if shutil.which("git") is None or not (ROOT / ".git").exists():
         pytest.skip("needs the checkout's git")
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout
     place = re.compile(rb"(?<![\w.*-])/(work|root)/")
-    paths = [ROOT / os.fsdecode(name) for name in listed.split(b"\0") if name]
+    paths = [ROOT / name for name in files_of_git()]
     assert [str(path) for path in paths if path.is_file() and place.search(path.read_bytes())] == []
 
 
@@ -133,6 +168,28 @@ def test_readme_lists_exactly_the_dependencies():
     assert section is not None
     rows = re.findall(r"^\| `([^`]+)` \|", section[1], re.MULTILINE)
     assert sorted(rows) == sorted(dependencies())
+
+
+def test_what_ci_installs_is_pinned_within_the_bounds():
+    """`pip list --format=freeze` in the environment gives the lines of constraints.txt."""
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    pinned = {
+        name.lower(): version
+        for name, _, version in (line.partition("==") for line in lines if line[:1] != "#")
+    }
+    project = PYPROJECT["project"]
+    for text in [
+        *project["dependencies"],
+        *(each for extra in project["optional-dependencies"].values() for each in extra),
+    ]:
+        name, _, least = text.partition(">=")
+        assert least, f"{text}: has no lower bound"
+        assert name in pinned, f"{name}: not in constraints.txt"
+        assert _numbers(pinned[name]) >= _numbers(least)
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in re.findall(r"\d+", version)[:3])
 
 
 def dependencies() -> list[str]:

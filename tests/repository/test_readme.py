@@ -135,7 +135,7 @@ def test_the_commands_and_the_options_that_are_named_exist():
 
 
 def test_the_templates_and_benchmarks_that_are_named_exist():
-    [new] = [cells[1] for cells in rows("command | does", RUN) if cells[0].startswith("`assesto new")]
+    new, *_ = [cells[1] for cells in rows("command | does", RUN) if cells[0].startswith("`assesto new")]
     assert tuple(re.findall(r"`([a-z-]+)`", new))[: len(commands.TEMPLATES)] == commands.TEMPLATES
 
 

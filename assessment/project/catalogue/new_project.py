@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -54,8 +55,25 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
     """Write drawing, record and commented project file into a new folder, whole or not at all.
 
-    Raises ProjectError if the folder exists and is not empty, OSError, with the name of the file, if it cannot be
-    written.
+    Raises ProjectError as `new_folder`, and where the project is no structure; OSError, with the name of the file, if
+    it cannot be written.
+    """
+    with new_folder(folder) as made:
+        with naming(folder / DRAWING):
+            write_drawing(made / DRAWING, layout)
+        with naming(folder / source):
+            (made / source).write_bytes(source_bytes(source, content))
+        with naming(folder / RECORD):
+            write_artificial_record(made, _spectrum(content["assessment"]["site"]))
+        _refuse_what_is_no_structure(made)
+
+
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """Yield a temporary folder that becomes `folder` when the block ends, and is removed where it fails.
+
+    Raises ProjectError if the folder exists and is not empty, or has a name that no command takes; OSError, with its
+    name, if it cannot be written.
     """
     if CONTROL.search(str(folder.absolute())):
         raise ProjectError(
@@ -70,13 +88,7 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
             for killed in left_over(folder.parent, folder.name):
                 shutil.rmtree(killed, ignore_errors=True)
             temporary.mkdir()
-        with naming(folder / DRAWING):
-            write_drawing(temporary / DRAWING, layout)
-        with naming(folder / source):
-            (temporary / source).write_bytes(source_bytes(source, content))
-        with naming(folder / RECORD):
-            write_artificial_record(temporary, _spectrum(content["assessment"]["site"]))
-        _refuse_what_is_no_structure(temporary)
+        yield temporary
         if folder.is_dir():
             folder.rmdir()  # Windows renames nothing over a folder, not even over an empty one
         temporary.replace(folder)

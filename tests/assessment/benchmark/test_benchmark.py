@@ -282,7 +282,7 @@ def test_a_case_that_fails_says_so_in_its_rows():
 
 
 def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
-    def searched(model, motion, *_):
+    def searched(model, motion, *_) -> Combination:
         return Combination(Judged(motion.pga), runs=3, seconds=1.0)
 
     monkeypatch.setattr(campaigns, "search_collapse", searched)

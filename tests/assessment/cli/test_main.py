@@ -10,6 +10,8 @@ import pytest
 from ezdxf.filemanagement import readfile
 
 from assessment.cli.main import main
+from assessment.project.catalogue.examples import examples
+from assessment.project.project import load_project
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.journal import NAME as JOURNAL
 from tests.support.block_project import ASSESSMENT, PROJECT, command, edit, read_results, run
@@ -256,11 +258,46 @@ def test_new_writes_a_project_that_checks(tmp_path, capsys):
     assert "own weight: yes" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("name", examples())
+def test_an_example_is_a_project_of_ones_own(tmp_path, capsys, name):
+    folder = tmp_path / name
+    assert main(["new", str(folder), "--example", name.replace("_", "-")]) == 0
+    assert load_project(folder).content() == load_project(examples()[name]).content()
+    assert {path.name for path in folder.iterdir()} >= {"project.toml", "geometry.dxf", "README.md"}
+    assert not (folder / "output").exists()
+    capsys.readouterr()
+    assert main(["new", str(folder), "--example", name]) == 2
+    assert "exists and is not empty" in capsys.readouterr().err
+
+
+def test_an_example_as_a_spreadsheet(tmp_path):
+    assert main(["new", str(tmp_path / "a"), "--example", "triumphal_arch", "--excel"]) == 0
+    names = {path.name for path in (tmp_path / "a").iterdir()}
+    assert names == {"project.xlsx", "geometry.dxf", "README.md", "records"}
+    assert load_project(tmp_path / "a").content() == load_project(examples()["triumphal_arch"]).content()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ((), "--template or --example: missing; assesto new --list names them"),
+        (("--template", "wall", "--example", "tuff_panel"), "both given; choose one"),
+        (("--example", "tuff_panl"), 'no such example; did you mean "tuff_panel"?'),
+        (("--example", "tuff_panel", "--set", "courses=3"), "--set: of a template only"),
+    ],
+)
+def test_what_new_is_not_told_well(tmp_path, capsys, options, said):
+    assert main(["new", str(tmp_path / "a"), *options]) == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_new_lists_the_dimensions(tmp_path, capsys):
     assert main(["new", str(tmp_path / "n"), "--template", "block", "--list"]) == 0
     assert "width_m" in capsys.readouterr().out
     assert main(["new", "--list"]) == 0
-    assert "beam_side_m" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "beam_side_m" in out and all(name in out for name in examples())
     assert not list(tmp_path.iterdir())
 
 

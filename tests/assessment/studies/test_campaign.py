@@ -629,7 +629,7 @@ def test_a_control_point_beside_the_axis_leaves_both_signs_to_be_run(block):
     assert read_results(block / "output")["campaign"]["computed"] == 2
 
 
-def made(spectrum, seed):
+def made(spectrum, seed) -> Record:
     """A record in the place of one made to the spectrum, which takes seconds: as strong."""
     return Record(noise(seed, spectrum.ag, count=600), 0.01, f"generated {seed}")
 
