@@ -75,14 +75,16 @@ def scenarios(
     by, original = quantity(project), _of_state(project, statics, ORIGINAL)
     points = _points(ORIGINAL, 0.0, 0.0, original, original, by)
     for settlement in project.settlements:
-        movement = whole_movement(
-            models[ORIGINAL].settling, settlement.support, settlement.displacement_m, settlement.rotation_rad
+        *earlier, movement = (
+            whole_movement(models[ORIGINAL].settling, each.support, each.displacement_m, each.rotation_rad)
+            for each in project.movements_to(settlement.name)
         )
         steps = settlement.steps or 1
         for k in range(1, steps + 1):
             last = k == steps
             numbers = _of_state(project, statics, settlement.name) if last else parts[settlement.name, k]
-            points += _points(settlement.name, k / steps, k / steps * movement, numbers, original, by)
+            length = sum(earlier) + k / steps * movement
+            points += _points(settlement.name, k / steps, length, numbers, original, by)
     return Scenarios(
         quantity=by,
         limit_state=quoted_limit_state(project),

@@ -153,12 +153,13 @@ def _states(project: Project) -> tuple[str, ...]:
 
 
 def _settlement(moved: SettlementTable) -> Settlement:
-    return Settlement(
+    found = Settlement(
         support=moved.support,
         displacement_m=list(moved.displacement_m),
         rotation_rad=moved.rotation_rad,
         increment_m=moved.increment_m,
     )
+    return found if moved.after is None else found.replace(after=moved.after)
 
 
 def _loads(project: Project, a: Assembly) -> list[LayerLoads]:

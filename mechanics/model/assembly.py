@@ -333,6 +333,17 @@ class Assembly:
         moved[index, 2] = rotation
         return moved
 
+    def support_movement(self, positions: Array, name: str) -> tuple[Array, float]:
+        """Return the displacement (2,) m, and the rotation (rad) about its drawn centroid, of a support at positions.
+
+        Raises ArgumentError for an unknown support.
+        """
+        first, centre = self.support(name)[0], self.support_centre(name)
+        turn = float(positions[first, 2])
+        x, z = self.initial.positions[first, :2] - centre
+        cos, sin = np.cos(turn), np.sin(turn)
+        return positions[first, :2] - centre - np.array([cos * x - sin * z, sin * x + cos * z]), turn
+
     def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
         """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m.
 

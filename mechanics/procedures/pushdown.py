@@ -94,23 +94,24 @@ def pushdown(
     to_collapse: bool = False,
     sliding: Sliding = "associative",
     tolerances: PushdownTolerances = PUSHDOWN,
+    state: State | None = None,
 ) -> Pushdown:
     """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
 
-    `increment` (m): of the largest component. With `to_collapse` the movement continues in the same direction, after
-    `final` is taken, up to the last equilibrium. If no equilibrium lies near, the blocks are released until they rest;
-    if they do not come to rest, the structure has collapsed.
+    `increment` (m): of the largest component. The movement begins in `state` and counts from there, by default as
+    drawn. With `to_collapse` it continues in the same direction, after `final` is taken, up to the last equilibrium. If
+    no equilibrium lies near, the blocks are released until they rest; if they do not come to rest, the structure has
+    collapsed.
 
     Raises UnstableError if the structure as drawn cannot stand, CollapseError if it collapses before the whole movement
     is applied, NoEquilibriumError or ConvergenceError if that cannot be decided (these carry the path so far),
     ArgumentError for an argument out of its range.
     """
-    # nine arguments: the public function of the package, called with keywords
     Assembly.check(model)
     movement = _checked(model, support, displacement, rotation, tolerances)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
-    moving = _Moving(static_system(model, contacts, sliding), (movement,))
+    moving = _Moving(static_system(model, contacts, sliding), (movement,), model.starting(state))
     return _followed(moving, increment, to_collapse, tolerances)
 
 
@@ -132,7 +133,9 @@ def pushdown_together(
     require(len(checked) > 0, "movements", 0, "the movement of one support or more")
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
-    return _followed(_Moving(static_system(model, "rigid", sliding), checked), increment, False, tolerances)
+    return _followed(
+        _Moving(static_system(model, "rigid", sliding), checked, model.initial), increment, False, tolerances
+    )
 
 
 def _followed(
@@ -178,10 +181,21 @@ def _checked(
 
 @dataclass(frozen=True, eq=False)
 class _Moving:
-    """Supports that move in proportion to each other; the largest component of their movements is `full` (m)."""
+    """Supports that move in proportion to each other; the largest component of their movements is `full` (m).
+
+    `begun`: the state in which their movements begin.
+    """
 
     system: StaticSystem
     movements: tuple[SupportMovement, ...]
+    begun: State
+
+    @cached_property
+    def before(self) -> list[tuple[Array, float]]:
+        """Displacement (2,) m and rotation (rad) of each support where the movements begin."""
+        return [
+            self.system.model.support_movement(self.begun.positions, each.support) for each in self.movements
+        ]
 
     @cached_property
     def full(self) -> float:
@@ -199,9 +213,11 @@ class _Moving:
     def moved(self, positions: Array, movement: float) -> Array:
         """Return the positions (b, 3) with the supports displaced by a movement (m)."""
         share = movement / self.full
-        for each in self.movements:
-            shift = share * np.array(each.displacement)
-            positions = self.system.model.moved_support(positions, each.support, shift, share * each.rotation)
+        for each, (shift, turn) in zip(self.movements, self.before, strict=True):
+            to = shift + share * np.array(each.displacement)
+            positions = self.system.model.moved_support(
+                positions, each.support, to, turn + share * each.rotation
+            )
         return positions
 
     def translation(self, by: float) -> Array | None:
@@ -238,7 +254,7 @@ class _Path:
         self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
         self.smallest = 0.0 if self.system.rigid else rest_size(self.model, "elastic")
-        start = rest(self.system, self.model.initial)
+        start = rest(self.system, moving.begun)
         begun = start
         if self.system.rigid:
             onset = tolerances.onset * min(increment, self.model.size)

@@ -26,6 +26,8 @@ from mechanics.model import Behaviour
 from mechanics.procedures import Pushdown, settled, whole_movement
 from mechanics.steps import Sliding
 
+BACK = 1e-6  # of a block's size: supports nearer to where they were are there again
+
 if TYPE_CHECKING:
     from assessment.project.schema import ControlTable, SettlementTable
 
@@ -36,11 +38,12 @@ def settle(
     behaviour: Behaviour,
     sliding: Sliding,
     control: ControlTable | None,
+    start: State | None = None,
 ) -> PathResult[PushdownPath]:
-    """Move a support as a scenario asks, and return the path, with that of the control point if there is one."""
+    """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
     result = PathResult[PushdownPath]()
-    path = _moved(model, settlement, behaviour, sliding, result)
+    path = _moved(model, settlement, behaviour, sliding, start, result)
     if path is not None:
         result.found = _pushdown_path(model, settlement, behaviour, sliding, control, path)
         _add_path(model, settlement, behaviour, path, result)
@@ -54,6 +57,28 @@ def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | Message:
         return settled(model, None, sliding).state
     except (UnstableError, ConvergenceError) as error:
         return error.message
+
+
+def not_back(model: Assembly, reached: State, where: Message, before: State) -> Message | None:
+    """Return what does not come back though all supports do; None where a support is elsewhere.
+
+    `before`: the state that was `where` said, and `reached` the one at the end of the movements.
+    """
+    moved = reached.positions - before.positions
+    if abs(moved[~model.movable]).max() > BACK * model.size:
+        return None
+    distance = np.hypot(*moved[:, :2].T)
+    block = int(np.argmax(distance))
+    if distance[block] <= BACK * model.size:
+        return message("the supports are again where they were {where}, and so are the blocks", where=where)
+    return message(
+        "the supports are again where they were {where}; the blocks stay away by up to {distance:.3g} m (block "
+        "{block}, turned by {turn:.3g} rad)",
+        where=where,
+        distance=float(distance[block]),
+        block=block,
+        turn=float(moved[block, 2]),
+    )
 
 
 def path_title(state: str, behaviour: Behaviour) -> Message:
@@ -71,6 +96,7 @@ def _moved(
     settlement: SettlementTable,
     behaviour: Behaviour,
     sliding: Sliding,
+    start: State | None,
     result: PathResult[PushdownPath],
 ) -> Pushdown | None:
     """Return the path of the support, up to collapse if the structure collapses; None without a path."""
@@ -85,6 +111,7 @@ def _moved(
             behaviour,
             settlement.to_collapse,
             sliding,
+            state=start,
         )
     except CollapseError as collapse:
         result.failures.append(headed(title, collapse.message))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.static.lateral import PushSetting, push, pushover_title
 from assessment.analyses.static.paths import PathResult, configuration
-from assessment.analyses.static.settlement import path_title, rest_as_drawn, settle
+from assessment.analyses.static.settlement import not_back, path_title, rest_as_drawn, settle
 from assessment.project.schema import ControlTable
 from assessment.results.quality import joined
 from assessment.results.schema.part import known, present
@@ -66,7 +66,10 @@ class Request:
         """The settlement of the request; requests that settle alike share it. None: as drawn."""
         if self.settlement is None:
             return None
-        return Settling(self.project, self.model.settling, self.settlement, self.behaviour)
+        last = None
+        for each in (*self.project.movements_to(self.settlement.name)[:-1], self.settlement):
+            last = Settling(self.project, self.model.settling, each, self.behaviour, last)
+        return last
 
     @property
     def title(self) -> str:
@@ -87,12 +90,13 @@ class Request:
 
 @dataclass(frozen=True)
 class Settling:
-    """One settlement of an assembly under one behaviour."""
+    """One settlement of an assembly under one behaviour; `before`: that in whose state it begins, None: as drawn."""
 
     project: Project = field(compare=False)
     model: Assembly
     settlement: SettlementTable
     behaviour: Behaviour
+    before: Settling | None = None
 
     @property
     def title(self) -> str:
@@ -238,20 +242,60 @@ def _of_other_points(
 def _settled(
     requests: Sequence[Request], workers: Workers, prefix: str
 ) -> dict[Settling, PathResult[PushdownPath]]:
-    """Return the settlements of all requests, each once."""
-    settling = {request.settling: request for request in requests if request.settling is not None}
-    moved = workers.each(
-        f"{prefix}pushdown",
-        settle,
-        [
-            (each.model, _alone(each.settlement), each.behaviour, r.sliding, _first_control(each.project))
-            for each, r in settling.items()
-            if each is not None
-        ],
-        [f"{request.what}{each.title}" for each, request in settling.items() if each is not None],
-        large(*(each.model for each in settling if each is not None)),
-    )
-    return dict(zip((each for each in settling if each is not None), moved, strict=True))
+    """Return the settlements of all requests, each once, those that begin in the state of another one after it."""
+    waiting: dict[Settling, Request] = {}
+    for request in requests:
+        each = request.settling
+        while each is not None:
+            waiting.setdefault(each, request)
+            each = each.before
+    found: dict[Settling, PathResult[PushdownPath]] = {}
+    while ready := [
+        each for each in waiting if each not in found and (not each.before or each.before in found)
+    ]:
+        for each in ready:
+            if each.before and found[each.before].reached is None:
+                missing = message("the state that the movement begins in was not reached")
+                title = path_title(each.settlement.name, each.behaviour)
+                found[each] = PathResult(failures=[headed(title, missing)])
+        followed = [each for each in ready if each not in found]
+        moved = workers.each(
+            f"{prefix}pushdown",
+            settle,
+            [
+                (
+                    each.model,
+                    _alone(each.settlement),
+                    each.behaviour,
+                    waiting[each].sliding,
+                    _first_control(each.project),
+                    found[each.before].reached if each.before else None,
+                )
+                for each in followed
+            ],
+            [f"{waiting[each].what}{each.title}" for each in followed],
+            large(*(each.model for each in followed)),
+        )
+        for each, path in zip(followed, moved, strict=True):
+            told = _not_back(each, path.reached, found) if path.reached is not None else []
+            found[each] = replace(path, warnings=[*path.warnings, *told])
+    return found
+
+
+def _not_back(
+    last: Settling, reached: State, found: Mapping[Settling, PathResult[PushdownPath]]
+) -> list[Message]:
+    """Return what does not come back where all supports are where they were, as drawn or after an earlier movement."""
+    places: list[tuple[Message, State]] = []
+    earlier = last.before
+    while earlier is not None:
+        if (state := found[earlier].reached) is not None:
+            places.append((message("after {state}", state=earlier.settlement.name), state))
+        earlier = earlier.before
+    if places:
+        places.append((message("as drawn"), last.model.initial))
+    told = (not_back(last.model, reached, where, state) for where, state in places)
+    return [headed(path_title(last.settlement.name, last.behaviour), text) for text in told if text][:1]
 
 
 def _beginnings(

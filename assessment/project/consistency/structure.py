@@ -126,6 +126,7 @@ def settlement_problems(
     if settlement.name == ORIGINAL:
         yield Problem((*path, "name"), f'"{ORIGINAL}" is the state before any settlement; write another name')
     yield from unknown_name((*path, "support"), settlement.support, project.supports, "support")
+    yield from _after_problems(project, path, settlement)
     largest = max(map(abs, settlement.displacement_m))
     if largest == 0.0 and settlement.rotation_rad == 0.0:
         yield Problem((*path, "displacement_m"), "nothing moves; write a displacement or a rotation_rad")
@@ -145,3 +146,29 @@ def settlement_problems(
     if settlement.steps and not project.pushover:
         text = "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out"
         yield Problem((*path, "steps"), text)
+
+
+def _after_problems(project: ProjectContent, path: KeyPath, settlement: SettlementTable) -> Iterator[Problem]:
+    """Yield a problem where a movement begins in no state, in its own, or in one of other ties; or is swept."""
+    if settlement.after is None:
+        return
+    key: KeyPath = (*path, "after")
+    yield from unknown_name(key, settlement.after, project.unstrengthened[1:], "settlement")
+    if settlement.after in project.unstrengthened[1:]:
+        movements = project.movements_to(settlement.name)
+        if movements[0].after is not None:
+            yield Problem(key, "the movements begin in each other's states; let one of them begin as drawn")
+            return
+        there, before = (project.ties_of(name)[0] for name in (settlement.name, settlement.after))
+        for tie in (each for each in project.tie if (each in there) != (each in before)):
+            text = (
+                f'the tie "{tie.name}" is there in one of "{settlement.after}" and "{settlement.name}" alone'
+            )
+            yield Problem(key, f"{text}; write both in its states, or none")
+    if settlement.steps:
+        text = "capacities after parts of a movement are those of one that begins as drawn; leave it out"
+        yield Problem((*path, "steps"), text)
+    campaign = project.campaign
+    if campaign and settlement.name in (campaign.settlements or project.unstrengthened):
+        text = f'shares of a movement begin as drawn, "{settlement.name}" does not; write the names of others'
+        yield Problem(("campaign", "settlements"), text)

@@ -126,6 +126,15 @@ class ProjectContent(Table):
         moved = made.of if made else state
         return next((each for each in self.settlements if each.name == moved), None)
 
+    def movements_to(self, state: str) -> tuple[SettlementTable, ...]:
+        """Return the movements that lead to a state, in their order, each begun in the state of the one before."""
+        found: list[SettlementTable] = []
+        last = self.settlement_of(state)
+        while last is not None and last not in found:  # a circle is refused
+            found.insert(0, last)
+            last = next((each for each in self.settlements if each.name == found[0].after), None)
+        return tuple(found)
+
     def ties_of(self, state: str) -> tuple[tuple[TieTable, ...], tuple[TieTable, ...]]:
         """Return the ties that are there as the support of a state moves, and those that its strengthening sets."""
         made = self.strengthening_of(state)

@@ -34,6 +34,11 @@ class SettlementTable(Table):
     to_collapse: bool = Field(
         default=False, description="also look for the ultimate movement along the same direction"
     )
+    after: Name | None = Field(
+        default=None,
+        description="name of the settlement in whose state this movement begins, and from which it counts; default as "
+        "drawn",
+    )
     steps: Annotated[int, Field(ge=2, le=100)] | None = Field(
         default=None, description="review the capacity after each of so many equal parts of the movement too"
     )

@@ -195,11 +195,14 @@ def settlements(results: Results) -> Table:
                 "displacement_z_m": settlement.displacement_m[1],
                 "rotation_rad": settlement.rotation_rad,
             }
+            if settlement.after is not None:
+                found["after"] = settlement.after
             for contacts, path in state.pushdown.items():
                 if name in sought or path.ultimate_movement_m is not None:
                     found[f"ultimate_{contacts}_m"] = path.ultimate_movement_m
             rows.append(found)
-    columns = ("state", "support", "displacement_x_m", "displacement_z_m", "rotation_rad")
+    after = ("after",) if any("after" in row for row in rows) else ()
+    columns = ("state", *after, "support", "displacement_x_m", "displacement_z_m", "rotation_rad")
     return Table("settlements", rows, (*columns, "ultimate_rigid_m", "ultimate_elastic_m"))
 
 

@@ -274,3 +274,4 @@ class Settlement(Part):
         "about the centroid of the support, anticlockwise", "rad", ("Rotazione", "Rotation")
     )
     increment_m: float = key("increment of the largest component", "m")
+    after: str | None = optional("state in which it begins; missing: as drawn")
