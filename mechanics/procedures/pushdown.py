@@ -107,6 +107,7 @@ def pushdown(
     is applied, NoEquilibriumError or ConvergenceError if that cannot be decided (these carry the path so far),
     ArgumentError for an argument out of its range.
     """
+    # ten arguments: the public function of the package, called with keywords
     Assembly.check(model)
     movement = _checked(model, support, displacement, rotation, tolerances)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")

@@ -8,8 +8,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from assessment.cli.exit_codes import is_input_error
 from assessment.cli.main import main
+from assessment.runtime.errors import is_input_error
 
 REFUSED, COMPLETED = "refused", "completed"
 
