@@ -28,6 +28,8 @@ class Problem(NamedTuple):
 _COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
 
 _SHOWN = 40  # characters of a value that a message shows
+_MOST_TOLD = 24  # problems of a file: one screen
+_MOST_UNKNOWN = 3  # unknown keys of a table that are told one by one
 
 _EXPECTED = {
     "float_type": "a number",
@@ -52,20 +54,25 @@ _EXPECTED = {
 
 
 def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath, str]) -> ProjectError:
-    """All problems of one file as one error; `cells`: where the values are in a spreadsheet."""
-    lines = [f"{file}: {_key(path)}{_cell(path, cells)}: {text}" for path, text in problems]
-    return ProjectError("\n".join(dict.fromkeys(lines)))
+    """The problems of one file as one error of one screen; `cells`: where the values are in a spreadsheet."""
+    lines = [f"{file}: {key_of(path)}{_cell(path, cells)}: {text}" for path, text in problems]
+    told = list(dict.fromkeys(lines))
+    if (more := len(told) - _MOST_TOLD) > 0:
+        told = [*told[:_MOST_TOLD], f"{file}: project: {more} more problems; correct these first"]
+    return ProjectError("\n".join(told))
 
 
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[Problem]:
     """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
     expected: dict[KeyPath, list[str]] = {}
     problems: dict[KeyPath, str] = {}
+    unknown: dict[KeyPath, dict[KeyPath, None]] = {}
     for detail in error.errors(include_url=False):
         kind, context = detail["type"], detail.get("ctx", {})
         path, node = _walk(detail["loc"], content)
         if kind == "extra_forbidden":
             problems[path] = f"unknown key; {nearest(str(path[-1]), keys_at(path[:-1]))}"
+            unknown.setdefault(path[:-1], {})[path] = None
         elif kind == "missing" and isinstance(node, dict):
             key = str(detail["loc"][-1])
             problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
@@ -79,6 +86,11 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
             phrase = _brackets(path, kind, detail["input"]) or _phrase(kind, context, detail)
             expected.setdefault(path, []).append(phrase.replace("'", '"'))
             problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
+    for table, paths in unknown.items():
+        if len(paths) > _MOST_UNKNOWN:
+            named = ", ".join(_shown(path[-1]) for path in islice(paths, _MOST_UNKNOWN))
+            text = f"{len(paths)} unknown keys: {named}, …; {nearest('', keys_at(table))}"
+            problems = {table: text} | {path: told for path, told in problems.items() if path not in paths}
     # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
     return [Problem(path, text) for path, text in problems.items() if path not in shallow]
@@ -106,7 +118,7 @@ def _brackets(path: KeyPath, kind: str, value: Any) -> str:
     if kind == "tuple_type" and isinstance(value, dict) and len(path) == 1:
         return f"[[{path[-1]}]] with double brackets, one per entry"
     if kind == "model_type" and isinstance(value, list):
-        return f"[{_key(path)}] with single brackets, once"
+        return f"[{key_of(path)}] with single brackets, once"
     return ""
 
 
@@ -145,8 +157,9 @@ def _pruned(value: Any, levels: int = 3) -> Any:
     return [_pruned(each, levels - 1) for each in value[:_SHOWN]]
 
 
-def _key(path: KeyPath) -> str:
-    key = ""
+def key_of(path: KeyPath) -> str:
+    """Return how a message names the value at a path: history[1].contacts."""
+    key = "" if path else "project"
     for part in path:
         if isinstance(part, int):
             key += f"[{part + 1}]"

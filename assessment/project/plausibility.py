@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.ntc.demand.hazard import Hazard, hazard_range
+from assessment.ntc.demand.return_period import return_period
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
-from mechanics.messages import Message, headed, message
+from mechanics.messages import Message, headed, linked, message
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -26,7 +28,8 @@ ANGLES = (5.0, 90.0)  # degrees: what is a tangent in their place
 LIGHT, HEAVY = 5.0, 40.0  # kN/m³
 SUNK = 0.01  # of a block's height, by which its weight may press it into its bed
 TURN = 0.5  # rad
-STRONGEST, SLOWEST = 1.0, 2.0  # a_g, g; T_C*, s
+F0_RANGE, TC_RANGE = (2.2, 3.3), (0.1, 0.6)  # –; s: of all nodes of Allegato B, at any return period
+ROUNDED = 0.02  # of a_g: typed values are rounded
 LC1 = 1.35  # confidence factor where crushing is left out (Circolare 7/2019, C8.7.1.2)
 ITALY = ((35.0, 48.0), (6.0, 19.0))  # latitude, longitude, degrees
 DEEPEST = 100.0  # m, out of plane
@@ -56,7 +59,7 @@ def implausible(project: Project, model: Assembly) -> list[Message]:
     if assessment and assessment.confidence_factor < LC1 and not crushes:
         low_factor = message(
             "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
-            "left out, as here; write {meant}",
+            "left out, as here; write {meant}, or give compressive_strength_kN_m2 (motions then need elastic contacts)",
             factor=assessment.confidence_factor,
             least=LC1,
             meant=f"{LC1:g}",
@@ -66,20 +69,23 @@ def implausible(project: Project, model: Assembly) -> list[Message]:
 
 
 def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> list[Message]:
-    """Return a warning for coordinates, a_g or T_C* that are implausible for a site in Italy."""
+    """Return a warning for coordinates, a_g, F0 or T_C* that are implausible for a site in Italy."""
     site = project.assessment.site if project.assessment else None
     if site is None:
         return []
+    grounds = {name: getattr(spectrum, "ground", spectrum) for name, spectrum in demands.items() if site.grid}
+    numbers = {
+        name: (ground.ag, ground.F0, ground.Tc_star)
+        for name, ground in grounds.items()
+        if isinstance(ground, ElasticSpectrum)
+    } or {name: (each.ag_g, each.F0, each.Tc_star_s) for name, each in site.typed.items()}
     values = {
-        name: (f"assessment.site.{name}", each.ag_g, each.Tc_star_s) for name, each in site.typed.items()
+        name: (
+            "assessment.site.grid" if site.grid else f"assessment.site.{name}",
+            Hazard(*each, return_period(name, site.nominal_life_years, site.use_class)),
+        )
+        for name, each in numbers.items()
     }
-    if not site.typed:
-        grounds = {name: getattr(spectrum, "ground", spectrum) for name, spectrum in demands.items()}
-        values = {
-            name: (f"assessment.site, {name}", ground.ag, ground.Tc_star)
-            for name, ground in grounds.items()
-            if isinstance(ground, ElasticSpectrum)
-        }
     found = [*_place(site.latitude, site.longitude), *_hazards(values)]
     return [headed(project.source, text) for text in found]
 
@@ -235,33 +241,59 @@ def _place(latitude: float | None, longitude: float | None) -> Iterator[Message]
         yield headed("assessment.site.latitude", swapped)
 
 
-def _hazards(values: Mapping[str, tuple[str, float, float]]) -> Iterator[Message]:
-    """Warn of a_g and T_C* (key, g, s) by limit state, the more frequent one first."""
-    for key, ag, Tc_star in values.values():
-        if ag > STRONGEST:
-            strong = message(
-                "{ag:g} g is more than any site has; write {metres} if m/s² were meant, {tenths} if g/10",
-                ag=ag,
-                metres=f"{ag / GRAVITY:.3g}",
-                tenths=f"{ag / 10.0:.3g}",
+def _hazards(values: Mapping[str, tuple[str, Hazard]]) -> Iterator[Message]:
+    """Warn of hazards (key, values) by limit state that no node of Allegato B has at their return period."""
+    for limit_state, (key, hazard) in values.items():
+        least, most = hazard_range(hazard.return_period)
+        if not (1.0 - ROUNDED) * least.ag <= hazard.ag <= (1.0 + ROUNDED) * most.ag:
+            units = {"m/s²": hazard.ag / GRAVITY, "g/10": hazard.ag / 10.0}
+            meant = [(unit, each) for unit, each in units.items() if least.ag <= each <= most.ag]
+            hint = linked(
+                [message("write {meant} if {unit} were meant", meant=f"{g:.3g}", unit=u) for u, g in meant]
+                or [message("compare it with the hazard of the site")]
             )
-            yield headed(f"{key}.ag_g", strong)
-        if Tc_star > SLOWEST:
-            slow = message(
-                "{period:g} s is longer than any site's; write {meant} if ms were meant",
-                period=Tc_star,
-                meant=f"{1e-3 * Tc_star:g}",
+            odd = message(
+                "{ag:g} g at {limit} is outside {least:.3g} to {most:.3g} g, which Italian sites have at {period:.0f} "
+                "years (Allegato B); {hint}",
+                ag=hazard.ag,
+                limit=limit_state,
+                least=least.ag,
+                most=most.ag,
+                period=hazard.return_period,
+                hint=hint,
             )
-            yield headed(f"{key}.Tc_star_s", slow)
+            yield headed(f"{key}.ag_g", odd)
+        if not F0_RANGE[0] <= hazard.F0 <= F0_RANGE[1]:
+            odd = message(
+                "{value:g} is outside {least:g} to {most:g}, which Italian sites have (Allegato B); correct it",
+                value=hazard.F0,
+                least=F0_RANGE[0],
+                most=F0_RANGE[1],
+            )
+            yield headed(f"{key}.F0", odd)
+        if not TC_RANGE[0] <= hazard.Tc_star <= TC_RANGE[1]:
+            milliseconds = TC_RANGE[0] <= 1e-3 * hazard.Tc_star <= TC_RANGE[1]
+            odd = message(
+                "{value:g} s is outside {least:g} to {most:g} s, which Italian sites have (Allegato B); {hint}",
+                value=hazard.Tc_star,
+                least=TC_RANGE[0],
+                most=TC_RANGE[1],
+                hint=message(
+                    "write {meant} if {unit} were meant", meant=f"{1e-3 * hazard.Tc_star:g}", unit="ms"
+                )
+                if milliseconds
+                else message("compare it with the hazard of the site"),
+            )
+            yield headed(f"{key}.Tc_star_s", odd)
     order = [(name, *values[name]) for name in ("SLD", "SLV", "SLC") if name in values]
-    for (often, _, ag, _), (seldom, key, less, _) in pairwise(order):
-        if less < ag:
+    for (often, _, more), (seldom, key, hazard) in pairwise(order):
+        if hazard.ag < more.ag:
             exchanged = message(
                 "{ag:g} g at {limit} is below the {most:g} g of {often}, which comes more often; "
                 "if they are exchanged exchange them, or correct one",
-                ag=less,
+                ag=hazard.ag,
                 limit=seldom,
-                most=ag,
+                most=more.ag,
                 often=often,
             )
             yield headed(f"{key}.ag_g", exchanged)

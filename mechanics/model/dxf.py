@@ -340,12 +340,14 @@ def _left_out(
     """Warn of what looks like a block and is none."""
     hidden = Counter(p.layer for p in placed if p.hidden and is_polyline(p.entity))
     warnings = [
-        message('layer "{name}": {count} frozen, off or invisible polylines left out', name=name, count=count)
+        message(
+            'layer "{name}": frozen, off or invisible polylines left out: {count}', name=name, count=count
+        )
         for name, count in hidden.items()
     ]
     warnings += [
         message(
-            'layer "{name}": {count} polylines left out that clips of INSERTs hide', name=name, count=count
+            'layer "{name}": polylines left out that clips of INSERTs hide: {count}', name=name, count=count
         )
         for name, count in Counter(p.layer for p in clipped).items()
     ]
@@ -353,7 +355,7 @@ def _left_out(
         first = open_[0].source.at(*open_[0].points[[0, -1]])
         warnings.append(
             message(
-                "{count} open polylines on layers without blocks left out, first: {where}",
+                "open polylines on layers without blocks left out: {count}, first: {where}",
                 count=len(open_),
                 where=first,
             )

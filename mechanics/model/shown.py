@@ -25,6 +25,7 @@ from ezdxf.xclip import (
 
 from mechanics.errors import DrawingError
 from mechanics.faults import visible
+from mechanics.messages import Message, message
 from mechanics.types import Array
 
 MOST_ENTITIES = 100_000  # of model space, those of INSERTs as often as they are inserted
@@ -75,10 +76,19 @@ class Placed:
     hidden: bool
     clips: tuple[Clip, ...] = ()
 
-    def at(self, *points: Array) -> str:
-        """Return layer, type, handle and coordinates (drawing units), for a message."""
-        where = " and ".join(f"({p[0]:.9g}, {p[1]:.9g})" for p in points)
-        return f'layer "{self.layer}", {self.entity.dxftype()} {self.handle} at {where or "no point"}'
+    def at(self, *points: Array) -> Message:
+        """Return layer, type, handle and coordinates (drawing units) of none, one or two points, for a message."""
+        places = [f"({p[0]:.9g}, {p[1]:.9g})" for p in points]
+        place = message("no point") if not places else places[0]
+        if len(places) == 2:
+            place = message("{first} and {second}", first=places[0], second=places[1])
+        return message(
+            'layer "{name}", {kind} {handle} at {place}',
+            name=self.layer,
+            kind=self.entity.dxftype(),
+            handle=self.handle,
+            place=place,
+        )
 
     def cut(self, points: Array) -> tuple[Seen, str]:
         """Return how much clips show of an outline of points (n, 3), and the INSERT whose clip takes the most away."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from assessment.ntc.calculation import Step, Trace, datum, step
 from assessment.ntc.demand.hazard_grid import (
+    ALLEGATO_B,
     RETURN_PERIODS,
     HazardError,
     HazardGrid,
@@ -157,6 +158,19 @@ def site_curve(
     weights = 1.0 / distance[nodes]
     values = np.tensordot(weights / weights.sum(), grid.values[nodes], axes=1)
     return HazardCurve(grid.name, values, grid.values[nodes], distance[nodes])
+
+
+def hazard_range(return_period: float) -> tuple[Hazard, Hazard]:
+    """Return the least and the greatest a_g, F0 and T_C* of the nodes of Allegato B at a return period (years).
+
+    Raises ValueError outside 30–2475 years.
+    """
+    values = allegato_b().values
+    bounds = [
+        HazardCurve(ALLEGATO_B, v, v[None], np.zeros(1)).at(return_period)
+        for v in (values.min(axis=0), values.max(axis=0))
+    ]
+    return bounds[0], bounds[1]
 
 
 def site_hazard(

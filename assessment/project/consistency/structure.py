@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
 from assessment.project.consistency.names import unknown_name
-from assessment.project.errors import Problem
+from assessment.project.errors import Problem, key_of
 from assessment.project.schema import (
     ORIGINAL,
     KeyPath,
@@ -74,7 +74,7 @@ def stiffness_problems(project: ProjectContent) -> Iterator[Problem]:
 
 
 def crushing_problems(project: ProjectContent) -> Iterator[Problem]:
-    """Yield a problem for each motion of rigid joints where joints have a compressive strength: see `time_history`."""
+    """Yield a problem where joints of motions are rigid and have a compressive strength: see `time_history`."""
     strengths: list[float | None] = [project.material.compressive_strength_kN_m2]
     strengths += [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
     for each in project.strengthening:
@@ -86,13 +86,14 @@ def crushing_problems(project: ProjectContent) -> Iterator[Problem]:
     ]
     motions += [(("incremental",), project.incremental)] if project.incremental else []
     motions += [(("campaign",), project.campaign)] if project.campaign else []
-    for path, motion in motions:
-        if motion.contacts == "rigid":
-            text = (
-                '"rigid" joints do not remember in a motion what was crushed; write "elastic", or leave '
-                "compressive_strength_kN_m2 out"
-            )
-            yield Problem((*path, "contacts"), text)
+    rigid: list[KeyPath] = [(*path, "contacts") for path, motion in motions if motion.contacts == "rigid"]
+    if rigid:
+        also = f" (also {', '.join(map(key_of, rigid[1:]))})" if rigid[1:] else ""
+        text = (
+            f'"rigid" joints do not remember in a motion what was crushed{also}; write "elastic", with '
+            "normal_stiffness_kN_m3, or leave compressive_strength_kN_m2 out, with confidence_factor = 1.35"
+        )
+        yield Problem(rigid[0], text)
 
 
 def control_problems(project: ProjectContent) -> Iterator[Problem]:

@@ -13,11 +13,6 @@ from mechanics.messages import Message, headed, message
 from mechanics.types import Array, Mask
 
 UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does not explain the measurements
-SIDES = {
-    (True, False): "{component}, towards lower values",
-    (False, True): "{component}, towards higher values",
-    (True, True): "{component}, on both sides",
-}
 IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
 
 
@@ -34,11 +29,16 @@ def open_movements(unknowns: Unknowns, directions: Array) -> list[Message]:
 
 def kinked_components(unknowns: Unknowns, kinked: Mask) -> list[Message]:
     """Return the components (n, 2) whose prediction has a kink within a standard error, below or above, in words."""
-    return [
-        message(SIDES[below, above], component=_component(*each))
-        for each, (below, above) in zip(unknowns.components, kinked.tolist(), strict=True)
-        if below or above
-    ]
+    found = []
+    for each, (below, above) in zip(unknowns.components, kinked.tolist(), strict=True):
+        component = _component(*each)
+        if below and above:
+            found.append(message("{component}, on both sides", component=component))
+        elif below:
+            found.append(message("{component}, towards lower values", component=component))
+        elif above:
+            found.append(message("{component}, towards higher values", component=component))
+    return found
 
 
 def _together(unknowns: Unknowns, direction: Array) -> Message:

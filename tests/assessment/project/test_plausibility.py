@@ -67,15 +67,27 @@ CASES = {  # what is meant: text of the project, its replacement, the warning
     ),
     "a_g in m/s²": (
         SITE, "ag_g = 0.261", "ag_g = 2.56",
-        "assessment.site.SLV.ag_g: 2.56 g is more than any site has; write 0.261 if m/s² were meant, 0.256 if g/10",
+        "assessment.site.SLV.ag_g: 2.56 g at SLV is outside 0.0364 to 0.278 g, which Italian sites have at 475 years "
+        "(Allegato B); write 0.261 if m/s² were meant; write 0.256 if g/10 were meant",
     ),
     "T_C* in ms": (
         SITE, "Tc_star_s = 0.35", "Tc_star_s = 350.0",
-        "assessment.site.SLV.Tc_star_s: 350 s is longer than any site's; write 0.35 if ms were meant",
+        "350 s is outside 0.1 to 0.6 s, which Italian sites have (Allegato B); write 0.35 if ms were meant",
+    ),
+    "T_C* of no site": (
+        SITE, "Tc_star_s = 0.35", "Tc_star_s = 0.75", "Tc_star_s: 0.75 s is outside 0.1 to 0.6 s, which Italian",
+    ),
+    "F0 of no site": (
+        SITE, "F0 = 2.36", "F0 = 3.36", "assessment.site.SLV.F0: 3.36 is outside 2.2 to 3.3, which Italian sites have",
+    ),
+    "a_g of another return period": (
+        SITE, "SLC = {ag_g = 0.334", "SLC = {ag_g = 0.414",
+        "SLC.ag_g: 0.414 g at SLC is outside 0.0427 to 0.403 g, which Italian sites have at 975 years (Allegato B); "
+        "compare it with the hazard of the site",
     ),
     "SLV below SLD": (
-        SITE, "SLD = {ag_g = 0.104", "SLD = {ag_g = 0.304",
-        "assessment.site.SLV.ag_g: 0.261 g at SLV is below the 0.304 g of SLD, which comes more often",
+        SITE, "SLV = {ag_g = 0.261", "SLV = {ag_g = 0.1",
+        "assessment.site.SLV.ag_g: 0.1 g at SLV is below the 0.104 g of SLD, which comes more often",
     ),
     "confidence factor without crushing": (
         SITE, 'model = "none"', 'model = "none"\nconfidence_factor = 1.2',
@@ -111,7 +123,8 @@ def test_a_check_and_a_run_say_it(tmp_path, capsys):
     for verb in (["check"], ["run", "--no-report"]):
         assert main([verb[0], str(folder), *verb[1:]]) == 0
         assert (
-            "warning: project.toml: assessment.site.SLV.ag_g: 2.61 g is more than" in capsys.readouterr().out
+            "warning: project.toml: assessment.site.SLV.ag_g: 2.61 g at SLV is outside"
+            in capsys.readouterr().out
         )
 
 

@@ -390,6 +390,48 @@ def test_a_stiffness_of_one_layer_is_enough_for_this_check(folder):
     load(folder, text.replace("depth_m = 5.5", "normal_stiffness_kN_m3 = 1e5"))
 
 
+def test_twenty_thousand_unknown_keys_are_one_screen(folder):
+    """The unknown keys of a table are one line, and a file has 24 lines and one that counts the rest."""
+    many = "".join(f"key{k} = {k}\n" for k in range(20_000))
+    controls = "".join(f"[[control]]\nname = {k}\n" for k in range(100))
+    lines = message(folder, many + CONTRACT + controls).splitlines()
+    assert len(lines) == 25
+    assert lines[0].startswith(
+        'project.toml: project: 20000 unknown keys: "key0", "key1", "key2", …; valid: "title"'
+    )
+    assert lines[-1] == "project.toml: project: 177 more problems; correct these first"
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("window_s = [15.0, 22.0]", '"window_s"'),
+        ("vertical_load_kN = 9.1", '"vertical_load_kN"'),
+        ("unit_weight_kN_m3 = 11.5", '"unit_weight_kN_m3"'),
+    ],
+)
+def test_a_key_without_its_unit_is_known(folder, written, meant):
+    without = written.replace(
+        meant[1:-1], meant[1:-1].removesuffix("_s").removesuffix("_kN").removesuffix("_kN_m3")
+    )
+    assert f"did you mean {meant}?" in message(folder, CONTRACT.replace(written, without, 1))
+
+
+def test_a_part_of_a_key_is_known(folder):
+    first, *_ = message(folder, CONTRACT.replace("vertical_load_kN = 9.1", "load = 9.1")).splitlines()
+    assert 'did you mean "vertical_load_kN" or "variable_load_kN" or "load_has_mass"?' in first
+
+
+def test_a_strength_and_rigid_motions_are_one_problem_with_all_that_is_to_be_done(folder):
+    text = CONTRACT.replace('contacts = "elastic"', 'contacts = "rigid"')
+    text = text.replace("tolerance_g", 'contacts = "rigid"\ntolerance_g')
+    [line] = message(
+        folder, text.replace("friction = 0.6", "friction = 0.6\ncompressive_strength_kN_m2 = 3e3")
+    ).splitlines()
+    assert line.startswith("project.toml: history[1].contacts: ") and "(also incremental.contacts)" in line
+    assert 'write "elastic", with normal_stiffness_kN_m3, or leave compressive_strength_kN_m2 out' in line
+
+
 def test_every_problem_is_listed_on_a_line_of_its_own(folder):
     text = CONTRACT.replace('unit = "mm"', 'unit = "in"').replace("friction = 0.6", "friction = -1\nfoo = 1")
     lines = message(folder, text).splitlines()

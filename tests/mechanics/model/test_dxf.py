@@ -221,7 +221,7 @@ def test_hidden_blocks_are_left_out_with_a_warning(how, tmp_path):
         getattr(document.layers.add("FRAME"), how)()
     result = read(document, tmp_path)
     assert len(result.blocks) == 1
-    assert result.warnings == ('geometry.dxf: layer "Frame": 1 frozen, off or invisible polylines left out',)
+    assert result.warnings == ('geometry.dxf: layer "Frame": frozen, off or invisible polylines left out: 1',)
     message = refused(document, tmp_path, layers={"FRAME": STONE})
     assert 'layer "FRAME" has 1 polylines that are frozen, off or invisible' in message
 

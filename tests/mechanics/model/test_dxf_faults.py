@@ -36,7 +36,7 @@ def test_open_polylines_on_layers_that_matter_to_nobody(layers, accepted, tmp_pa
     tables = dict.fromkeys(layers, STONE)
     if accepted:
         (warning,) = read(document, tmp_path, layers=tables).warnings
-        assert "1 open polylines on layers without blocks left out" in warning and where in warning
+        assert "open polylines on layers without blocks left out: 1" in warning and where in warning
     else:
         assert f"{where} is open" in refused(document, tmp_path, layers=tables)
 

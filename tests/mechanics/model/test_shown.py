@@ -54,7 +54,7 @@ def test_what_a_clip_leaves_is_read(corners, inverted, shown, tmp_path):
     plain = outline(space, square(0))
     result = read(document, tmp_path)
     assert handles(result) == [*(squares[k].dxf.handle for k in shown), plain.dxf.handle]
-    left = f'layer "WALL": {4 - len(shown)} polylines left out that clips of INSERTs hide'
+    left = f'layer "WALL": polylines left out that clips of INSERTs hide: {4 - len(shown)}'
     assert [left in warning for warning in result.warnings] == [True] * (len(shown) < 4)
 
 
@@ -157,7 +157,7 @@ def test_states_of_a_dynamic_block_are_those_of_its_flags_or_refused(tmp_path):
         each.dxf.invisible = 1
     result = read(document, tmp_path)
     assert handles(result) == [each.dxf.handle for each in squares[2:]]
-    assert [w for w in result.warnings if "2 frozen, off or invisible polylines left out" in w]
+    assert [w for w in result.warnings if "frozen, off or invisible polylines left out: 2" in w]
 
 
 def test_what_a_wipeout_covers_is_refused_and_what_lies_over_it_is_read(tmp_path):

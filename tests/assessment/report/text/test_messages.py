@@ -145,10 +145,10 @@ def test_messages_within_messages_numbers_and_names():
         "stato “originale”: direzione −x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita"
     )
     hidden = message(
-        'layer "{name}": {count} frozen, off or invisible polylines left out', name="A.1", count=3
+        'layer "{name}": frozen, off or invisible polylines left out: {count}', name="A.1", count=3
     )
     assert in_italian(headed("geometry.dxf", hidden)) == (
-        "geometry.dxf: layer «A.1»: 3 polilinee congelate, spente o invisibili tralasciate"
+        "geometry.dxf: layer «A.1»: polilinee congelate, spente o invisibili tralasciate: 3"
     )
 
 
