@@ -39,6 +39,22 @@ class ReportTable(Table):
     client: Text = Field(default="", description="client, free text of the title page")
     engineer: Text = Field(default="", description="engineer, free text of the title page")
     location: Text = Field(default="", description="location, free text of the title page")
+    municipality: Text = Field(default="", description="municipality, free text of the title page")
+    cadastre: Text = Field(default="", description="land register, free text of the title page")
+    protection: Text = Field(
+        default="",
+        description="decree that lists the building (D.Lgs. 42/2004); NTC 2018, §8.4, is then told of it",
+    )
+    use: Text = Field(
+        default="",
+        description="use of the building; schools and dwellings have thresholds and classes of their own",
+    )
+    revision: Text = Field(default="", description="revision, free text of the title page")
+    date: Text = Field(default="", description="date, free text of the title page; empty: a line to write on")
+    annexes: Literal["short", "full"] = Field(
+        default="short",
+        description="short: the governing checks and the largest values; full: every table and figure",
+    )
     attachments: Annotated[tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES)] = Field(
         default=(),
         description="photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",

@@ -14,7 +14,7 @@ from assessment.results.table import Row
 Path = tuple[str, ...]
 # keys whose values are words of the program; others are the user's own
 CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
-CHOICES |= {"kind", "from_m", "component"}
+CHOICES |= {"kind", "from_m", "component", "annexes"}
 CHOICES |= {"state", "states", "of", "use_category", "directions", "integrator"}
 GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")

@@ -127,6 +127,13 @@ class EchoedReport(Part):
     client: str = key("client, as on the title page")
     engineer: str = key("engineer, as on the title page")
     location: str = key("place, as on the title page")
+    municipality: str | None = optional("municipality, as on the title page")
+    cadastre: str | None = optional("land register, as on the title page")
+    protection: str | None = optional("decree that lists the building")
+    use: str | None = optional("use of the building")
+    revision: str | None = optional("revision, as on the title page")
+    date: str | None = optional("date, as on the title page")
+    annexes: str | None = optional("short or full")
     attachments: list[str] = key("pictures that end the report")
 
 
