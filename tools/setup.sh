@@ -15,8 +15,10 @@ install() { # Debian packages, where that needs no password
     fi
     command -v apt-get >/dev/null || return 1
     echo "installing $*" >&2
-    $as_root apt-get -q update >&2 &&
-        $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qy install --no-install-recommends "$@" >&2
+    patience="-o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o Acquire::https::Timeout=30"
+    # shellcheck disable=SC2086  # the options are meant to be split
+    $as_root apt-get -q $patience update >&2 &&
+        $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qy $patience install --no-install-recommends "$@" >&2
 }
 
 make_venv() { "$python" -m venv --clear .venv; }
@@ -64,4 +66,9 @@ fi
 if ! pdf_ready && ! { install $pdf_packages && pdf_ready; }; then
     echo "setup: the report will be HTML only; for PDF run this, then make again:" >&2
     echo "    sudo apt-get install $pdf_packages" >&2
+fi
+
+# in CI the page is tested in a browser where one can be had; elsewhere those tests say why they are skipped
+if [ -n "${CI:-}" ] && ! command -v chromium >/dev/null && ! install chromium; then
+    echo "setup: no Chromium could be installed: the tests of the page in a browser are skipped" >&2
 fi

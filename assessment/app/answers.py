@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
@@ -23,11 +23,6 @@ Sent = Mapping[str, Any]
 Kind = TypeVar("Kind")
 
 
-def state(session: Session, _: Sent) -> dict[str, Any]:
-    """Return what changes: see Session.state."""
-    return session.state()
-
-
 def schema(session: Session, _: Sent) -> dict[str, Any]:
     """Return what does not change: the schema of the project file, the words of the page, stages."""
     return {
@@ -43,11 +38,6 @@ def page_words(language: str) -> dict[str, Any]:
     return tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
 
 
-def model(session: Session, _: Sent) -> dict[str, Any]:
-    """Return the drawing with its blocks, joints and faults: see model_picture."""
-    return dict(session.worker.ask("model", folder=session.project))
-
-
 def edit(session: Session, sent: Sent) -> dict[str, Any]:
     """Make changes, [path, value] each, in the file of a digest; return its new one. Raises as History.write."""
     changes = _given(sent, "changes", list)
@@ -58,16 +48,10 @@ def edit(session: Session, sent: Sent) -> dict[str, Any]:
         return {"digest": _history(session).write(pairs, _given(sent, "digest", str))}
 
 
-def undo(session: Session, sent: Sent) -> dict[str, Any]:
-    """Bring the version before back."""
+def step(by: int, session: Session, sent: Sent) -> dict[str, Any]:
+    """Bring the version before (-1) or after (1) back."""
     with session.lock:
-        return {"digest": _history(session).step(-1, _given(sent, "digest", str))}
-
-
-def redo(session: Session, sent: Sent) -> dict[str, Any]:
-    """Bring the version after back."""
-    with session.lock:
-        return {"digest": _history(session).step(1, _given(sent, "digest", str))}
+        return {"digest": _history(session).step(by, _given(sent, "digest", str))}
 
 
 def live(session: Session, sent: Sent) -> dict[str, Any]:
@@ -88,41 +72,18 @@ def live(session: Session, sent: Sent) -> dict[str, Any]:
     )
 
 
-def repair(session: Session, sent: Sent) -> dict[str, Any]:
-    """Return what a repair changes; with `apply` write the repaired copy."""
-    return dict(session.worker.ask("repair", folder=session.project, apply=bool(sent.get("apply"))))
-
-
 def record(session: Session, sent: Sent) -> dict[str, Any]:
     """Return a(t) and Sa(T) of a record of the project."""
     return session.look("record", inside(session.project, _given(sent, "name", str)))
 
 
-def spectrum(session: Session, _: Sent) -> dict[str, Any]:
-    """Return the elastic spectra of the site."""
-    return dict(session.worker.ask("spectrum", folder=session.project))
-
-
-def run(session: Session, sent: Sent) -> dict[str, Any]:
+def run(session: Session, sent: Sent) -> None:
     """Start a run of all stages, or `only` of some. Raises ProjectError for a stage that is none."""
     only = sent.get("only")
     if only is not None and not (isinstance(only, list) and only and set(only) <= set(STAGES)):
         raise ProjectError(f"only: must be some of {', '.join(STAGES)}")
     options = ["--fresh"] if sent.get("fresh") else []
     _runs(session).start("run", *options, *(["--only", ",".join(only)] if only else []))
-    return {}
-
-
-def stop(session: Session, _: Sent) -> dict[str, Any]:
-    """Stop the run, whoever has started it."""
-    _runs(session).stop()
-    return {}
-
-
-def report(session: Session, _: Sent) -> dict[str, Any]:
-    """Print the report again from the stored results."""
-    _runs(session).start("report")
-    return {}
 
 
 def judgement(session: Session, sent: Sent) -> dict[str, Any]:
@@ -144,15 +105,14 @@ def convert(session: Session, _: Sent) -> dict[str, Any]:
     return {"kept": kept.name}
 
 
-def open_folder(session: Session, sent: Sent) -> dict[str, Any]:
+def open_folder(session: Session, sent: Sent) -> None:
     """Show the project of another folder, or with `folder` null none."""
     folder = None if sent.get("folder") is None else session.home / _given(sent, "folder", str)
     with session.lock:
         session.open(folder)
-    return {}
 
 
-def new(session: Session, sent: Sent) -> dict[str, Any]:
+def new(session: Session, sent: Sent) -> None:
     """Make a project in a new folder beside the others and show it: from a `template`, or of a dropped `drawing`.
 
     Of a drawing title, unit, depth (m) and unit weight (kN/m³) are asked, no more. Raises ProjectError for a name that
@@ -168,23 +128,24 @@ def new(session: Session, sent: Sent) -> dict[str, Any]:
         session.worker.ask("begin", folder=folder, drawing=drawing, given=keys)
     with session.lock:
         session.open(folder)
-    return {}
 
 
-ANSWERS: Mapping[str, Callable[[Session, Sent], dict[str, Any]]] = {
-    "state": state,
+ANSWERS: Mapping[str, Callable[[Session, Sent], dict[str, Any] | None]] = {
+    "state": lambda session, _: session.state(),
     "schema": schema,
-    "model": model,
+    "model": lambda session, _: session.worker.ask("model", folder=session.project),
     "edit": edit,
-    "undo": undo,
-    "redo": redo,
+    "undo": partial(step, -1),
+    "redo": partial(step, 1),
     "live": live,
-    "repair": repair,
+    "repair": lambda session, sent: session.worker.ask(
+        "repair", folder=session.project, apply=bool(sent.get("apply"))
+    ),
     "record": record,
-    "spectrum": spectrum,
+    "spectrum": lambda session, _: session.worker.ask("spectrum", folder=session.project),
     "run": run,
-    "stop": stop,
-    "report": report,
+    "stop": lambda session, _: _runs(session).stop(),
+    "report": lambda session, _: _runs(session).start("report"),
     "judgement": judgement,
     "convert": convert,
     "open": open_folder,

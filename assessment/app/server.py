@@ -173,7 +173,7 @@ async def _too_large(_: Request, error: Exception) -> Response:
 def _answered(session: Session, ask: Any) -> Response:
     """Return an answer as JSON, or what is wrong; a bug is told with its number in the log."""
     try:
-        return JSONResponse({"ok": True} | ask())
+        return JSONResponse({"ok": True} | (ask() or {}))
     except ConflictError as conflict:
         return _refused(str(conflict), 409)
     except WorkerError as fault:

@@ -18,7 +18,6 @@ from assessment.project.formats.convert import SOURCES, TOML
 from assessment.project.project import Project, survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files.atomic_files import write_atomically
-from assessment.workflow.earlier import keys_of, recall
 
 PLACES = {  # of a dropped file: suffixes, and the folder that it is put into
     "drawing": ((".dxf",), ""),
@@ -26,6 +25,7 @@ PLACES = {  # of a dropped file: suffixes, and the folder that it is put into
     "grid": ((".txt", ".csv"), ""),
     "picture": ((".png", ".jpg", ".jpeg"), ""),
 }
+REPORTS = ("report.html", "report.pdf", "report.docx")
 UNDRAWN = (
     "title",
     "report",
@@ -34,7 +34,7 @@ UNDRAWN = (
     "incremental",
     "campaign",
     "sensitivity",
-)  # not of the picture
+)  # not in the picture
 
 
 class Session:
@@ -46,17 +46,16 @@ class Session:
         self.open(folder)
 
     def open(self, folder: Path | None) -> None:
-        """Show another project. Raises ProjectError where there is none in the folder."""
+        """Show another project, or none. Raises ProjectError where there is none in the folder."""
         if folder is not None:
-            folder = folder.absolute()
-            folder = folder.parent if folder.name in SOURCES else folder
+            folder = folder.absolute().parent if folder.name in SOURCES else folder.absolute()
             if not any((folder / name).is_file() for name in SOURCES):
                 survey_project(folder)  # raises, and says why
         self.folder = folder
         self.runs = Runs(folder) if folder else None
         self.history = History(folder) if folder else None
         self._known: tuple[Any, dict[str, Any]] = (None, {})
-        self._summary: tuple[int, Any] = (0, None)
+        self._stored: tuple[int, dict[str, Any]] = (0, {})
 
     @property
     def project(self) -> Path:
@@ -75,87 +74,66 @@ class Session:
             if self._known[0] != stamp:
                 self._known = (stamp, self._read())
             undo, redo = self.history.steps()
-        return self._known[1] | {
-            "undo": undo,
-            "redo": redo,
-            "run": self.runs.state(),
-            "results": self._results(),
-        }
+            results = self._results(self._known[1]["inputs"])
+        return self._known[1] | {"undo": undo, "redo": redo, "run": self.runs.state(), "results": results}
 
     def _read(self) -> dict[str, Any]:
-        """Return content and problems of the project file as it is now."""
-        folder = self.project
-        source = next((name for name in SOURCES if (folder / name).is_file()), TOML)
-        found: dict[str, Any] = {
-            "folder": str(folder),
-            "source": source,
-            "content": None,
-            "error": None,
-            "problems": [],
-        }
+        """Return content and problems of the project file as it is now.
+
+        `tag`: by which the drawing is known with all that is drawn in it; `inputs`: digests of the files of a run.
+        """
+        source = next((name for name in SOURCES if (self.project / name).is_file()), TOML)
+        found = dict.fromkeys(("content", "error", "tag", "inputs", "digest"))
+        found |= {"folder": str(self.project), "source": source, "problems": []}
         try:
-            found["digest"] = digest_of((folder / source).read_bytes())
-            project, contradictions = survey_project(folder)
+            found["digest"] = digest_of((self.project / source).read_bytes())
+            project, contradictions = survey_project(self.project)
         except (ProjectError, OSError) as error:
-            return found | {"error": error_text(error), "tag": None, "keys": None}
-        found["content"] = plain(project.content(defaults=False))
-        found["language"] = project.report.language
-        found["problems"] = str(contradictions).split("\n") if contradictions else []
-        found["tag"] = self._tag(project)
+            return found | {"error": error_text(error)}
         with suppress(OSError, ValueError):
-            found["keys"] = keys_of(project).results
-        return found
+            found["inputs"] = project.digests()
+        return found | {
+            "content": plain(project.content(defaults=False)),
+            "language": project.report.language,
+            "problems": str(contradictions).split("\n") if contradictions else [],
+            "tag": self._tag(project),
+        }
 
     def _tag(self, project: Project) -> str:
-        """Return by which the drawing with all that is drawn in it is known."""
         content = {key: value for key, value in project.content().items() if key not in UNDRAWN}
         with suppress(OSError):
             status = project.path(project.geometry.drawing).stat()
             content["file"] = [status.st_mtime_ns, status.st_size]
         return digest_of(json.dumps(plain(content), sort_keys=True).encode())
 
-    def _results(self) -> dict[str, Any] | None:
-        """Return the summary of the last results, and whether the project has changed since; None: there are none."""
-        stored = self.project / "output" / "results.json"
+    def _results(self, inputs: dict[str, str] | None) -> dict[str, Any] | None:
+        """Return the summary of the last results and whether a file has changed since; None: there are none."""
+        output = self.project / "output"
         try:
-            stamp = stored.stat().st_mtime_ns
-        except OSError:
+            stamp = (output / "results.json").stat().st_mtime_ns
+            if self._stored[0] != stamp:
+                results = json.loads((output / "results.json").read_bytes())
+                self._stored = (stamp, {key: results.get(key) for key in ("summary", "timing_s", "inputs")})
+        except (OSError, ValueError):
             return None
-        if self._summary[0] != stamp:
-            with suppress(OSError, ValueError):
-                results = json.loads(stored.read_bytes())
-                last = recall(self.project / "output")
-                self._summary = (
-                    stamp,
-                    {
-                        "summary": results.get("summary"),
-                        "seconds": results.get("timing_s"),
-                        "keys": last and last.results,
-                    },
-                )
-        found = self._summary[1] or {"summary": None, "seconds": None, "keys": None}
-        made = [
-            name for name in ("report.html", "report.pdf", "report.docx") if stored.with_name(name).is_file()
-        ]
-        return found | {
-            "stale": found["keys"] != self._known[1].get("keys"),
-            "files": made,
-            "stamp": str(stamp),
-        }
+        stale = self._stored[1]["inputs"] != inputs
+        files = [name for name in REPORTS if (output / name).is_file()]
+        return self._stored[1] | {"stale": stale, "files": files, "stamp": str(stamp)}
 
-    def _stamp(self) -> tuple[Any, ...]:
+    def _stamp(self) -> list[tuple[Any, ...]]:
         """Return what changes when a file of the project does: names, times and sizes, the output left out."""
         found = []
-        for top in (self.project, *(path for path in self.project.iterdir() if path.is_dir())):
-            if top.name not in ("output", OWN) and not (top != self.project and top.name.startswith(".")):
-                with suppress(OSError):
-                    for entry in os.scandir(top):
-                        status = entry.stat()
-                        found.append((entry.path, status.st_mtime_ns, status.st_size))
-        return tuple(sorted(each for each in found if not each[0].endswith(("output", OWN))))
+        for top in (
+            self.project,
+            *(path for path in self.project.iterdir() if path.name not in ("output", OWN)),
+        ):
+            with suppress(OSError):
+                entries = [(entry.path, entry.is_dir(), entry.stat()) for entry in os.scandir(top)]
+                found += [(path, at.st_mtime_ns, at.st_size) for path, folder, at in entries if not folder]
+        return sorted(found)
 
     def receive(self, name: str, kind: str, content: bytes) -> dict[str, Any]:
-        """Keep a dropped file in the project, once it can be read as what it should be; return its name and picture.
+        """Keep a dropped file in the project, once it can be read as what it should be; return its picture and name.
 
         A file that is there stays: another one of its name gets a number. Without a project a drawing is kept for a new
         one. Raises ProjectError for a name that is none, a suffix that does not fit, or a file that cannot be read.
@@ -163,22 +141,17 @@ class Session:
         if kind not in PLACES:
             raise ProjectError(f"kind: must be one of {', '.join(PLACES)}")
         suffixes, place = PLACES[kind]
-        name = file_name(name)
-        if Path(name).suffix.lower() not in suffixes:
+        if Path(file_name(name)).suffix.lower() not in suffixes:
             raise ProjectError(
                 f"{name}: must end in {' or '.join(suffixes)}; drop another file, or export it as one"
             )
         if self.folder is None:
-            path = Path(self.staging.name) / name
-            write_atomically(path, content)
-            return self.look(kind, path) | {"name": name}
+            write_atomically(self.dropped(name), content)
+            return self.look(kind, self.dropped(name)) | {"name": name}
         path, number = self.folder / place / name, 1
         while path.exists() and path.read_bytes() != content:
             number += 1
             path = path.with_name(f"{Path(name).stem}-{number}{Path(name).suffix}")
-        kept = {"name": path.relative_to(self.folder).as_posix()}
-        if path.exists():
-            return self.look(kind, path) | kept
         trial = self.folder / OWN / "dropped" / path.name
         try:
             write_atomically(trial, content)
@@ -187,10 +160,10 @@ class Session:
             trial.replace(path)
         finally:
             trial.unlink(missing_ok=True)
-        return picture | kept
+        return picture | {"name": path.relative_to(self.folder).as_posix()}
 
     def dropped(self, name: str) -> Path:
-        """Return the drawing that was dropped without a project."""
+        """Return the place of a drawing that is dropped without a project. Raises ProjectError as `file_name`."""
         return Path(self.staging.name) / file_name(name)
 
     def look(self, kind: str, path: Path) -> dict[str, Any]:
@@ -198,7 +171,7 @@ class Session:
         try:
             return dict(self.worker.ask(kind, path=path))
         except ProjectError as error:
-            raise ProjectError(str(error).replace(str(path.parent) + os.sep, "")) from None
+            raise ProjectError(str(error).replace(f"{path.parent}{os.sep}", "")) from None
 
     def close(self) -> None:
         """End what belongs to the server; a run goes on."""

@@ -127,7 +127,7 @@ const sitePanel = () => [...sections(["assessment"], { assessment: { first: ["li
 const clock = (seconds) => (seconds === null || seconds === undefined ? "" : seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`);
 const resultsPanel = () => {
   const { run, results, problems } = store.state, wanted = Object.entries(store.stages).filter(([, table]) => (Array.isArray(content()[table]) ? content()[table].length : content()[table]));
-  const only = new Set(store.only ?? []), seconds = results?.seconds ?? {};
+  const only = new Set(store.only ?? []), seconds = results?.timing_s ?? {};
   const choice = ([stage]) => el("label", { className: "field" }, el("input", { type: "checkbox", "data-at": `only.${stage}`, checked: only.has(stage), onchange: (event) => {
     if (event.target.checked) only.add(stage); else only.delete(stage);
     store.only = [...only];
@@ -146,12 +146,13 @@ const summary = (rows, governing) => el("table", { id: "summary" }, el("tr", {},
     el("td", { className: "number" }, number(1e3 * row.d_0_m)), el("td", {}, Object.entries(row.checks).map(([name, each]) => `${name} ${number(each.zeta_E)}`).join(" · ")),
     el("td", { className: row.verified === false ? "wrong" : "" }, row.verified === null ? "–" : w(row.verified ? "yes" : "no")))),
   governing ? el("caption", {}, `${w("governing")}: ${governing.state === "original" ? w("original") : governing.state}, ${governing.direction.replace("-", "−")}, ${governing.limit_state}: ζ_E = ${number(governing.zeta_E)}`) : null);
+const frame = (at) => el("iframe", { src: `/output/report.html?${store.state.results.stamp}${at}`, title: w("results"), id: "report-frame" });
 const resultsWide = () => {
   const { results } = store.state;
   if (!results) return null;
   const found = results.summary;
   return [...(found ? [summary(found.rows, found.governing)] : []),
-    ...(results.files.includes("report.html") ? [el("iframe", { src: `/output/report.html?${results.stamp}#viewer`, title: w("results"), id: "report-frame" })] : [])];
+    ...(results.files.includes("report.html") ? [frame("#viewer")] : [])];
 };
 
 // ---- 8: report ----
@@ -174,7 +175,8 @@ const marked = (text) => text.replace(/<!--[\s\S]*?-->/g, "").split("\n").filter
 
 const PANELS = { drawing: drawingPanel, materials: materialsPanel, settlements: settlementsPanel, push: () => sections(TABLES.push, { control: { entry: () => ({ name: freeName("control", "C") }) } }),
   earthquake: () => sections(TABLES.earthquake), site: sitePanel, results: resultsPanel, report: reportPanel };
-const WIDE = { earthquake: earthquakeWide, site: siteWide, results: resultsWide };
+const reportWide = () => (store.state.results?.files.includes("report.html") ? [frame("")] : null);
+const WIDE = { earthquake: earthquakeWide, site: siteWide, results: resultsWide, report: reportWide };
 let wideKey = "";
 export const panel = () => {
   if (!store.schema) return;
@@ -183,7 +185,7 @@ export const panel = () => {
   const convert = state.source === "project.xlsx" ? [el("p", {}, `${w("spreadsheet")} `, button(w("convert"), async () => { const kept = await attempt(() => ask("convert")); await poll(); if (kept) note(w("kept", kept)); }))] : [];
   $("panel").replaceChildren(...convert, ...(content().geometry ? PANELS[step]() : [el("p", { className: "wrong" }, w("broken"))]));
   if (convert.length) $("panel").querySelectorAll("input, select, textarea, [data-add], [data-remove]").forEach((each) => { each.disabled = true; });
-  const made = content().geometry && WIDE[step], key = made ? JSON.stringify([step, store.language, step === "results" ? [state.results?.stamp, state.results?.files] : [content().history, content().assessment, [...known.keys()]]]) : step;
+  const made = content().geometry && WIDE[step], key = made ? JSON.stringify([step, store.language, ["results", "report"].includes(step) ? [state.results?.stamp, state.results?.files] : [content().history, content().assessment, [...known.keys()]]]) : step;
   if (key === wideKey) return;
   wideKey = key;
   const parts = made?.();

@@ -42,7 +42,7 @@ def session(tmp_path, worker):
 
 
 def ask(session, question, /, **sent):
-    answer = ANSWERS[question](session, json.loads(json.dumps(sent)))
+    answer = ANSWERS[question](session, json.loads(json.dumps(sent))) or {}
     json.dumps(answer, allow_nan=False)
     return answer
 
