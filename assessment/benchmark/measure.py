@@ -1,4 +1,4 @@
-"""Processor time, and the baseline to which every time is a ratio.
+"""The runner: processor time and error of a case, the baseline to which every time is a ratio, and the machine.
 
 The baseline is PIQP called once a step on freshly built sparse matrices, for the same program, in the same run: a
 ratio carries over to other machines, and to a busy one, where seconds do not. Whatever its bed, a joint is there one of
@@ -8,17 +8,22 @@ two contact points at its ends, the least that PIQP can be given.
 from __future__ import annotations
 
 import math
+import os
+import platform
+import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from assessment.benchmark.table import Row
+from assessment.runtime.fingerprint import installed
 from mechanics import (
     Assembly,
     CollapseError,
@@ -35,6 +40,7 @@ from mechanics.procedures.pushdown import Pushdown
 from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program
 from mechanics.solvers import qp_piqp
+from mechanics.steps.equilibrium import closed_program
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.types import GRAVITY, Array
@@ -46,21 +52,13 @@ except ImportError:  # Windows
 
 Answer = TypeVar("Answer")
 
-
-class Sized(Protocol):
-    """A row of a structure of so many blocks."""
-
-    @property
-    def blocks(self) -> int | None:
-        """Movable blocks."""
-
-
 FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError)
 """What an analysis that does not succeed raises: a row says so."""
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
-SAMPLES = 20  # programs of a path that the baseline solves
+SAMPLES = 20  # programs of a path, or of a motion, that the baseline solves
 ROUNDS, ENOUGH = 3, 1.5  # calls that take turns: least number of each, and least time in s
+PACKAGES = ("assesto", "numpy", "scipy", "piqp", "numba", "ezdxf", "matplotlib", "weasyprint")
 
 
 def seconds_of(work: Callable[[], Answer]) -> tuple[float, Answer]:
@@ -73,8 +71,7 @@ def seconds_of(work: Callable[[], Answer]) -> tuple[float, Answer]:
 def in_turn(*works: Callable[[], object]) -> Array:
     """The least processor time (s) of each of some calls (k,), which take turns.
 
-    A machine may be slow for seconds at a time: all of them are so then, and their ratios stay. What holds it up for
-    milliseconds is left out of short calls alone.
+    A machine may be slow for seconds at a time: all of them are so then, and their ratios stay.
     """
     rounds: list[list[float]] = []
     while len(rounds) < ROUNDS or np.sum(rounds) < ENOUGH:
@@ -83,34 +80,55 @@ def in_turn(*works: Callable[[], object]) -> Array:
     return least
 
 
-def beside_piqp(work: Callable[[], object], programs: Sequence[Program]) -> tuple[float, float]:
-    """Least processor time (s) of a call and, in the mean over some programs, of PIQP: in turn, see there."""
-    seconds, *solves = in_turn(work, *(partial(qp_piqp.solve, ends_only(p), TOLERANCE) for p in programs))
-    return seconds, float(np.mean(solves))
-
-
-def piqp(program: Program) -> float:
-    """Processor time (s) of PIQP on one program, its matrices built anew."""
-    least = ends_only(program)
-    return seconds_of(lambda: qp_piqp.solve(least, TOLERANCE))[0]
-
-
-def ends_only(program: Program) -> Program:
-    """The program with beds of one segment."""
+def piqp(program: Program) -> Callable[[], object]:
+    """PIQP on one program with beds of one segment, its matrices built anew in every call."""
     law = program.law.copy()
     law[:, SEGMENTS] = 1.0
-    return replace(program, law=law)
+    return partial(qp_piqp.solve, replace(program, law=law), TOLERANCE)
 
 
-def once_a_step(work: Callable[[], object], path: Pushdown | Pushover) -> tuple[float, float]:
-    """Least processor time (s) of a static path, and its ratio to PIQP called once for each of its steps."""
-    programs = path_programs(path)
-    seconds, each = beside_piqp(work, programs)
-    return seconds, seconds / len(path.steps) / each
+def beside_piqp(work: Callable[[], object], programs: Sequence[Program], steps: int) -> tuple[float, float]:
+    """Least processor time (s) of a call of so many steps, and its ratio to PIQP called once a step: in turn."""
+    seconds, *solves = in_turn(work, *map(piqp, programs))
+    return float(seconds), float(seconds / steps / np.mean(solves))
 
 
-def path_programs(path: Pushdown | Pushover) -> list[Program]:
-    """Programs that lead from points of a path, SAMPLES or a few more, to the next ones."""
+def rows_of(case: Case) -> Iterator[Row]:
+    """A row for each value and each number that is measured: time, ratio to PIQP, error; a failure is a row too."""
+    exact, values = case.exact, list(case.values)
+    if not math.isnan(case.reference):
+        values.insert(0, case.reference)
+    for value in values:
+        row: Row = {"case": case.name, "way": case.way, "parameter": case.parameter, "value": value}
+        row |= {"default": value == case.default}
+        run = partial(case.run, value)
+        try:
+            seconds, result = seconds_of(run)
+        except FAILURES as error:
+            yield row | {"failed": str(error)}
+            if value == case.reference:
+                return
+            continue
+        found = case.measure(result)
+        if value == case.reference:
+            exact = found
+            continue
+        row |= case.more(result)
+        if case.baseline is None:
+            row |= {"seconds": seconds}
+        else:
+            programs, steps = case.baseline(result)
+            seconds, ratio = beside_piqp(run, programs, steps)
+            row |= {"steps": steps, "seconds": seconds, "ratio": ratio, "step_ms": 1e3 * seconds / steps}
+        for quantity, number in found.items():
+            off = abs(number / exact[quantity] - 1.0) if exact else math.nan
+            yield row | {"quantity": quantity, "found": number, "error": off}
+        if not found:
+            yield row
+
+
+def path_baseline(path: Pushdown | Pushover) -> tuple[list[Program], int]:
+    """Programs that lead from points of a path, SAMPLES or a few more, to the next ones; and how many steps it has."""
     every = max(len(path.steps) // SAMPLES, 1)
     programs = []
     for before, step in list(pairwise(path.steps))[::every]:
@@ -124,46 +142,61 @@ def path_programs(path: Pushdown | Pushover) -> list[Program]:
         at = np.where(model.movable[:, None], before.state.positions, step.state.positions)
         problem = StepProblem(step.system, before.state, model.dead_load, size, lateral, work)
         programs.append(problem.pose(at, None)[0])
-    return programs
+    return programs, len(path.steps)
 
 
-def history_programs(
-    model: Assembly, behaviour: Behaviour, motion: TimeHistory, acceleration: Array, every: int
-) -> list[Program]:
-    """The implicit Euler steps (paper, eq. 3) from every `every`-th state of a motion; accelerations (k,) in g."""
-    step = float(motion.time[1])
-    return [
-        euler_step(
-            model, behaviour, State(motion.positions[k], motion.velocities[k]), acceleration[k + 1], step
-        )
-        for k in range(0, len(motion.time) - 1, every)
-    ]
+def history_baseline(
+    model: Assembly, behaviour: Behaviour, acceleration: Array, motion: TimeHistory
+) -> tuple[list[Program], int]:
+    """Implicit Euler steps (paper, eq. 3) from states of a motion, accelerations (k,) in g; its number of steps."""
+    step, count = float(motion.time[1]), len(motion.time) - 1
+    programs = []
+    for k in range(0, count, max(count // SAMPLES, 1)):
+        state = State(motion.positions[k], motion.velocities[k])
+        speed = float(abs(state.velocities[:, :2]).max())
+        size = max(GRAVITY * step**2, step * speed)
+        system = static_system(model, behaviour).around(state.positions, size)
+        inertia = model.mass / step**2
+        load = model.dead_load - acceleration[k + 1] * GRAVITY * model.mass * (1.0, 0.0, 0.0)
+        problem = StepProblem(system, state, load + step * inertia * state.velocities, size, mass=inertia)
+        programs.append(problem.pose(state.positions, None)[0])
+    return programs, count
 
 
-def euler_step(
-    model: Assembly, behaviour: Behaviour, state: State, acceleration: float, step: float = 0.005
-) -> Program:
-    """The program of an implicit Euler step (s) under a base acceleration in g (paper, eq. 3)."""
-    speed = float(abs(state.velocities[:, :2]).max())
-    size = max(GRAVITY * step**2, step * speed)
-    system = static_system(model, behaviour).around(state.positions, size)
-    inertia = model.mass / step**2
-    load = model.dead_load - acceleration * GRAVITY * model.mass * (1.0, 0.0, 0.0)
-    problem = StepProblem(system, state, load + step * inertia * state.velocities, size, mass=inertia)
-    return problem.pose(state.positions, None)[0]
+def pushed_program(model: Assembly) -> Program:
+    """The program of limit analysis towards +x."""
+    return closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
 
 
-def exponent(rows: Sequence[Sized], column: str) -> float:
-    """Of what a column holds, as a power of the number of blocks: the slope of a straight line in logarithms."""
-    sizes = np.array([row.blocks for row in rows], dtype=float)
-    return float(np.polyfit(np.log(sizes), np.log([getattr(row, column) for row in rows]), 1)[0])
+@dataclass(frozen=True, eq=False)
+class Case:
+    """An analysis `run` at some values of a parameter, and what is read off its result.
+
+    `measure`: numbers by name, whose errors are relative to `exact` or to those at the value `reference`; `more`: other
+    fields of a row; `baseline`: programs that PIQP solves, of how many steps; None: no ratio. `way`: how it is solved.
+    """
+
+    name: str
+    run: Callable[[float], Any]
+    parameter: str = ""
+    values: Sequence[float] = (1.0,)
+    measure: Callable[[Any], dict[str, float]] = lambda _: {}
+    exact: dict[str, float] | None = None
+    reference: float = math.nan
+    default: float = 1.0
+    way: str = ""
+    more: Callable[[Any], Row] = lambda _: {}
+    baseline: Callable[[Any], tuple[list[Program], int]] | None = path_baseline
+
+
+def exponent(rows: Sequence[Row], field: str) -> float:
+    """What a field grows with as a power of the number of blocks: the slope of a straight line in logarithms."""
+    sizes, values = (np.log([row[name] for row in rows]) for name in ("blocks", field))
+    return float(np.polyfit(sizes, values, 1)[0])
 
 
 def peak_memory() -> float:
-    """The largest memory (MB) of this process so far, Python and its libraries included.
-
-    NaN where the system does not count it.
-    """
+    """The largest memory (MB) of this process so far, with Python and its libraries; NaN where it is not counted."""
     status = Path("/proc/self/status")
     if status.is_file():  # getrusage also counts what the parent held as this process was made
         for line in status.read_text(encoding="ascii").splitlines():
@@ -173,3 +206,46 @@ def peak_memory() -> float:
         return math.nan
     unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1024.0**2
+
+
+def children() -> float:
+    """Processor time (s) of finished child processes; Windows does not count it: 0."""
+    used = os.times()
+    return used.children_user + used.children_system
+
+
+def machine() -> str:
+    """Processor, cores, memory, system, versions, commit and load, in a sentence or two."""
+    versions = ", ".join(f"{name} {installed(name)}" for name in PACKAGES)
+    memory = ""
+    if hasattr(os, "sysconf"):  # Windows has none
+        memory = f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2**30:.0f} GB, "
+    return (
+        f"{_processor()}, {os.cpu_count()} cores, {memory}{platform.system()}; Python "
+        f"{platform.python_version()}, {versions}; commit {_commit()}; load {load()} at the start."
+    )
+
+
+def load() -> str:
+    """How many processes want to run, in the mean over a minute; Windows does not count them."""
+    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.is_file() else []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor() or platform.machine())
+
+
+def _commit() -> str:
+    """The commit of the source, with a plus sign where files differ from it; unknown outside a checkout."""
+    git = ("git", "-C", str(Path(__file__).parent))
+    try:
+        head = subprocess.run(
+            [*git, "rev-parse", "--short", "HEAD"], check=True, capture_output=True, text=True
+        )
+        changed = subprocess.run([*git, "diff", "--quiet", "HEAD"], check=False).returncode != 0
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return head.stdout.strip() + "+" * changed

@@ -15,7 +15,7 @@ LINES = {
     "assessment": 50,
     "assessment/analyses": 5250,
     "assessment/app": 1600,
-    "assessment/benchmark": 3300,
+    "assessment/benchmark": 1900,
     "assessment/cli": 650,
     "assessment/ntc": 2750,
     "assessment/project": 5150,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases.dynamics import sine, stack
+from assessment.benchmark.cases.motions import sine, stack
 from mechanics.types import GRAVITY
 from tests.support.corners_on_faces import time_of_fall
 

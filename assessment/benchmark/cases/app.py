@@ -7,7 +7,6 @@ import sys
 import time
 import urllib.request
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -22,29 +21,19 @@ ROUNDS = 5  # of which the median is told
 ANSWERS = 30  # of a support that is led to and fro
 
 
-@dataclass(frozen=True, kw_only=True)
-class Latency(Row):
-    """How long what a user waits for takes, elapsed, in s: `largest` of all and `seconds` in the median."""
-
-    what: str
-    seconds: float
-    largest: float
-
-
-def latencies(quick: bool) -> Iterator[Latency]:
+def latencies(quick: bool) -> Iterator[Row]:
     """Rows of an arch of 33 blocks and, not where it is to be quick, of a triumphal arch of 367."""
     with TemporaryDirectory() as folder:
         for template in ("buttressed-arch", *(() if quick else ("triumphal-arch",))):
             project = Path(folder) / template
             new_project(project, template, {})
-            yield _latency(
-                template, "from the command to the page", [_to_page(project) for _ in range(ROUNDS)]
-            )
+            waited = [_to_page(project) for _ in range(ROUNDS)]
+            yield _latency(template, "from the command to the page", waited)
             yield from _of_the_worker(project, template)
 
 
-def _latency(case: str, what: str, seconds: list[float]) -> Latency:
-    return Latency(case=case, what=what, seconds=float(np.median(seconds)), largest=max(seconds))
+def _latency(case: str, what: str, seconds: list[float]) -> Row:
+    return {"case": case, "what": what, "seconds": float(np.median(seconds)), "largest": max(seconds)}
 
 
 def _to_page(project: Path) -> float:
@@ -61,7 +50,7 @@ def _to_page(project: Path) -> float:
         server.wait()
 
 
-def _of_the_worker(project: Path, case: str) -> Iterator[Latency]:
+def _of_the_worker(project: Path, case: str) -> Iterator[Row]:
     """Time of what the process beside the server answers: the model, first and again, and a support that is led."""
     first, again = [], []
     for _ in range(ROUNDS):
@@ -75,9 +64,8 @@ def _of_the_worker(project: Path, case: str) -> Iterator[Latency]:
     target = np.array([*moved.displacement_m, 0.0])
     given = {"folder": project, "tag": "", "support": moved.support}
     _asked(worker, "live", **given, target=(0.1 * target).tolist(), home=True)
-    ways = [
-        0.1 + 0.05 * abs((k + 5) % 10 - 5) for k in range(ANSWERS)
-    ]  # by what a pointer moves in a frame or two
+    # by what a pointer moves in a frame or two
+    ways = [0.1 + 0.05 * abs((k + 5) % 10 - 5) for k in range(ANSWERS)]
     led = [_asked(worker, "live", **given, target=(share * target).tolist()) for share in ways]
     yield _latency(case, "an answer to a support that is dragged", led)
     whole = [_asked(worker, "live", **given, target=target.tolist(), whole=True) for _ in range(ROUNDS)]

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mechanics import Assembly, Block, Material
+from mechanics import Assembly, Block, Material, State, pushdown, pushover
+from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures.pushdown import Pushdown
+from mechanics.procedures.pushover import Pushover
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -78,40 +81,6 @@ def in_frame(model: Assembly, length: float, origin: tuple[float, float], weight
     )
 
 
-def arch_on_piers(
-    radius: float = 0.6,
-    thickness: float = 0.1,
-    voussoirs: int = 23,
-    pier_height: float = 0.8,
-    pier_width: float = 0.3,
-    courses: int = 10,
-    friction: float = 0.6,
-    stiffness: float = 1.2e5,
-    segments: int | None = None,
-    depth: float = 0.1,
-    unit_weight: float = 11.5,
-) -> Assembly:
-    """A semicircular arch on two piers of single blocks; the piers stand on supports left and right."""
-    # eleven arguments: the dimensions of a structure, by keyword
-    stone = Material(unit_weight, friction, stiffness)
-    inner, outer = radius - 0.5 * thickness, radius + 0.5 * thickness
-    angles = np.linspace(0.0, np.pi, voussoirs + 1)
-
-    def at(r: float, angle: float) -> list[float]:
-        return [r * np.cos(angle), pier_height + r * np.sin(angle)]
-
-    blocks = [
-        Block([at(inner, a), at(outer, a), at(outer, b), at(inner, b)], depth, stone)
-        for a, b in pairwise(angles)
-    ]
-    step = pier_height / courses
-    for side, name in ((1, "right"), (-1, "left")):
-        x0, x1 = sorted((side * inner, side * (inner + pier_width)))
-        blocks += [Block(rectangle(x0, i * step, x1, (i + 1) * step), depth, stone) for i in range(courses)]
-        blocks.append(Block(rectangle(x0 - 0.1, -0.1, x1 + 0.1, 0.0), depth, stone, support=name))
-    return Assembly(blocks, segments)
-
-
 @cache
 def template(name: str) -> Project:
     """A new project from a built-in template, in a folder that lasts as long as the process."""
@@ -131,6 +100,34 @@ def assembly(name: str, segments: int | None = None) -> Assembly:
     project = template(name)
     geometry = project.geometry.model_copy(update={"segments_per_joint": segments})
     return build_model(project.model_copy(update={"geometry": geometry})).assembly
+
+
+def settled(
+    name: str, contacts: Behaviour, times: float = 1.0, segments: int | None = None, to_collapse: bool = False
+) -> Pushdown:
+    """A template's movement, in `times` its increment."""
+    (table,) = template(name).settlements
+    assert table.increment_m is not None
+    return pushdown(
+        assembly(name, segments), table.support, table.displacement_m, 0.0, times * table.increment_m, contacts,
+        to_collapse=to_collapse,
+    )  # fmt: skip
+
+
+def pushed(
+    name: str, way: Direction = "+x", contacts: Behaviour = "rigid", times: float = 1.0,
+    state: State | None = None, segments: int | None = None, until: float = 0.0,
+) -> Pushover:  # fmt: skip
+    """A template's capacity curve, in `times` its increment."""
+    point, increment = control(name, way)
+    return pushover(assembly(name, segments), point, way, contacts, times * increment, state, until)
+
+
+def control(name: str, way: Direction = "+x") -> tuple[tuple[float, float], float]:
+    """The control point (m) of a template, and its increment (m)."""
+    project = template(name)
+    assert project.pushover is not None
+    return project.pushover_control(way).point_m, project.pushover.increment_m
 
 
 @cache

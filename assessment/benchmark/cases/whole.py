@@ -1,0 +1,260 @@
+"""Whole analyses: the static chain of a template, commands from the shell and back, and the engines of campaigns."""
+
+from __future__ import annotations
+
+import heapq
+import pickle
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import partial
+from itertools import product
+from tempfile import TemporaryDirectory
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from assessment.analyses.dynamic.ensemble import Scatter
+from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.static.states import PAST_PEAK
+from assessment.benchmark.cases.motions import shaking
+from assessment.benchmark.cases.structures import assembly, pushed, settled, template
+from assessment.benchmark.measure import FAILURES, Case, children, rows_of
+from assessment.benchmark.table import Row
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import MotionTable
+from assessment.project.structure.model import build_model
+from assessment.runtime.cache import packed
+from assessment.runtime.processes.garbage import collect_rarely
+from assessment.runtime.processes.pool import cores
+from assessment.runtime.tasks import From, Workers
+from assessment.studies.campaign.search import Combination, Reach, level_found, search_collapse
+from assessment.workflow.selection import select
+from assessment.workflow.stages import run
+from mechanics import ConvergenceError, Record
+from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures import step_control
+from mechanics.procedures.mirror import Mirror
+
+WAYS: tuple[Direction, ...] = ("+x", "-x")
+CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
+SHARES, RECORDS, SIGNS = 5, 20, 2  # of the campaign that is simulated: 200 combinations
+LINK = 1.25e7  # bytes/s in and out of the machine that asks: 100 Mbit/s
+DISPATCH = 1e-3  # s that the scheduler takes for a task, one after the other: the figure of Dask's manual
+
+
+def chain(quick: bool) -> Iterator[Row]:
+    """Pushdown, rigid and elastic pushover of both states and directions, one by one and together; whole commands."""
+    for name in ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch"):
+        yield from analyses(name)
+        elapsed = [float(_python("-m", __name__, name)) for _ in range(3)]
+        title = f"{name.replace('-', ' ')}, static chain, from the drawing, on all processors"
+        yield {"case": title, "whole": True, "elapsed_s": min(elapsed)}
+    yield command("assesto --help", "--help")
+    if not quick:
+        with TemporaryDirectory() as out:
+            arguments = ("run", str(template("buttressed-arch").folder), "--out", out)
+            yield command("assesto run, buttressed arch, to the PDF", *arguments)
+            yield command("assesto run again, nothing changed", *arguments)
+
+
+def analyses(name: str) -> Iterator[Row]:
+    """Every analysis of a template on one processor; last, of all together."""
+    rows: list[Row] = []
+    for contacts in CONTACTS:
+        mirror, paths = Mirror.of(assembly(name), contacts), dict[str, Any]()
+        for title, way in [("pushdown", None), *product(("original", "settled"), WAYS)]:
+            if title == "settled" and "pushdown" not in paths:
+                continue
+            work = partial(_path, name, title, way, contacts, paths, mirror)
+            count, full = Counter[str](), f"{title}, pushover {way}" if way else title
+            with counting(count), suppress(*FAILURES):
+                paths[full] = work(1.0)
+            case = Case(f"{name.replace('-', ' ')}, {full}, {contacts}", work)
+            rows += (row | count for row in rows_of(case))
+            yield rows[-1]
+    solved = [row for row in rows if row.get("failed") is None]
+    total: Row = {
+        field: sum(row.get(field, 0) for row in rows)
+        for field in ("steps", "attempts", "unsolved", "seconds")
+    }
+    total["ratio"] = total["seconds"] / sum(row["seconds"] / row["ratio"] for row in solved)
+    failed = (
+        f"{len(rows) - len(solved)} of {len(rows)}, and what depends on them"
+        if len(solved) < len(rows)
+        else None
+    )
+    yield {"case": f"{name.replace('-', ' ')}, static chain", "whole": True, "failed": failed} | total
+
+
+def _path(
+    name: str, title: str, way: Direction | None, contacts: Behaviour, paths: dict[str, Any], mirror: Mirror | None,
+    _: float,
+) -> Any:  # fmt: skip
+    """The movement of a template, or its curve as drawn or settled; as drawn towards −x by reflection if exact."""
+    if way is None:
+        return settled(name, contacts)
+    other = paths.get("original, pushover +x") if way == "-x" and title == "original" else None
+    if mirror and other and (image := mirror.pushover(other)):
+        return image
+    state = paths["pushdown"].final if title == "settled" else None
+    return pushed(name, way, contacts, 1.0, state, None, PAST_PEAK if contacts == "elastic" else 0.0)
+
+
+@contextmanager
+def counting(count: Counter[str]) -> Iterator[None]:
+    """Count the attempts at a step of what is analysed meanwhile, and those that are not solved, into `count`."""
+    find: Callable[..., Any] = vars(step_control)["find_equilibrium"]
+    count.update(attempts=0, unsolved=0)
+
+    def watched(*arguments: Any) -> Any:
+        count["attempts"] += 1
+        try:
+            return find(*arguments)
+        except ConvergenceError:
+            count["unsolved"] += 1
+            raise
+
+    with patch.object(step_control, "find_equilibrium", watched):
+        yield
+
+
+def elapsed(name: str) -> float:
+    """Time elapsed (s) of the same analyses on all processors, from the drawing, in a process of its own."""
+    collect_rarely()  # as the command
+    project = select(template(name), ("pushdown", "pushover"))
+    settlements = (project.settlements[0].model_copy(update={"to_collapse": False}),)
+    project = project.model_copy(update={"settlements": settlements})
+    began = time.perf_counter()
+    run(project, build_model(project))
+    return time.perf_counter() - began
+
+
+def command(case: str, *arguments: str) -> Row:
+    """Processor time and time elapsed of a whole command."""
+    before, began = children(), time.perf_counter()
+    _python("-m", "assessment.cli", *arguments)
+    return {
+        "case": case, "whole": True, "seconds": children() - before, "elapsed_s": time.perf_counter() - began,
+    }  # fmt: skip
+
+
+def _python(*arguments: str) -> str:
+    return subprocess.run([sys.executable, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def campaigns(quick: bool) -> Iterator[Row]:
+    """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
+
+    Each engine has computed one search in every process before it is timed; `ideal`: the least ratio; `equal`: whether
+    the results are those of this process. Then a campaign of SHARES, RECORDS and SIGNS on a cluster that is simulated,
+    whose searches take what they took in this process.
+    """
+    tasks, most = _tasks(2 if quick else 8), cores()
+    alone, expected = _timed(Workers(1), tasks, 1)
+    yield _engine("this process", 1, expected, alone, alone)
+    sent, returned = (
+        [len(each) for each in some] for some in (map(pickle.dumps, tasks), map(packed, expected))
+    )
+    combinations = list(product(range(SHARES), range(RECORDS), range(SIGNS)))
+    chosen = [(2 * SIGNS * k + SIGNS * min(s, 1) + sign) % len(tasks) for s, k, sign in combinations]
+    seconds = [expected[k].seconds + DISPATCH + (sent[k] + returned[k]) / LINK for k in chosen]
+    for count in (4, 16):
+        took = simulated(seconds, neighbours_of(SHARES, RECORDS, SIGNS), count)
+        row = _engine(f"{count} workers, simulated", count, [expected[k] for k in chosen], took, sum(seconds))
+        sizes = {"sent_kB": float(np.mean(sent)) / 1e3, "returned_kB": float(np.mean(returned)) / 1e3}
+        yield row | sizes | {"ideal": 1.0 / count, "equal": None}
+    for count in sorted({2, max(most, 2)}):
+        yield _compared(f"{count} processes", count, Workers(count), tasks, expected, alone)
+    with suppress(ImportError):
+        from distributed import LocalCluster  # late: few installations have it
+
+        options: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+        with LocalCluster(n_workers=most, processes=True, **options) as cluster:  # type: ignore[no-untyped-call]
+            workers = Workers(scheduler=cluster.scheduler_address)
+            yield _compared(f"Dask, {most} workers", most, workers, tasks, expected, alone)
+
+
+def _tasks(count: int) -> list[tuple[Any, ...]]:
+    """Searches as drawn and settled, by both signs, with a number of records: sines of 1 to 3 Hz that grow and end."""
+    model, step = assembly("arch"), 0.005
+    setting = Setting(MotionTable(contacts="rigid"), template("arch").control[0])
+    states, at = (model.initial, settled("arch", "rigid").final), np.arange(0.0, 3.0, step)
+    tasks: list[tuple[Any, ...]] = []
+    for frequency in np.linspace(1.0, 3.0, count):
+        first = len(tasks)
+        for (start, sign), neighbour in zip(
+            product(states, (1.0, -1.0)), neighbours_of(2, 1, SIGNS), strict=True
+        ):
+            record = Record(sign * shaking(0.3, frequency)(at), step, f"{frequency:.3g} Hz")
+            motion = BaseMotion(record, record, record.pga, 1.0)
+            near = None if neighbour is None else From(first + neighbour, level_found)
+            reach = Reach(max_scale=5.0, tolerance=0.05)
+            tasks.append((model, motion, setting, start, Scatter(1, 0.05), reach, (), near))
+    return tasks
+
+
+def _timed(workers: Workers, tasks: list[tuple[Any, ...]], count: int) -> tuple[float, list[Combination]]:
+    titles = [task[1].name for task in tasks]
+    with workers:
+        workers.each("warm", search_collapse, tasks[:1] * count, titles[:1] * count, False)
+        began = time.perf_counter()
+        found = workers.each("campaign", search_collapse, tasks, titles, False)
+        return time.perf_counter() - began, found
+
+
+def _compared(
+    name: str, count: int, workers: Workers, tasks: list[tuple[Any, ...]], expected: list[Combination], alone: float
+) -> Row:  # fmt: skip
+    seconds, found = _timed(workers, tasks, count)
+    same = [(one.judged, one.reason, one.runs, one.points) for one in found] == [
+        (one.judged, one.reason, one.runs, one.points) for one in expected
+    ]
+    return _engine(name, count, found, seconds, alone) | {"equal": same}
+
+
+def _engine(name: str, count: int, found: Sequence[Combination], seconds: float, alone: float) -> Row:
+    motions = sum(each.runs for each in found)
+    row: Row = {
+        "case": name,
+        "workers": count,
+        "combinations": len(found),
+        "motions": motions,
+        "elapsed_s": seconds,
+    }
+    row |= {"motions_per_minute": 60.0 * motions / seconds, "ratio": seconds / alone}
+    return row | {"ideal": 1.0 / min(count, cores()), "equal": True}
+
+
+def neighbours_of(shares: int, records: int, signs: int) -> list[int | None]:
+    """The number of each search's neighbour, None: it has none; in the order of a campaign: shares, records, signs.
+
+    A search begins in the bracket of the same record and sign at the share before, at the first share in that of the
+    record's first sign.
+    """
+    each = records * signs
+    return [
+        k - each if k >= each else k - k % signs if k % signs else None for k in range(shares * each)
+    ]  # fmt: skip
+
+
+def simulated(seconds: Sequence[float], after: Sequence[int | None], workers: int) -> float:
+    """Time (s) of tasks on `workers`: each is begun by the first free one once the task that it follows is done."""
+    ready = [(0.0, k) for k, before in enumerate(after) if before is None]
+    free, last = [0.0] * workers, 0.0
+    while ready:
+        at, k = heapq.heappop(ready)
+        done = max(heapq.heappop(free), at) + seconds[k]
+        heapq.heappush(free, done)
+        last = max(last, done)
+        for follower in (number for number, before in enumerate(after) if before == k):
+            heapq.heappush(ready, (done, follower))
+    return last
+
+
+if __name__ == "__main__":
+    print(elapsed(sys.argv[1]))
