@@ -163,16 +163,18 @@ def _limit(
     known = {name: (value, reason) for name, (value, reason) in limits.items() if value is not None}
     if not known:
         return d, governing, step(symbol, share, d, "m", law, d_0_star=d_0)
-    for value, reason in known.values():
-        if value * Gamma < d:
-            d, governing = value * Gamma, reason
+    way, terms, numbers = capacity.fit.way, [share], {"Gamma_star": Gamma}
+    for name, (value, reason) in known.items():
+        gone = 1.0 if way is None else float(way.blocks(value)) / value
+        if gone * value * Gamma < d:
+            d, governing = gone * value * Gamma, reason
+        terms.append(f"{name}*Gamma_star" if way is None else f"{name}*{name.replace('d_', 'r_')}*Gamma_star")
+        numbers |= {name: value} if way is None else {name: value, name.replace("d_", "r_"): gone}
     source = law
     if local is not None:
         reason = method.local_reason or message("given, without a reason")
         source = message("{law}; local limit: {reason}", law=law, reason=reason)
-    formula = ", ".join((share, *(f"{name}*Gamma_star" for name in known)))
-    line = step(symbol, f"min({formula})", d, "m", source, d_0_star=d_0, Gamma_star=Gamma,
-                **{name: value for name, (value, _) in known.items()})  # fmt: skip
+    line = step(symbol, f"min({', '.join(terms)})", d, "m", source, d_0_star=d_0, **numbers)
     return d, governing, line
 
 

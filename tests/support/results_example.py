@@ -251,6 +251,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "end": "α = 0",
                 "sliding": "associative",
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": rigid.tolist()},
+                "d_star_m": (gamma_star * displacement).tolist(),
                 "mechanism": _mechanism(sense, a0, e_star, gamma_star),
                 "mechanism_configuration": _configuration(movement),
                 "final_configuration": _configuration(movement),

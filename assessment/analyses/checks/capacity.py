@@ -24,7 +24,7 @@ from assessment.ntc.capacity.curve import (
     capacity_curve,
     mechanism_participation,
 )
-from assessment.ntc.capacity.curve_fit import CapacityError, Curve, CurveFit, fit_curve
+from assessment.ntc.capacity.curve_fit import CapacityError, Curve, CurveFit, Way, fit_curve
 from assessment.ntc.demand.hazard import HazardCurve
 from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.limit_states import QUOTED
@@ -50,8 +50,7 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 
-# of the d* that the control point tells: what the moving blocks have gone that is nearly it, and that is too little
-NEARLY, IDLE = 0.9, 0.8
+BLOCKS = "pushover with rigid contacts, d* of the blocks over Γ*"  # where α0 and d_0 of the curve come from
 CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
 
 
@@ -101,7 +100,6 @@ def _assessed(
     """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
     assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
     _refuse_other_mechanism(rigid)
-    warnings += [towards(direction, note) for note in _idle_control(curves.control, rigid.control_share)]
     if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
         raise CapacityError(
             message(
@@ -112,9 +110,11 @@ def _assessed(
         )
     mechanism = rigid.mechanism
     part = mechanism_participation(model, np.array(mechanism.displacements), mechanism.control_displacement_x)
-    branch = None if elastic is None else along_push(elastic.curve, direction)
-    fit = fit_curve(assessment.model, rigid_branch(rigid, direction), branch)
-    fit = replace(fit, elastic_end=_elastic_end(elastic) if assessment.model != "none" else None)
+    way = way_of_blocks(rigid, part.gamma_star, direction)
+    branch = None if elastic is None else way.curve(along_push(elastic.curve, direction))
+    fit = fit_curve(assessment.model, rigid_branch(rigid, way), branch)
+    end = _elastic_end(elastic) if assessment.model != "none" else None
+    fit = replace(fit, source=BLOCKS, elastic_end=end, way=way)
     capacity = capacity_curve(
         fit,
         part.e_star,
@@ -139,7 +139,10 @@ def _assessed(
     if project.incremental:
         made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
     if elastic is not None and fit.alpha_y is not None:
-        curves = curves.replace(elastic=elastic.replace(alpha_y=fit.alpha_y, d_y_m=fit.d_y))
+        d_y = float(way.control_point(known(fit.d_y)))
+        d_star = (part.gamma_star * way.blocks(along_push(elastic.curve, direction)[0])).tolist()
+        fitted = elastic.replace(alpha_y=fit.alpha_y, d_y_m=d_y, d_star_m=d_star)
+        curves = curves.replace(elastic=fitted)
     return Assessed(curves, made)
 
 
@@ -159,24 +162,6 @@ def _refuse_other_mechanism(rigid: RigidPush) -> None:
     virtual_work = math.inf if by_work is None else by_work
     if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
         raise CapacityError(other_mechanism(virtual_work, alpha))
-
-
-def _idle_control(control: str, share: float | None) -> Iterator[Message]:
-    """Yield a warning where the control point moves farther than the mechanism that it stands for.
-
-    Raises CapacityError where that is so much that no capacity follows from it.
-    """
-    if share is None or share >= NEARLY:
-        return
-    note = message(
-        "control point {name}: at the end of the curve the blocks that move have gone {share:.0%} of the d* that it "
-        "tells, as it is near the hinges of the mechanism; give a point that moves with the mechanism, higher up",
-        name=control,
-        share=share,
-    )
-    if share < IDLE:
-        raise CapacityError(note)
-    yield note
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:
@@ -251,14 +236,20 @@ def along_push(curve: static.Curve, direction: Direction) -> Curve:
     return sense(direction) * np.array(curve.displacement_m), np.array(curve.multiplier)
 
 
-def rigid_branch(rigid: RigidPush, direction: Direction) -> Curve:
-    """Return the rigid curve from its peak on, over growing displacements (m) along the push.
+def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> Way:
+    """Return d*/Γ* of the blocks over the displacement of the control point along a rigid curve."""
+    d, _ = along_push(rigid.curve, direction)
+    return Way(np.asarray(d), np.array(known(rigid.d_star_m)) / gamma_star)
+
+
+def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
+    """Return the rigid curve from its peak on, over growing d*/Γ* (m).
 
     If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0.
     """
-    d, alpha = map(np.asarray, along_push(rigid.curve, direction))
-    peak = int(np.argmax(alpha))
-    d, alpha = d[peak:], alpha[peak:]
+    multiplier = np.array(rigid.curve.multiplier)
+    peak = int(np.argmax(multiplier))
+    d, alpha = way.equivalent[peak:], multiplier[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
     if rigid.lost:

@@ -54,7 +54,7 @@ def rigid_push(
         sliding=sliding,
         local_loss=local_loss(model, path.states, path.displacement, path.forces, path.lost),
         curve=_curve(path, direction),
-        control_share=_control_share(model, direction, path, mechanism),
+        d_star_m=_way_of_blocks(model, direction, path, mechanism),
         mechanism=mechanism,
         virtual_work_alpha=finite(_virtual_work(model, direction, path, np.array(mechanism.displacements))),
         mechanism_configuration=configuration(model, at),
@@ -142,20 +142,24 @@ def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _Moving
     )
 
 
-def _control_share(
+def _way_of_blocks(
     model: Assembly, direction: Direction, path: Pushover, mechanism: Mechanism
-) -> float | None:
-    """Return d* of the blocks that move, at the end of a curve, over Γ* times the way of the control point.
+) -> list[float] | None:
+    """Return d* (k,) m of the blocks that move: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed.
 
-    Of a mechanism that turns as it begins d* = Γ* d_C (C8.7.1.2) is ΣPδu/ΣPδ, u being the way of each block: a control
-    point near its hinges moves, in the end, by what is of second order. None where that is not defined.
+    Of a mechanism that goes on as it begins u = δ d_C, and that is Γ* d_C (C8.7.1.2), as it is taken to be before. None
+    where Γ* is not defined.
     """
-    way = float(path.displacement[-1] - path.displacement[path.formed])
-    if not mechanism.gamma_star or way <= 0.0:
+    if mechanism.gamma_star is None:
         return None
     weighed = model.lateral_load(direction)[:, 0] * np.array(mechanism.displacements)[:, 0]
-    moved = (path.states[-1].positions - path.states[path.formed].positions)[:, 0]
-    return finite(abs(float(weighed @ moved) / float(weighed.sum())) / (mechanism.gamma_star * way))
+    x = np.array([state.positions[:, 0] for state in path.states])
+    gone = sense(direction) * ((x - x[path.formed]) @ weighed) / float(weighed.sum())
+    gone[: path.formed] = mechanism.gamma_star * (
+        path.displacement[: path.formed] - path.displacement[path.formed]
+    )
+    way: list[float] = (mechanism.gamma_star * path.displacement[path.formed] + gone).tolist()
+    return way
 
 
 def _virtual_work(

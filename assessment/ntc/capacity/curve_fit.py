@@ -28,6 +28,37 @@ class CapacityError(SaidError, ValueError):
 
 
 @dataclass(frozen=True, eq=False)
+class Way:
+    """How far the blocks that move have gone for the displacements (k,) m of the control point.
+
+    `equivalent` (k,) m: d*/Γ*, the displacement of the control point of a mechanism that goes on as it begins. What a
+    control point near a hinge tells of itself, or one that other blocks slide past, is no measure of these.
+    """
+
+    control: Array
+    equivalent: Array
+
+    def blocks(self, displacement: ArrayLike) -> Array:
+        """Return d*/Γ* (m) for displacements of the control point (m)."""
+        return _carried_on(displacement, self.control, self.equivalent)
+
+    def control_point(self, equivalent: ArrayLike) -> Array:
+        """Return the displacements of the control point (m) for d*/Γ* (m)."""
+        return _carried_on(equivalent, self.equivalent, self.control)
+
+    def curve(self, elastic: Curve) -> Curve:
+        """Return an elastic curve over d*/Γ*."""
+        return self.blocks(elastic[0]), elastic[1]
+
+
+def _carried_on(value: ArrayLike, at: Array, found: Array) -> Array:
+    """Interpolate between points; below the first one a value stays, beyond the last one it is in proportion."""
+    x, at = np.asarray(value, dtype=float), np.maximum.accumulate(at)
+    beyond = x * found[-1] / at[-1] if at[-1] > 0.0 else x
+    return np.where(x <= at[0], x, np.where(x > at[-1], beyond, np.interp(x, at, found)))
+
+
+@dataclass(frozen=True, eq=False)
 class CurveFit:
     """An idealised pushover curve: multiplier (k,) over the displacement (k,) of the control point, m.
 
@@ -35,7 +66,8 @@ class CurveFit:
     rigid mechanism; d_0: where the rigid branch reaches 0 (None: not reached); alpha_u: peak of the elastic
     curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none". `steps`:
     how they were found; `source`: where alpha_0 and d_0 come from; elastic_end: where the structure
-    with elastic contacts has no equilibrium any more (m), None where its curve was not followed that far.
+    with elastic contacts has no equilibrium any more (m of the control point), None where its curve was not followed
+    that far; way: where displacement and d_0 are those of the blocks, not of the control point.
     """
 
     model: str
@@ -50,6 +82,7 @@ class CurveFit:
     steps: Trace = ()
     source: str = "pushover, rigid contacts"
     elastic_end: float | None = None
+    way: Way | None = None
 
     @property
     def drops(self) -> bool:

@@ -21,7 +21,6 @@ from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots
 from assessment.results.schema.model import Face, Joint
 from assessment.results.schema.static import Frames, TieTension
-from assessment.results.table import sense
 
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
@@ -126,18 +125,20 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
 
 
 def _jumps(state: State, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
-    """Yield the control displacements (mm, along x) of the limit states, d = d*/Γ*, that a path of this reach has.
+    """Yield the control displacements (mm, along x) at the d* of the limit states that a path of this reach has.
 
     The rigid activation has none: that of SLO and SLD is the end of the elastic branch, where the curve has one.
     """
-    capacity = state.capacity.get(direction)
-    if not capacity:
+    capacity, pushed = state.capacity.get(direction), state.pushover.get(direction)
+    rigid = pushed.rigid if pushed else None
+    if not capacity or not rigid or not rigid.d_star_m:
         return
     for limit in reversed(QUOTED):
         checks = (capacity.checks.get(name) for name in (limit, f"{limit} elastic"))
         d_star = next((check.d_star_m for check in checks if check and check.d_star_m is not None), None)
-        if d_star is not None and capacity.gamma_star:
-            d = sense(direction) * 1000.0 * d_star / capacity.gamma_star
+        if d_star is not None:
+            along = [1000.0 * displacement for displacement in rigid.curve.displacement_m]
+            d = float(np.interp(d_star, np.maximum.accumulate(rigid.d_star_m), along))
             if abs(d) <= (1.0 + NEAR) * reach:
                 yield {"label": f"d_{limit}", "x": float(f"{d:.6g}")}
 

@@ -39,15 +39,18 @@ def alpha_at_d_0(rigid: RigidPush) -> float | None:
 
 
 def elastic_capacity(results: Results, state: str, direction: Direction) -> tuple[Array, Array] | None:
-    """Return d* (k,) in m and a* (k,) in g of the curve with elastic joints: d Γ*, α/(e* F_C); None without one."""
+    """Return d* (k,) in m and a* (k,) in g of the curve with elastic joints: d*, α/(e* F_C); None without one."""
     found = results.states[state]
     capacity, pushovers = found.capacity.get(direction), found.pushover.get(direction)
     if capacity is None or pushovers is None or pushovers.elastic is None:
         return None
-    curve = pushovers.elastic.curve
-    d = sense(direction) * np.asarray(curve.displacement_m, dtype=float)
+    curve, d_star = pushovers.elastic.curve, pushovers.elastic.d_star_m
+    if d_star is None:
+        d_star = (
+            sense(direction) * capacity.gamma_star * np.asarray(curve.displacement_m, dtype=float)
+        ).tolist()
     factor = float((results.echo.assessment or {}).get("confidence_factor", 1.0))
-    return d * capacity.gamma_star, np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
+    return np.asarray(d_star), np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
 
 
 def excesses(results: Results) -> Iterator[Excess]:

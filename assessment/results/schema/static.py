@@ -176,9 +176,10 @@ class RigidPush(Part):
         "–",
         ("α_0 con attrito di Coulomb", "α_0, Coulomb friction"),
     )
-    control_share: float | None = optional(
-        "d* of the blocks that move, at the end of the curve, over that told by the control point; null: not defined",
-        "–",
+    d_star_m: list[float] | None = key(
+        "d* of the blocks that move, at each point of the curve: ΣPδu/ΣPδ, u how far each has gone since the mechanism "
+        "formed; null: Γ* is not defined",
+        "m",
     )
     sliding_residual: float | None = optional(
         "how far the lift taken back is from settled, per largest displacement of the mechanism",
@@ -229,6 +230,9 @@ class ElasticPush(Part):
         "m",
         "d_y",
         shown="mm",
+    )
+    d_star_m: list[float] | None = optional(
+        "d* of the blocks that move, at each point: those of the rigid mechanism; missing: no check", "m"
     )
     end: Sentence = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")

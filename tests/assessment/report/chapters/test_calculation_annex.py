@@ -1,7 +1,6 @@
 """Every number of the annex, of whole projects: recomputed from what tables/trace.csv and the report print."""
 
 import re
-from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -20,7 +19,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.tables.capacity import scalings, trace, verification
 from assessment.report.text.language import Words, words_of
-from assessment.results.messages import with_messages
+from assessment.results.messages import table_of
 from assessment.results.plain import plain
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
@@ -128,7 +127,7 @@ def assessed(project, results):
         spectra=demand_parts(project, demands),
         mechanisms=assess_chosen(project, models, states, demands, notes),
     )
-    return plain(with_messages(found))
+    return plain(found.replace(messages=table_of(found)))
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -208,7 +207,7 @@ def test_what_is_no_paragraph_of_a_standard_is_written_in_the_language_of_the_re
     shown = [
         str(row[-1])
         for each in results.values()
-        for grid in traces(each, replace(Words.of("it"), messages=each.messages or {}))
+        for grid in traces(each, Words.of("it"))
         for row in grid.rows
     ]
     assert any("incompatibilità locale: the beam unseats" in text for text in shown)
@@ -277,7 +276,9 @@ def test_the_demand_is_that_of_the_project(outcomes):
 def test_the_local_limit_is_printed_with_its_source(results):
     given = results["typed hazard, trilinear, local limit"]
     line = next(row for row in trace(given).rows if row["symbol"] == "d_SLC")
-    assert line["result"] == pytest.approx(0.075)  # 0.15 m of the top, Γ* = 1/2
+    assert line["result"] == pytest.approx(
+        0.075, rel=5e-3
+    )  # 0.15 m of the top, Γ* = 1/2; the centroid a little more
     assert line["paragraph"].endswith("local limit: the beam unseats")
     governing = {row["limit_state"]: row["governing"] for row in verification(given).rows}
     assert governing["SLC"] == "local limit"
