@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.analyses.dynamic.errors import collapses_again
 from assessment.analyses.dynamic.histories import histories
-from assessment.analyses.dynamic.incremental import searches, summarise
-from assessment.analyses.dynamic.inputs import Campaign, starts_of, ultimates
+from assessment.analyses.dynamic.inputs import MotionInputs, starts_of, ultimates
 from assessment.analyses.dynamic.time_history import DynamicResult, motion_part
 from assessment.project.motions import (
     BaseMotion,
@@ -21,14 +19,15 @@ from assessment.project.motions import (
     records_of,
 )
 from assessment.project.record_set import check_record_set, doubtful_records, doubtful_units
+from assessment.studies.campaign.incremental import incremental
+from assessment.studies.campaign.scans import Scans
 from mechanics.messages import Message
 
 if TYPE_CHECKING:
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
     from assessment.project.structure.state_models import StateModel
-    from assessment.results.schema.dynamic import History, Search
-    from assessment.runtime.tasks import Workers
+    from assessment.results.schema.dynamic import History
     from assessment.workflow.draft import Draft
     from mechanics.records import Record
 
@@ -80,7 +79,7 @@ def add_dynamics(
     models: Mapping[str, StateModel],
     motions: Motions,
     stages: Iterable[StateResult],
-    workers: Workers,
+    scans: Scans,
 ) -> bool:
     """Compute [[history]] and [incremental] from the states that `stages` reached, and add them to the results.
 
@@ -88,19 +87,19 @@ def add_dynamics(
     """
     starts = starts_of(project.dynamic_contacts, models, stages)
     pushovers = {name: state.pushover for name, state in draft.states.items()}
-    campaign = Campaign(project, starts, ultimates(pushovers), workers)
+    inputs = MotionInputs(project, starts, ultimates(pushovers), scans.workers)
     complete = True
     if project.history:
         draft.put(motions=[motion_part(motion, PERIODS) for motion in motions.history])
-        complete = _add_histories(draft, histories(campaign, motions.history))
+        complete = _add_histories(draft, histories(inputs, motions.history))
     if project.incremental:
-        searched = searches(campaign, motions.incremental)
-        complete = _add_searches(draft, searched) and complete
-        estimates = collapses_again(campaign, motions.incremental, searched)
-        if estimates.rows:
-            draft.search_errors += estimates.rows
-            draft.warnings += estimates.warnings
-            draft.took("incremental error", estimates.seconds)
+        found = incremental(inputs, motions.incremental, scans)
+        draft.take(found.warnings, found.failures, found.quality)
+        draft.took("incremental", found.seconds)
+        draft.search_errors += found.errors
+        for state, part in found.states.items():
+            draft.put_state(state, incremental=part)
+        complete = complete and not found.failures
     return complete
 
 
@@ -112,18 +111,6 @@ def _add_histories(draft: Draft, found: Iterable[DynamicResult[History]]) -> boo
         draft.put_state(each.state, history=[*draft.states[each.state].history, each.numbers])
         if each.convergence is not None:
             draft.errors.append(each.convergence)
-    return complete
-
-
-def _add_searches(draft: Draft, found: Sequence[DynamicResult[Search]]) -> bool:
-    """Add the incremental analyses to their states; return whether all were completed."""
-    complete = True
-    records: dict[str, list[Search]] = {}
-    for each in found:
-        complete = _take(draft, each) and complete
-        records.setdefault(each.state, []).append(each.numbers)
-    for state, own in records.items():
-        draft.put_state(state, incremental=summarise(own, draft.warnings, state))
     return complete
 
 

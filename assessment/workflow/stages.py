@@ -30,6 +30,7 @@ from assessment.results.undetermined import without
 from assessment.runtime.outcome import Outcome
 from assessment.runtime.show import SILENCE, Show
 from assessment.runtime.tasks import Workers, large
+from assessment.studies.campaign.scans import Scans
 from assessment.studies.convergence import Convergence, converge
 from assessment.studies.increments import refined
 from assessment.studies.variants import Statics
@@ -101,8 +102,9 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
     _add_second_solver(draft, converged, ensembles, workers)
 
     statics = Statics(draft.states, converged.stages, converged.halvings)
-    studied = add_studies(draft, project, states, statics, demands, motions.campaign, workers)
-    shaken = add_dynamics(draft, project, states, motions, converged.stages, workers)
+    scans = Scans(project, workers)
+    shaken = add_dynamics(draft, project, states, motions, converged.stages, scans)
+    studied = add_studies(draft, project, states, statics, demands, motions.campaign, scans)
     if project.assessment or project.incremental:
         draft.put(comparison=comparison(draft.states))
     if project.strengthening:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from assessment.project.schema import ORIGINAL
 from assessment.results.quality import joined
+from assessment.studies.campaign.scans import Scans
 from assessment.studies.campaign.stage import campaign
 from assessment.studies.identification.stage import identification
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from assessment.results.schema.campaign import Campaign
     from assessment.results.schema.identification import Identification
     from assessment.results.schema.studies import Scenarios, Sensitivity
-    from assessment.runtime.tasks import Workers
     from assessment.workflow.draft import Draft
 
 FEW = 3  # warnings of a study that are repeated among those of the run
@@ -35,13 +35,14 @@ def add_studies(
     statics: Statics,
     demands: Demands,
     records: Sequence[BaseMotion],
-    workers: Workers,
+    scans: Scans,
 ) -> bool:
     """Fit movements, compare scenarios, vary properties and run the campaign, each where asked for; add the results.
 
     `records`: of the files that [campaign] names. Return whether all was completed. Raises KilledError where a process
     was ended from outside, ProjectError for a property that gives no model.
     """
+    workers = scans.workers
     made: dict[str, Callable[[Study], Scenarios | Sensitivity | Identification | Campaign]] = {}
     if project.identification:
         made["identification"] = lambda study: identification(
@@ -52,7 +53,7 @@ def add_studies(
     if project.sensitivity:
         made["sensitivity"] = lambda study: sensitivity(project, statics.halvings, demands, workers, study)
     if project.campaign:
-        made["campaign"] = lambda study: campaign(project, states, records, statics, demands, workers, study)
+        made["campaign"] = lambda study: campaign(project, states, records, statics, demands, scans, study)
     complete = True
     for name, make in made.items():
         study = Study()

@@ -61,7 +61,7 @@ class HistoryTolerances:
     few: int = 3
     located: Halving = Halving(10, 1e-4, of_moment=True)
     resolved: Halving = Halving(6, 4e-3, unsure=1e-4)
-    closing: Halving = Halving(10, 0.02, unsure=1e-4)
+    closing: Halving = Halving(10, 2.5e-4, unsure=1e-4)
     contacts: int = 10
     steps_a_contact: int = 8
     unsolved: Halving = Halving(0, np.inf)
@@ -110,6 +110,12 @@ class TimeHistory:
     worst: float
     unsure: float
     notes: tuple[Message, ...]
+    skipped: int = 0
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps."""
+        return len(self.time) - 1
 
 
 def time_history(
@@ -130,9 +136,10 @@ def time_history(
 
     `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024.
     "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 0.4 % of the largest
-    kinetic energy so far. With elastic joints both halve a step whose contacts hold, or take, more than 2 % (0.4 %) of
-    that energy, until half the period of the stiffest contact, π√(m/k), has eight steps. "implicit-euler" is the
-    paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks, otherwise "second-order".
+    kinetic energy so far. With elastic joints both halve a step that takes more than 0.025 % (0.4 %) of that energy, or
+    whose contacts hold more than 10 %, until half the period of the stiffest contact, π√(m/k), has eight steps.
+    "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks,
+    otherwise "second-order".
 
     `state` (default: as drawn): a state at rest that can stand first settles on its elastic joints; any other, tilted
     or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of

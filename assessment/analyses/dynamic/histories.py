@@ -23,7 +23,7 @@ from assessment.analyses.dynamic.ensemble import (
     lowest_median_highest,
     scatter_of,
 )
-from assessment.analyses.dynamic.inputs import Campaign
+from assessment.analyses.dynamic.inputs import MotionInputs
 from assessment.analyses.dynamic.refinement import Refinement
 from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, history, history_title
 from assessment.results.quality import joined
@@ -38,24 +38,23 @@ if TYPE_CHECKING:
 PEAK = "peak_displacement_m"
 
 
-def histories(campaign: Campaign, motions: list[BaseMotion]) -> list[DynamicResult[History]]:
+def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[DynamicResult[History]]:
     """Return every time history that the project asks for, in the order of their tasks."""
-    accuracy, scatter = accuracy_of(campaign.project), scatter_of(campaign.project)
-    studies = [Study(task, accuracy, scatter) for task in history_tasks(campaign, motions)]
+    accuracy, scatter = accuracy_of(inputs.project), scatter_of(inputs.project)
+    studies = [Study(task, accuracy, scatter) for task in history_tasks(inputs, motions)]
     for levels in rounds(accuracy):
         wanted = [study for study in studies if not study.finished]
-        _run(campaign, [(study, level, n) for study in wanted for level in levels for n in study.pair])
-    _run(campaign, [(study, study.finest, n) for study in studies for n in study.others])
+        _run(inputs, [(study, level, n) for study in wanted for level in levels for n in study.pair])
+    _run(inputs, [(study, study.finest, n) for study in studies for n in study.others])
     return [study.result() for study in studies]
 
 
-def history_tasks(campaign: Campaign, motions: list[BaseMotion]) -> list[Shaking]:
+def history_tasks(inputs: MotionInputs, motions: list[BaseMotion]) -> list[Shaking]:
     """Return the tasks of all time histories, state by state."""
     by_table = [
-        campaign.tasks(table, [motion])
-        for table, motion in zip(campaign.project.history, motions, strict=True)
+        inputs.tasks(table, [motion]) for table, motion in zip(inputs.project.history, motions, strict=True)
     ]
-    states = campaign.project.states
+    states = inputs.project.states
     return sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task.state))
 
 
@@ -151,12 +150,10 @@ class Study:
         return self.task.model.size
 
 
-def _run(campaign: Campaign, wanted: Sequence[tuple[Study, int, int]]) -> None:
+def _run(inputs: MotionInputs, wanted: Sequence[tuple[Study, int, int]]) -> None:
     """Run members of studies side by side."""
     tasks = [(study.at(level, member),) for study, level, member in wanted]
-    for (study, level, member), found in zip(
-        wanted, campaign.each("history", history, tasks, 1), strict=True
-    ):
+    for (study, level, member), found in zip(wanted, inputs.each("history", history, tasks, 1), strict=True):
         study.members.setdefault(level, {})[member] = found
 
 

@@ -34,7 +34,7 @@ class Resting:
 
 
 @dataclass(frozen=True)
-class Campaign:
+class MotionInputs:
     """The inputs that all motions of a run share.
 
     `starts`: assembly and rest by state and contacts; `ultimates`: ultimate displacement by state and control point.
@@ -45,14 +45,16 @@ class Campaign:
     ultimates: Mapping[tuple[str, str], float]
     workers: Workers
 
-    def tasks(self, table: StatesTable, motions: Iterable[BaseMotion]) -> list[Shaking]:
-        """Return the motions from every state that the table asks for."""
+    def tasks(
+        self, table: StatesTable, motions: Iterable[BaseMotion], integrated: MotionTable | None = None
+    ) -> list[Shaking]:
+        """Return the motions from every state that the table asks for, `integrated` as the table says or otherwise."""
         control = self.project.control_point(table.control)
         return [
             Shaking(
                 resting.model,
                 motion,
-                Setting(_own(table), control, self.ultimates.get((state, control.name))),
+                Setting(integrated or _own(table), control, self.ultimates.get((state, control.name))),
                 state,
                 resting.start,
             )

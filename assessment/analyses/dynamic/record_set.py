@@ -1,30 +1,33 @@
-"""The records of a campaign: made to the spectrum of the site, or scaled to it."""
+"""The records of a campaign, made to the spectrum of the site or scaled to it, and their measures of intensity."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.analyses.dynamic.fragility import RecordLevel, over_records
 from assessment.ntc.limit_states import QUOTED
 from assessment.results.schema.campaign import CampaignSpectrum
+from assessment.results.schema.dynamic import MeasureFit
 from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
-from mechanics.types import Array
+from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from assessment.ntc.demand.spectrum import Spectrum
     from assessment.project.motions import BaseMotion
+    from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
 
 DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k]
 DAMPING = 0.05  # of spectra and of Sa(T)
 LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mean spectrum
 PERIODS = 60  # at which spectra are compared
+PERIOD, FIRST, LAST = 1.0, 0.15, 2.0  # s: of Sa(T) and AvgSa where the project names none
+UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
 
 
 @dataclass(frozen=True)
@@ -110,3 +113,58 @@ def compatibility(target: Target, motions: Sequence[BaseMotion], table: Campaign
         highest_deviation=float(deviation.max()),
         within=bool(deviation.min() >= LOW and deviation.max() <= HIGH),
     )
+
+
+@dataclass(frozen=True)
+class Measures:
+    """The measures of intensity that fragilities are told by: PGA, PGV, Sa(T), and AvgSa between two periods (s).
+
+    AvgSa is the geometric mean of Sa, evenly over ln T; PGV is that of the record without its mean acceleration.
+    """
+
+    project: Project
+
+    @property
+    def period(self) -> float:
+        """T of Sa(T), s."""
+        campaign = self.project.campaign
+        return (campaign.period_s if campaign else None) or PERIOD
+
+    def of(self, motions: Sequence[BaseMotion]) -> dict[str, dict[str, float]]:
+        """Return the measures of each record over its PGA, by their names; PGV in m/s per g."""
+        return {each.name: self._of(each) for each in motions}
+
+    def _of(self, motion: BaseMotion) -> dict[str, float]:
+        record, campaign = motion.record, self.project.campaign
+        a = record.acceleration - record.acceleration.mean()
+        velocity = GRAVITY * record.time_step * np.cumsum(0.5 * (a[1:] + a[:-1]))
+        periods = np.geomspace(*(campaign.periods_s if campaign else (FIRST, LAST)), PERIODS)
+        average = np.exp(
+            np.mean(np.log(response_spectrum(record.acceleration, record.time_step, periods, DAMPING)[0]))
+        )
+        values = {
+            "PGA": motion.pga,
+            "PGV": float(abs(velocity).max()),
+            "Sa(T)": ordinate(motion, self.period),
+            "AvgSa": float(average),
+        }
+        return {name: value / motion.pga for name, value in values.items()}
+
+    def fits(
+        self, levels: Sequence[RecordLevel], measures: Mapping[str, Mapping[str, float]]
+    ) -> list[MeasureFit]:
+        """Return median and β of the same levels by each measure; `measures`: of each record, over its PGA."""
+        found = []
+        for name, unit in UNITS.items():
+            by = [replace(each, level=each.level * measures[each.record][name]) for each in levels]
+            fit = over_records(by)
+            found.append(
+                MeasureFit(
+                    measure=name,
+                    unit=unit,
+                    period_s=self.period if name == "Sa(T)" else None,
+                    median=fit.median if fit else None,
+                    beta=fit.beta if fit else None,
+                )
+            )
+        return found

@@ -20,6 +20,7 @@ import numpy as np
 
 from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.scan import Reach, Scan, scan
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.motions import shaking
 from assessment.benchmark.cases.structures import assembly, pushed, settled, template
@@ -32,7 +33,7 @@ from assessment.runtime.cache import packed
 from assessment.runtime.processes.garbage import collect_rarely
 from assessment.runtime.processes.pool import cores
 from assessment.runtime.tasks import From, Workers
-from assessment.studies.campaign.search import Combination, Reach, level_found, search_collapse
+from assessment.studies.campaign.scans import level_found
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError, Record
@@ -193,32 +194,30 @@ def _tasks(count: int) -> list[tuple[Any, ...]]:
             record = Record(sign * shaking(0.3, frequency)(at), step, f"{frequency:.3g} Hz")
             motion = BaseMotion(record, record, record.pga, 1.0)
             near = None if neighbour is None else From(first + neighbour, level_found)
-            reach = Reach(max_scale=5.0, tolerance=0.05)
-            tasks.append((model, motion, setting, start, Scatter(1, 0.05), reach, (), near))
+            reach = Reach(max_scale=5.0)
+            tasks.append((model, motion, setting, start, Scatter(1, 0.05), reach, near))
     return tasks
 
 
-def _timed(workers: Workers, tasks: list[tuple[Any, ...]], count: int) -> tuple[float, list[Combination]]:
+def _timed(workers: Workers, tasks: list[tuple[Any, ...]], count: int) -> tuple[float, list[Scan]]:
     titles = [task[1].name for task in tasks]
     with workers:
-        workers.each("warm", search_collapse, tasks[:1] * count, titles[:1] * count, False)
+        workers.each("warm", scan, tasks[:1] * count, titles[:1] * count, False)
         began = time.perf_counter()
-        found = workers.each("campaign", search_collapse, tasks, titles, False)
+        found = workers.each("campaign", scan, tasks, titles, False)
         return time.perf_counter() - began, found
 
 
 def _compared(
-    name: str, count: int, workers: Workers, tasks: list[tuple[Any, ...]], expected: list[Combination], alone: float
+    name: str, count: int, workers: Workers, tasks: list[tuple[Any, ...]], expected: list[Scan], alone: float
 ) -> Row:  # fmt: skip
     seconds, found = _timed(workers, tasks, count)
-    same = [(one.judged, one.reason, one.runs, one.points) for one in found] == [
-        (one.judged, one.reason, one.runs, one.points) for one in expected
-    ]
+    same = [(one.reason, one.points) for one in found] == [(one.reason, one.points) for one in expected]
     return _engine(name, count, found, seconds, alone) | {"equal": same}
 
 
-def _engine(name: str, count: int, found: Sequence[Combination], seconds: float, alone: float) -> Row:
-    motions = sum(each.runs for each in found)
+def _engine(name: str, count: int, found: Sequence[Scan], seconds: float, alone: float) -> Row:
+    motions = sum(each.counts.motions for each in found if each.counts)
     row: Row = {
         "case": name,
         "workers": count,

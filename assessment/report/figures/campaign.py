@@ -22,8 +22,8 @@ from assessment.results.schema.campaign import (
     Campaign,
     CampaignCombination,
     CampaignFragility,
-    CampaignLevel,
 )
+from assessment.results.schema.dynamic import Level
 from assessment.results.schema.part import known
 
 Run = tuple[str, float, str, int]
@@ -84,7 +84,7 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     return figure
 
 
-def _points(row: CampaignCombination, runs: Mapping[Run, list[CampaignLevel]]) -> list[CampaignLevel]:
+def _points(row: CampaignCombination, runs: Mapping[Run, list[Level]]) -> list[Level]:
     """Return the levels that were run of a combination, by itself or by the one that is the same."""
     same = row.same_as
     if same is None or same.sign != row.sign:

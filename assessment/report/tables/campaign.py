@@ -41,7 +41,6 @@ FRAGILITY = (
     "beta",
     "beta_low",
     "beta_high",
-    "median_all_collapse_g",
     "beta_record",
     "beta_ensemble",
 )
@@ -56,7 +55,7 @@ LOSS = (
     "static_loss",
 )
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
-OF_ENSEMBLES = ("median_all_collapse_g", "beta_record", "beta_ensemble")  # of a single member there are none
+OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are none
 
 
 def campaign_tables(results: Results) -> list[Table]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assessment.results.schema.dynamic import Course, Level, Range
+from assessment.results.schema.dynamic import MeasureFit, Range, Scanned
 from assessment.results.schema.part import Part, Sentence, key, optional
 
 
@@ -30,20 +30,6 @@ class CampaignSpectrum(Part):
     within: bool = key("whether both are usual")
 
 
-class CampaignCurve(Course):
-    """`curves[]`: horizontal displacement of the control point in a member's motion, from rest, thinned."""
-
-    member: int = key("its number, 1: the record itself")
-    factor: float = key("on the level, 1 of the record itself", "–")
-
-
-class CampaignLevel(Level):
-    """`points[]` of a combination: what its members come to at one PGA."""
-
-    residual_displacement_m: float | None = key("largest at the end; null: a collapse", "m")
-    curves: list[CampaignCurve] | None = optional("of the members asked for that were run")
-
-
 class SameAs(Part):
     """`same_as`: the combination that has the same state, and was run."""
 
@@ -52,26 +38,21 @@ class SameAs(Part):
     sign: int = key("factor on the record; the other one: its mirror image", "–")
 
 
-class CampaignCombination(Part):
+class CampaignCombination(Scanned):
     """`campaign.combinations[]`: a record of one sign from one settled state."""
 
     record: str = key("name of the record")
     settlement: str = key("name of the movement")
     share: float = key("of the movement", "–")
     sign: int = key("factor on the record, 1 or −1", label=("Segno", "Sign"))
-    pga_collapse_g: float | None = key("least PGA at which a member collapses; null: none found", "g")
-    pga_collapse_range: Range | None = key("from there to where all collapse; null: not reached", "g")
-    pga_safe_g: float | None = key("largest PGA below at which all stand; null: not completed", "g")
+    pga_collapse_range: Range | None = key(
+        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", "g"
+    )
     sa_collapse_g: float | None = optional(
         "S_a(T) at collapse, where that is the measure", "g", ("S_a(T) al collasso", "S_a(T) at collapse")
     )
-    sa_collapse_g_range: Range | None = optional("from there to where all collapse", "g")
-    resurrections_g: list[float] = key("levels above at which the structure stands again, PGA", "g")
-    collapsed: list[bool] | None = optional("of stripes: whether a member collapses, by level")
+    collapsed: list[bool] | None = optional("of stripes: whether a motion collapses, by level")
     all_collapsed: list[bool] | None = optional("of stripes: whether all collapse, by level")
-    runs: int = key("motions computed")
-    points: list[CampaignLevel] = key("every level that was run")
-    reason: Sentence | None = key("why there is no answer", label=("Motivo", "Reason"))
     same_as: SameAs | None = optional("where another combination has the numbers")
 
 
@@ -88,20 +69,22 @@ class CampaignFragility(Part):
         "median of the measure; null: not known", "g", ("Mediana", "Median"), ground="surface"
     )
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "g")
-    beta: float | None = key("standard deviation of ln of the measure", "–", "β", digits=2)
-    beta_range: Range | None = key("95 % of the bootstrap", "–")
-    median_all_collapse_g: float | None = key(
-        "median of the level at which all members collapse",
-        "g",
-        ("Tutti collassano", "All collapse"),
-        ground="surface",
+    beta: float | None = key(
+        "standard deviation of ln of the measure: of records and within them", "–", "β", digits=2
     )
+    beta_range: Range | None = key("95 % of the bootstrap", "–")
     beta_record: float | None = key(
-        "what remains without the scatter of the ensembles", "–", ("β accelerogr.", "β records"), digits=2
+        "β of the 50 % levels of the records", "–", ("β accelerogr.", "β records"), digits=2
     )
     beta_ensemble: float | None = key(
-        "scatter within one combination", "–", ("β insieme", "β ensemble"), digits=2
+        "β of the levels of one record, the root of the mean square",
+        "–",
+        ("β insieme", "β ensemble"),
+        digits=2,
     )
+    level_16_g: float | None = key("level of which 16 % collapse", "g")
+    level_84_g: float | None = key("level of which 84 % collapse", "g")
+    measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
     rule: str | None = key(
         "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or stripes",
         label=("Regola, §7.3.5", "Rule, §7.3.5"),
@@ -117,8 +100,11 @@ class CampaignLoss(Part):
     settlement: str = key("name of the movement")
     share: float = key("of the movement", "–")
     movement_m: float = key("largest component", "m")
-    dynamic: float | None = key("median of the records; null: not known", "–")
-    dynamic_range: Range = key("16-84 % of the records", "–")
+    dynamic: float | None = key("median of the records, of the 50 % level of each; null: not known", "–")
+    dynamic_range: Range = key(
+        "95 % of the bootstrap over records, with what each level is known to; null: not known", "–"
+    )
+    distinguishable: bool | None = key("whether the range leaves zero out; null: no range")
     left_out: int = key("combinations that are not known on both sides", label=("Escluse", "Left out"))
     static: float | None = key("of the static check, weaker direction", "–")
     static_capacity: float | None = key("of `static_quantity`; a_g as a_g S, at the surface", "g or –")
@@ -133,7 +119,8 @@ class Campaign(Part):
     levels_g: list[float] = key("of stripes", "g")
     tolerance: float = key("of the level at collapse, relative", "–")
     contacts: str = key("rigid or elastic")
-    members: int = key("of each ensemble, at most")
+    members: int = key("of stripes, motions of each level at most")
+    symmetric: bool = key("whether one sign stands for both of the structure as drawn")
     static_quantity: str | None = key("key that the static loss is of; null: no pushover")
     records: list[CampaignRecord] = key("the records")
     spectrum: CampaignSpectrum | None = key("their mean spectrum; null: no spectrum was asked for")

@@ -144,61 +144,140 @@ class History(Part):
     band: Band | None = optional("where all members are")
 
 
+class MemberCurve(Course):
+    """`curves[]`: horizontal displacement of the control point in a motion, from rest, thinned."""
+
+    member: int = key("its number, 1: the record itself")
+    factor: float = key("on the level, 1 of the record itself", "–")
+
+
 class Level(Part):
-    """`points[]` of a search: what its members come to at one PGA."""
+    """`points[]` of a record: what its motions come to at one PGA."""
 
     pga_g: float = key("level", "g")
     peak_displacement_m: float | None = key("largest peak; null: a collapse", "m")
     peak_displacement_m_range: Range = key("least and largest peak; null: a collapse", "m")
-    members: int = key("members that were run")
-    members_collapsed: int = key("members that collapse")
+    residual_displacement_m: float | None = key("largest at the end; null: a collapse", "m")
+    members: int = key("motions that were run: one, of stripes up to `scatter`")
+    members_collapsed: int = key("motions that collapse")
     collapsed: bool = key("whether any collapses")
     time_of_collapse_s: float | None = key("of the first to collapse", "s")
     reason: Sentence | None = key("of its collapse")
-
-
-class Search(Part):
-    """`incremental.records[]`: the PGA at incipient collapse of one record."""
-
-    record: str = key("name of the record")
-    record_pga_g: float = key(
-        "its own PGA", "g", ("PGA dell’accelerogramma", "PGA of the record"), ground="surface"
+    integrator_share: float | None = key(
+        "what the integrator took, over the energy turned over: the largest of the motions", "–"
     )
+    curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
+
+
+class Counts(Part):
+    """`counts`: what motions cost."""
+
+    motions: int = key("motions computed")
+    steps: int = key("time steps")
+    skipped: int = key("of these, at rest and not computed")
+    programs: int = key("programs solved")
+    iterations: int = key("their iterations")
+
+
+class Scanned(Part):
+    """What levels of one record show of a state: P(collapse | level).
+
+    Of the lowest bracket, from `pga_safe_g` to `lowest_collapse_g`, P grows from 0 to 1; where the structure stands at
+    a higher level again, P is the probit in ln level that is most likely.
+    """
+
     pga_collapse_g: float | None = key(
-        "least PGA at which a member collapses; null: none found",
+        "what counts: P = 16 % in the lowest bracket, or of the probit where that is lower; null: no collapse",
         "g",
         ("PGA al collasso", "PGA at collapse"),
         ground="surface",
     )
     pga_safe_g: float | None = key(
-        "largest PGA below at which all stand; null: not known",
+        "largest level run below at which it stands; null: not completed",
         "g",
         ("PGA sopportata", "Withstood"),
         ground="surface",
     )
-    runs: int = key("motions computed", label=("Analisi", "Runs"))
-    resurrections_g: list[float] = key("levels above at which the structure stands again", "g")
-    points: list[Level] = key("every level that was tried")
-    reason: Sentence | None = key("why there is no answer")
-    pga_collapse_g_range: Range | None = optional(
-        "from `pga_collapse_g` to where all members collapse; null: not reached", "g"
+    lowest_collapse_g: float | None = key(
+        "lowest level run that collapses; null: none",
+        "g",
+        ("Collasso più basso", "Lowest collapse"),
+        ground="surface",
     )
+    level_16_g: float | None = key(
+        "P = 16 %; null: not determined", "g", ("Livello 16 %", "Level of 16 %"), ground="surface"
+    )
+    level_50_g: float | None = key("P = 50 %", "g", ("Livello 50 %", "Level of 50 %"), ground="surface")
+    level_84_g: float | None = key("P = 84 %", "g", ("Livello 84 %", "Level of 84 %"), ground="surface")
+    beta: float | None = key("of the probit; 0: no level above a collapse stands", "–")
+    widest_gap_g: Range | None = key(
+        "the two levels that are widest apart with none run between, from 0.7 of the lowest collapse on", "g"
+    )
+    time_step_s: float | None = key("time step of the levels; null: not completed", "s")
+    resurrections_g: list[float] = key("levels above the lowest collapse at which the structure stands", "g")
+    runs: int = key("motions computed", label=("Analisi", "Runs"))
+    points: list[Level] = key("every level that was run")
+    reason: Sentence | None = key("why there is no answer", label=("Motivo", "Reason"))
+    notes: list[Sentence] = key("warnings of the motions, each with how many of them have it")
+    counts: Counts | None = key("what the motions cost; null: none was run")
+
+
+class SignScan(Scanned):
+    """`signs[]`: one sign of the record."""
+
+    sign: int = key("factor on the record, 1 or −1")
+    same_as: int | None = optional(
+        "the sign that was run: of a symmetric structure this one is its mirror image"
+    )
+
+
+class Search(Scanned):
+    """`incremental.records[]`: the PGA at collapse of one record; the numbers are those of the worse sign."""
+
+    record: str = key("name of the record")
+    record_pga_g: float = key(
+        "its own PGA", "g", ("PGA dell’accelerogramma", "PGA of the record"), ground="surface"
+    )
+    sign: int | None = key("the sign that counts: 1, as in the file, or −1; null: not known")
+    pga_collapse_g_range: Range | None = optional(
+        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", "g"
+    )
+    signs: list[SignScan] = key("both signs of the record")
     seconds: float | None = optional("computing time", "s")
+
+
+class MeasureFit(Part):
+    """`measures[]`: the level at collapse by a measure of intensity; the smaller β, the more efficient the measure."""
+
+    measure: str = key("PGA, PGV, Sa(T) or AvgSa")
+    unit: str = key("g or m/s")
+    period_s: float | None = key("T of Sa(T); null: none", "s")
+    median: float | None = key("median, in `unit`", "g or m/s")
+    beta: float | None = key("standard deviation of its logarithm", "–")
 
 
 class Fragility(Part):
     """`fragility`: lognormal distribution of the PGA at collapse."""
 
     median_g: float = key("median", "g")
-    dispersion: float = key("standard deviation of ln PGA, β", "–", ("Dispersione β", "Dispersion β"))
+    dispersion: float = key(
+        "standard deviation of ln PGA, β: of records and within them", "–", ("Dispersione β", "Dispersion β")
+    )
     records: int = key("records that it is of", label=("Accelerogrammi", "Records"))
-    censored: int = key("of these, records that make nothing collapse")
+    censored: int = key("observations (record and sign) without collapse: lower bounds")
+    beta_record: float | None = key("β of the 50 % levels of the records", "–")
+    beta_ensemble: float | None = key("β of the levels of one record, the root of the mean square", "–")
+    level_16_g: float | None = key("level of which 16 % collapse", "g")
+    level_84_g: float | None = key("level of which 84 % collapse", "g")
+    median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "g")
+    beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "–")
+    measures: list[MeasureFit] = key("the same levels by other measures of the records")
 
 
 class Incremental(Part):
-    """`incremental`: the searches of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
+    """`incremental`: the levels of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
 
-    records: list[Search] | None = optional("the searches")
+    records: list[Search] | None = optional("the records")
     mean_pga_collapse_g: float | None = optional(
         "mean of the records; null: one is open", "g", ("Media", "Mean"), ground="surface"
     )
@@ -209,5 +288,10 @@ class Incremental(Part):
         "what counts: the mean of seven records or more, the lowest of three to six; null: fewer, §7.3.5 gives none"
     )
     pga_collapse_g: float | None = optional("what counts, without a rule the lowest; null: open", "g")
-    fragility: Fragility | None = optional("distribution; null: fewer than two different levels of collapse")
-    pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all members collapse", "g")
+    directions: dict[str, float | None] | None = optional(
+        "the same of one sign of the records: +x as in the file, −x the other; null: open", "g"
+    )
+    fragility: Fragility | None = optional("distribution; null: fewer than two records collapse")
+    pga_collapse_g_range: Range | None = optional(
+        "from `pga_collapse_g` to where all levels run collapse", "g"
+    )

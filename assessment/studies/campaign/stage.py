@@ -1,41 +1,39 @@
-"""A campaign: every combination of record and state is run once, the longest first, and the results are summed up."""
+"""A campaign: every record of every sign from every share of a movement, and what it sums up to."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from assessment.analyses.dynamic.ensemble import Scatter, scatter_of
-from assessment.analyses.dynamic.incremental import ENOUGH
-from assessment.analyses.dynamic.inputs import WORTHWHILE
-from assessment.analyses.dynamic.record_set import HIGH, LOW
+from assessment.analyses.dynamic.ensemble import scatter_of
+from assessment.analyses.dynamic.fragility import ENOUGH
+from assessment.analyses.dynamic.record_set import HIGH, LOW, Measures
 from assessment.analyses.dynamic.response import Setting
-from assessment.analyses.dynamic.time_history import quality_row
-from assessment.project.schema import ORIGINAL, MotionTable
+from assessment.analyses.dynamic.scan import Reach
+from assessment.analyses.dynamic.time_history import Shaking, quality_row
+from assessment.project.schema import ORIGINAL
 from assessment.results.schema.campaign import (
     Campaign,
     CampaignCombination,
     CampaignFragility,
-    CampaignLoss,
     SameAs,
 )
-from assessment.runtime.fingerprint import fingerprint
-from assessment.runtime.tasks import From
+from assessment.studies.campaign.incremental import doubts
 from assessment.studies.campaign.movements import Moved, moved_states, moved_title
 from assessment.studies.campaign.records import RecordSet, record_set
-from assessment.studies.campaign.search import (
-    Combination,
-    Judged,
-    Reach,
-    level_found,
-    run_stripes,
-    search_collapse,
+from assessment.studies.campaign.scans import (
+    Asked,
+    Scans,
+    mirrored,
+    numbers,
+    observed_in,
+    own_setting,
+    reach_of,
+    signed,
 )
-from assessment.studies.campaign.summary import Observed, Place, fragility, loss
+from assessment.studies.campaign.summary import Combination, fragility_of, loss_of, within_records
 from assessment.studies.variants import Statics, Study, quantity
 from mechanics.messages import Message, headed, message
-from mechanics.procedures import Mirror
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
@@ -43,45 +41,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
     from assessment.project.structure.state_models import StateModel
-    from assessment.runtime.tasks import Workers
     from mechanics import Assembly
-
-RUNS = 30  # motions of a combination, about
-
-
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """A combination: a record of one sign from a state at rest; `ratio`: intensity measure over the PGA of the record.
-
-    `run_sign`: the sign that is run; both signs of a structure that is its own mirror image are one run.
-    """
-
-    moved: Moved
-    motion: BaseMotion
-    sign: int
-    ratio: float
-    run_sign: int
-
-    @property
-    def title(self) -> Message:
-        """Name of the combination for messages."""
-        return message(
-            "{state}, {record}, {sign}",
-            state=self.moved.title,
-            record=self.motion.name,
-            sign="+" if self.sign > 0 else "−",
-        )
-
-    @property
-    def key(self) -> tuple[str, str, int]:
-        """Key of the run; combinations with the same key are one run."""
-        start = fingerprint(search_collapse, (self.moved.model, self.moved.start, self.moved.ultimate))
-        return start, self.motion.name, self.run_sign
-
-    @property
-    def signed(self) -> BaseMotion:
-        """The motion that shakes the base."""
-        return replace(self.motion, record=self.motion.record.scaled(float(self.run_sign)))
 
 
 def campaign(
@@ -90,7 +50,7 @@ def campaign(
     motions: Sequence[BaseMotion],
     statics: Statics,
     demands: Demands,
-    workers: Workers,
+    scans: Scans,
     study: Study,
 ) -> Campaign:
     """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names.
@@ -100,15 +60,23 @@ def campaign(
     """
     table = project.campaign
     assert table is not None
-    records = record_set(project, table, motions, demands, workers)
+    records = record_set(project, table, motions, demands, scans.workers)
     reported = {note for motion in motions for note in motion.notes}
     study.warnings += [note for motion in records.motions for note in motion.notes if note not in reported]
-    moved = moved_states(project, models, statics, demands, workers, study)
-    asked = _combinations(project, models[ORIGINAL].assembly, table, records, moved)
-    scatter = scatter_of(project)
-    done = _run(project, table, scatter, asked, workers)
-    rows = _rows(asked, done, table, study)
-    fits, losses = _by_movement(moved, asked, rows, table, scatter.members)
+    moved = moved_states(project, models, statics, demands, scans.workers, study)
+    combinations = _combinations(project, models[ORIGINAL].assembly, table, records, moved)
+    scans.run("campaign", [each.asked for each in combinations])
+    if project.incremental is None and not table.levels_g:  # else that has looked at the time step
+        first = [each.asked for each in combinations if each.record == combinations[0].record][
+            : len(table.signs)
+        ]
+        study.warnings += [text for *_, told in scans.refine("campaign: finer", first) for text in told]
+    rows = _rows(combinations, scans, table, study)
+    measures = Measures(project)
+    ratios = measures.of(records.motions)
+    fits = [fragility_of(state, combinations, rows, scans, table, measures, ratios) for state in moved]
+    unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
+    beta = within_records(fits)
     found = Campaign(
         measure=table.measure,
         period_s=table.period_s,
@@ -116,15 +84,29 @@ def campaign(
         levels_g=list(table.levels_g or ()),
         tolerance=table.tolerance,
         contacts=table.contacts,
-        members=scatter.members,
+        members=scatter_of(project).members,
+        symmetric=any(each.asked.run_sign != each.asked.sign for each in combinations),
         static_quantity=quantity(project) if project.pushover else None,
         records=records.rows(table),
         spectrum=records.spectrum,
         combinations=rows,
-        computed=len(done),
+        computed=len(
+            {each.asked.key for each in combinations if not isinstance(each.asked.shaking.start, str)}
+        ),
         failures=list(study.failures),
         fragility=fits,
-        loss=losses,
+        loss=[
+            loss_of(
+                state,
+                base := unmoved.get(state.settlement),
+                combinations,
+                scans,
+                beta,
+                fit,
+                fits[moved.index(base)] if base else None,
+            )
+            for state, fit in zip(moved, fits, strict=True)
+        ],
         warnings=list(study.warnings),
     )
     study.findings += [_of_campaign(text) for text in _findings(found)]
@@ -133,186 +115,79 @@ def campaign(
 
 def _combinations(
     project: Project, drawn: Assembly, table: CampaignTable, records: RecordSet, moved: Sequence[Moved]
-) -> list[Asked]:
-    """Return every state under every record with every sign; a symmetric structure as drawn runs one sign only."""
-    mirrored = _mirrored(project, drawn, table)
-    return [
-        Asked(
-            state, motion, sign, ratio, table.signs[0] if mirrored and state.start is drawn.initial else sign
-        )
-        for state in moved
-        for motion, ratio in zip(records.motions, records.ratios, strict=True)
-        for sign in table.signs
-    ]
+) -> list[Combination]:
+    """Return every state under every record with every sign; a symmetric structure as drawn runs one sign only.
 
-
-def _mirrored(project: Project, model: Assembly, table: CampaignTable) -> bool:
-    """Whether the structure as drawn responds to a record and to its negative with mirror images.
-
-    The control point has to be its own mirror image too: its ultimate displacement may decide about collapse.
+    A scan begins at the level found for the same record and sign at the share before, at the first share at that of the
+    record's other sign, of a record's first sign at that of the first record. It is given by what is asked for alone,
+    not by what is finished: levels are the same however they are computed.
     """
-    mirror = Mirror.of(model, table.contacts)
-    point = project.control_point(table.control).point_m
-    return mirror is not None and mirror.swaps(point, point)
-
-
-def _run(
-    project: Project,
-    table: CampaignTable,
-    scatter: Scatter,
-    asked: Sequence[Asked],
-    workers: Workers,
-) -> dict[tuple[str, str, int], Combination]:
-    """Run each combination once, the ones with most samples first: no long one begins last.
-
-    A search begins at the level that is found for its neighbour, which comes before it.
-    """
-    own = MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
-    point = project.control_point(table.control)
-    distinct: dict[tuple[str, str, int], Asked] = {}
-    for each in asked:
-        if not isinstance(each.moved.start, str):
-            distinct.setdefault(each.key, each)
-    order = sorted(distinct, key=lambda key: -distinct[key].motion.record.acceleration.size)
-    numbers = {key: number for number, key in enumerate(order)}
-    neighbours = {} if table.levels_g else _neighbours(asked, distinct)
-    tasks: list[tuple[Any, ...]] = []
-    curves = table.curve_members or ()
-    for each in (distinct[key] for key in order):
-        setting = Setting(own, point, each.moved.ultimate)
-        common = (each.moved.model, each.signed, setting, each.moved.start, scatter)
-        if table.levels_g:
-            tasks.append((*common, tuple(level / each.ratio for level in table.levels_g), curves))
-        else:
-            neighbour = neighbours.get(each.key)
-            near = None if neighbour is None else From(numbers[neighbour], level_found)
-            tasks.append((*common, Reach(table.max_scale, table.tolerance), curves, near))
-    samples = [distinct[key].motion.record.acceleration.size for key in order]
-    found: list[Combination] = workers.each(
-        "campaign",
-        run_stripes if table.levels_g else search_collapse,
-        tasks,
-        [distinct[key].title for key in order],
-        RUNS * sum(len(distinct[key].moved.model.contacts) * n for key, n in zip(order, samples, strict=True))
-        > WORTHWHILE,
-        samples,
-    )
-    return dict(zip(order, found, strict=True))
-
-
-def _neighbours(
-    asked: Sequence[Asked], distinct: Mapping[tuple[str, str, int], Asked]
-) -> dict[tuple[str, str, int], tuple[str, str, int]]:
-    """Return the keys of searches that begin near another one's level, with the key of that one.
-
-    That of the same record and sign at the share before, or at the first share that of its other sign. It is given by
-    what is asked for alone, not by what is finished: levels are the same however they are computed.
-    """
-    first: dict[str, tuple[str, str, int]] = {}
-    before: dict[tuple[str, str, int], tuple[str, str, int]] = {}
-    found: dict[tuple[str, str, int], tuple[str, str, int]] = {}
-    for each in asked:
-        if each.key not in distinct:
-            continue
-        place = (each.moved.settlement, each.motion.name, each.run_sign)
-        neighbour = before.get(place) or first.get(each.motion.name)
-        if neighbour is not None and distinct[each.key] is each:
-            found[each.key] = neighbour
-        before[place] = each.key
-        first.setdefault(each.motion.name, each.key)
+    symmetric = mirrored(project, drawn, table)
+    reach, point = reach_of(project), project.control_point(table.control)
+    found: list[Combination] = []
+    before: dict[object, Asked] = {}
+    for state in moved:
+        for motion, ratio in zip(records.motions, records.ratios, strict=True):
+            for sign in table.signs:
+                run_sign = table.signs[0] if symmetric and state.start is drawn.initial else sign
+                place = (state.settlement, motion.name, sign)
+                after = before.get(place) or before.get(motion.name) or (found[0].asked if found else None)
+                setting = Setting(own_setting(table), point, state.ultimate)
+                shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
+                title = message(
+                    "{state}, {record}, {sign}",
+                    state=state.title,
+                    record=motion.name,
+                    sign="+" if sign > 0 else "−",
+                )
+                stripes = tuple(level / ratio for level in table.levels_g or ())
+                levels = Reach(table.max_scale, stripes=stripes) if stripes else reach
+                asked = Asked(title, signed(shaking, run_sign), sign, run_sign, levels, after)
+                before[place] = asked
+                before.setdefault(motion.name, asked)
+                found.append(Combination(state, motion.name, ratio, asked))
     return found
 
 
 def _rows(
-    asked: Sequence[Asked],
-    done: Mapping[tuple[str, str, int], Combination],
-    table: CampaignTable,
-    study: Study,
+    combinations: Sequence[Combination], scans: Scans, table: CampaignTable, study: Study
 ) -> list[CampaignCombination]:
     """Return the row of each combination; if several are one run, the later ones name the first."""
     rows: list[CampaignCombination] = []
-    first: dict[tuple[str, str, int], Asked] = {}
-    for each in asked:
-        if isinstance(each.moved.start, str):
-            rows.append(_row(each, Combination(Judged(), each.moved.start), table))
-            continue
-        origin = first.setdefault(each.key, each)
-        result = done[each.key]
-        row = _row(each, result, table)
-        if origin is not each:
-            same = SameAs(settlement=origin.moved.settlement, share=origin.moved.share, sign=origin.sign)
-            row = row.replace(same_as=same, runs=0, points=[])
-        else:
-            study.quality.append(quality_row(each.moved.title, "campaign", result.programs, result.worst))
-            study.seconds += result.seconds
-            study.failures += [_of_campaign(headed(each.title, text)) for text in result.failures]
+    first: dict[str, Combination] = {}
+    for each in combinations:
+        scan, seen = scans.of(each.asked), observed_in(scans.of(each.asked))
+        origin = first.setdefault(each.asked.key, each)
+        row = CampaignCombination(
+            record=each.record,
+            settlement=each.moved.settlement,
+            share=each.moved.share,
+            sign=each.asked.sign,
+            pga_collapse_range=None if seen.lowest is None else [seen.capacity, seen.certain],
+            **numbers(scan),
+        )
+        if table.period_s:
+            row = row.replace(sa_collapse_g=None if seen.capacity is None else each.ratio * seen.capacity)
+        if scan.stripes and scan.reason is None:
+            row = row.replace(
+                collapsed=[point.collapsed for point in scan.points],
+                all_collapsed=[point.members_collapsed == point.members for point in scan.points],
+            )
+        if origin is not each and not isinstance(each.asked.shaking.start, str):
+            same = SameAs(
+                settlement=origin.moved.settlement, share=origin.moved.share, sign=origin.asked.sign
+            )
+            row = row.replace(same_as=same, runs=0, points=[], counts=None)
+        elif scans.first_told(each.asked) and scan.counts:
+            study.quality.append(
+                quality_row(str(each.moved.title), "campaign", scan.counts.programs, scan.worst)
+            )
+            study.seconds += scan.seconds
+            study.failures += [_of_campaign(headed(each.asked.title, text)) for text in scan.failures]
+            told = [*scan.notes, *(() if scan.stripes else doubts(each.asked, scans))]
+            study.warnings += [headed(each.asked.title, text) for text in told]
         rows.append(row)
     return rows
-
-
-def _row(each: Asked, result: Combination, table: CampaignTable) -> CampaignCombination:
-    judged = result.judged
-    row = CampaignCombination(
-        record=each.motion.name,
-        settlement=each.moved.settlement,
-        share=each.moved.share,
-        sign=each.sign,
-        pga_collapse_g=judged.collapse,
-        pga_collapse_range=judged.span,
-        pga_safe_g=judged.safe,
-        resurrections_g=judged.resurrections,
-        runs=result.runs,
-        points=result.points,
-        reason=result.reason,
-    )
-    if judged.fallen is not None:
-        row = row.replace(collapsed=judged.fallen, all_collapsed=judged.all_fallen)
-    if table.period_s:
-        span = judged.span
-        row = row.replace(
-            sa_collapse_g=None if judged.collapse is None else each.ratio * judged.collapse,
-            sa_collapse_g_range=span and [None if end is None else each.ratio * end for end in span],
-        )
-    return row
-
-
-def _observed(each: Asked, row: CampaignCombination) -> Observed:
-    return Observed(
-        record=each.motion.name,
-        sign=each.sign,
-        ratio=each.ratio,
-        collapse=row.pga_collapse_g,
-        safe=row.pga_safe_g,
-        certain=row.pga_collapse_range[1] if row.pga_collapse_range else None,
-        fallen=tuple(row.collapsed or ()),
-        all_fallen=tuple(row.all_collapsed or ()),
-    )
-
-
-def _by_movement(
-    moved: Sequence[Moved],
-    asked: Sequence[Asked],
-    rows: Sequence[CampaignCombination],
-    table: CampaignTable,
-    members: int,
-) -> tuple[list[CampaignFragility], list[CampaignLoss]]:
-    """Return the fragility of each state, and its loss of capacity against the state before the movement."""
-    observed = {
-        id(state): [
-            _observed(each, row) for each, row in zip(asked, rows, strict=True) if each.moved is state
-        ]
-        for state in moved
-    }
-    unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
-    fits, losses = [], []
-    for state in moved:
-        after, base = observed[id(state)], unmoved.get(state.settlement)
-        before = observed[id(base)] if base else []
-        place = Place(state.settlement, state.share, state.movement)
-        fits.append(fragility(place, after, table.levels_g, members))
-        static = base.static if base else None
-        losses.append(loss(place, before, after, static, state.static, table.levels_g))
-    return fits, losses
 
 
 def _of_campaign(text: Message) -> Message:
@@ -400,6 +275,19 @@ def _findings(found: Campaign) -> list[Message]:
             findings.append(headed(title, failed))
         texts = [*_open_ends(row), *(_steep(row) if found.method == "stripes" else [])]
         findings += [headed(title, text) for text in texts]
+    findings += [
+        headed(
+            moved_title(row.settlement, row.share),
+            message(
+                "a loss of {loss:.0%} is not distinguishable from none: its range is from {low:.0%} to {high:.0%}",
+                loss=row.dynamic or 0.0,
+                low=row.dynamic_range[0] or 0.0,
+                high=row.dynamic_range[1] or 0.0,
+            ),
+        )
+        for row in found.loss
+        if row.distinguishable is False
+    ]
     findings += _no_losses(found)
     spectrum = found.spectrum
     if spectrum and not spectrum.within:

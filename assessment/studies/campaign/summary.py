@@ -1,195 +1,203 @@
-"""Summary of the combinations of a campaign at one movement: fragility, the standard's value, loss of capacity."""
+"""What the combinations of a campaign sum up to at one movement: fragility, the standard's value, loss of capacity."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.analyses.dynamic.incremental import ENOUGH, Standard, standard_value
+from assessment.analyses.dynamic.fragility import (
+    ENOUGH,
+    SAMPLES,
+    Dispersion,
+    RecordLevel,
+    Standard,
+    confidence,
+    fit_stripes,
+    over_records,
+    samples_of_records,
+    standard_value,
+)
 from assessment.results.schema.campaign import CampaignFragility, CampaignLoss
 from assessment.results.table import reduction
-from assessment.studies.campaign.fragility import (
-    Lognormal,
-    Scatter,
-    confidence,
-    fit_levels,
-    fit_stripes,
-    samples_of_records,
-)
-from mechanics.types import Array
+from assessment.studies.campaign.movements import Moved
+from assessment.studies.campaign.scans import Asked, Scans, observed_in
 
-BAND = (0.16, 0.84)  # of the losses of single records: one standard deviation to either side
+if TYPE_CHECKING:
+    from assessment.analyses.dynamic.record_set import Measures
+    from assessment.project.schema import CampaignTable
+    from assessment.results.schema.campaign import CampaignCombination
+
+RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
 
 
-@dataclass(frozen=True)
-class Observed:
-    """Result of a record of one sign at one movement. Levels are PGA (g); `ratio` times the PGA is the measure.
+@dataclass(frozen=True, eq=False)
+class Combination:
+    """A record of one sign from a share of a movement; `ratio`: intensity measure over the PGA of the record."""
 
-    `collapse`: level at which some member collapses, None: none does up to `safe`; both None: not completed. `certain`:
-    level at which all members collapse. `fallen`, `all_fallen` (stripes): whether some, or all, collapse at each.
-    """
-
+    moved: Moved
     record: str
-    sign: int
     ratio: float
-    collapse: float | None
-    safe: float | None
-    certain: float | None
-    fallen: tuple[bool, ...]
-    all_fallen: tuple[bool, ...]
-
-    @property
-    def failed(self) -> bool:
-        """Whether the combination could not be completed."""
-        return self.collapse is None and self.safe is None
+    asked: Asked
 
 
-@dataclass(frozen=True)
-class Place:
-    """A share of a movement, and its largest component (m)."""
-
-    settlement: str
-    share: float
-    movement: float
-
-
-def fragility(
-    place: Place, observed: Sequence[Observed], levels: Sequence[float] | None, members: int
+def fragility_of(
+    state: Moved,
+    combinations: Sequence[Combination],
+    rows: Sequence[CampaignCombination],
+    scans: Scans,
+    table: CampaignTable,
+    measures: Measures,
+    ratios: Mapping[str, Mapping[str, float]],
 ) -> CampaignFragility:
-    """Fit the lognormal fragility at a place; `levels` (g): of stripes; `members` of each ensemble.
-
-    `median_g` and `beta` refer to the measure at which some member collapses; their ranges are those of the bootstrap.
-    Equal levels have β = 0; None: all withstood, or stripes that tell no median (see fit_stripes).
-    `beta_ensemble` is the scatter within a combination, from the range of its members (Tippett); `beta_record` is the
-    rest of `beta`. `pga_collapse_g` (PGA): by NTC 2018 §7.3.5, with its `rule`; of fewer than three records none.
-    """
-    known = [each for each in observed if not each.failed]
-    standard = _standard(observed) if levels is None else None
-    row = CampaignFragility(
-        settlement=place.settlement,
-        share=place.share,
-        movement_m=place.movement,
-        combinations=len(observed),
-        failed=len(observed) - len(known),
-        withstood=sum(each.collapse is None for each in known),
-        median_g=None,
-        median_range=None,
-        beta=None,
-        beta_range=None,
-        median_all_collapse_g=None,
-        beta_record=None,
-        beta_ensemble=None,
-        rule=standard.rule if standard else None,
-        pga_collapse_g=standard.pga if standard and standard.rule else None,
-    )
-    if not known:
-        return row
-    fit = _fit(known, levels, np.ones((1, len(known))))
-    median, beta = float(fit.median[0]), float(fit.beta[0])
-    if not (math.isfinite(median) and math.isfinite(beta)):
-        return row
-    row = _divided(row.replace(median_g=median, beta=beta), known, levels, members)
-    names = list(dict.fromkeys(each.record for each in known))
-    if len(names) < ENOUGH:
-        return row
-    record = np.array([names.index(each.record) for each in known])
-    samples = _fit(known, levels, samples_of_records(record))
-    return row.replace(median_range=confidence(samples.median), beta_range=confidence(samples.beta))
-
-
-def _fit(known: Sequence[Observed], levels: Sequence[float] | None, weights: Array) -> Lognormal:
-    if levels is not None:
-        return fit_stripes(np.array(levels), np.array([each.fallen for each in known]), weights)
-    level = np.array([each.ratio * (each.collapse or each.safe or 0.0) for each in known])
-    return fit_levels(level, np.array([each.collapse is None for each in known]), weights)
-
-
-def _divided(
-    row: CampaignFragility, known: Sequence[Observed], levels: Sequence[float] | None, members: int
-) -> CampaignFragility:
-    """Return the fragility with its scatter divided into that within the ensembles and that between the records."""
-    if members < 2 or row.median_g is None or row.beta is None:
-        return row
-    unit = Scatter.of(members)
-    if levels is not None:
-        certain = np.array([each.all_fallen for each in known])
-        of_all = float(fit_stripes(np.array(levels), certain, np.ones((1, len(known)))).median[0])
-        if not (0.0 < of_all < math.inf):
-            return row
-        within = max(0.0, math.log(of_all / row.median_g)) / unit.mean_range
+    """Return the fragility of a state, of the measure; of fewer than three records without ranges and rule."""
+    own = [(each, row) for each, row in zip(combinations, rows, strict=True) if each.moved is state]
+    known = [(each, row) for each, row in own if row.reason is None]
+    levels = [level for each, row in known if (level := _level(each.record, row)) is not None]
+    of_measure = [
+        RecordLevel(level.record, level.level * each.ratio, level.withstood, level.beta)
+        for (each, _), level in zip(known, levels, strict=False)
+    ]
+    if table.levels_g:
+        fit = _of_stripes([each for each, _ in known], scans, table.levels_g)
     else:
-        ends = [(each.collapse, each.certain) for each in known]
-        closed = [math.log(high / low) for low, high in ends if low is not None and high is not None]
-        if len(closed) < len(known):
-            return row
-        of_all = float(np.exp(np.mean([math.log(each.ratio * (each.certain or 0.0)) for each in known])))
-        within = float(np.mean(closed)) / unit.mean_range
-    left = row.beta**2 - unit.variance_of_smallest * within**2
-    return row.replace(
-        median_all_collapse_g=of_all, beta_ensemble=within, beta_record=math.sqrt(max(0.0, left))
+        fit = over_records(of_measure) if known and len(levels) == len(known) else None
+    rule = None if table.levels_g else standard_of([row for _, row in own])
+    low, high = fit.probable if fit and fit.beta < math.inf else (None, None)
+    return CampaignFragility(
+        settlement=state.settlement,
+        share=state.share,
+        movement_m=state.movement,
+        combinations=len(own),
+        failed=len(own) - len(known),
+        withstood=sum(row.lowest_collapse_g is None for _, row in known),
+        median_g=fit.median if fit else None,
+        median_range=fit.median_range if fit else None,
+        beta=fit.beta if fit else None,
+        beta_range=fit.beta_range if fit else None,
+        beta_record=fit.beta_record if fit and not table.levels_g else None,
+        beta_ensemble=fit.beta_ensemble if fit and not table.levels_g else None,
+        level_16_g=low,
+        level_84_g=high,
+        measures=measures.fits(levels, ratios) if fit and not table.levels_g else [],
+        rule=rule.rule if rule else None,
+        pga_collapse_g=rule.pga if rule and rule.rule else None,
     )
 
 
-def _standard(observed: Sequence[Observed]) -> Standard:
+def _level(record: str, row: CampaignCombination) -> RecordLevel | None:
+    level = row.level_50_g or row.pga_safe_g
+    return RecordLevel(record, level, row.level_50_g is None, row.beta or 0.0) if level else None
+
+
+def _of_stripes(known: Sequence[Combination], scans: Scans, levels: Sequence[float]) -> Dispersion | None:
+    """Return the fit of stripes: of each record the share of its motions that collapse at each level.
+
+    None: the outcomes tell no median (see fit_stripes).
+    """
+    if not known:
+        return None
+    fallen = np.array(
+        [[point.members_collapsed / point.members for point in scans.of(each.asked).points] for each in known]
+    )
+    fit = fit_stripes(np.array(levels), fallen, np.ones((1, len(known))))
+    median, beta = float(fit.median[0]), float(fit.beta[0])
+    if not (0.0 < median < math.inf and math.isfinite(beta)):
+        return None
+    names = list(dict.fromkeys(each.record for each in known))
+    ranges: list[list[float | None] | None] = [None, None]
+    if len(names) >= ENOUGH:
+        weights = samples_of_records(np.array([names.index(each.record) for each in known]))
+        samples = fit_stripes(np.array(levels), fallen, weights)
+        ranges = [confidence(samples.median), confidence(samples.beta)]
+    return Dispersion(median, beta, beta, 0.0, *ranges)
+
+
+def standard_of(rows: Sequence[CampaignCombination]) -> Standard:
     """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest."""
     worse: list[tuple[float | None, float | None]] = []
-    for name in dict.fromkeys(each.record for each in observed):
-        own = [each for each in observed if each.record == name]
-        if any(each.failed for each in own):
+    for name in dict.fromkeys(row.record for row in rows):
+        own = [row for row in rows if row.record == name]
+        if any(row.reason is not None for row in own):
             worse.append((None, None))
             continue
-        collapse = min((each.collapse for each in own if each.collapse is not None), default=None)
-        worse.append((collapse, min(each.safe for each in own if each.safe is not None)))
+        collapse = min((row.pga_collapse_g for row in own if row.pga_collapse_g is not None), default=None)
+        worse.append((collapse, min(row.pga_safe_g for row in own if row.pga_safe_g is not None)))
     return standard_value(worse)
 
 
-def loss(
-    place: Place,
-    before: Sequence[Observed],
-    after: Sequence[Observed],
-    static_before: float | None,
-    static_after: float | None,
-    levels: Sequence[float] | None,
-) -> CampaignLoss:
-    """Return the loss of capacity 1 − after/before of a movement, `dynamic` beside `static`.
+def within_records(fits: Sequence[CampaignFragility]) -> float:
+    """Return β of the levels of one record over all states: how far a single level is known."""
+    found = [fit.beta_ensemble for fit in fits if fit.beta_ensemble is not None]
+    return math.sqrt(sum(beta**2 for beta in found) / len(found)) if found else 0.0
 
-    Searches give the median of the losses of single records, each sign by itself, and their 16-84 %; pairs with a value
-    missing are counted in `left_out`. Stripes give the loss of the median, without a range.
+
+def loss_of(
+    state: Moved,
+    base: Moved | None,
+    combinations: Sequence[Combination],
+    scans: Scans,
+    beta: float,
+    fit: CampaignFragility,
+    fit_before: CampaignFragility | None,
+) -> CampaignLoss:
+    """Return the loss of capacity 1 − after/before of a movement, dynamic beside static.
+
+    Scans give the median over records and signs of the losses of 50 % levels, at one time step; its range is that of
+    the bootstrap over records, with what each level is known to (`beta`: of the levels of one record). Pairs with a
+    value missing are counted in `left_out`. Stripes give the loss of the median, without a range.
     """
     row = CampaignLoss(
-        settlement=place.settlement,
-        share=place.share,
-        movement_m=place.movement,
+        settlement=state.settlement,
+        share=state.share,
+        movement_m=state.movement,
         dynamic=None,
         dynamic_range=[None, None],
+        distinguishable=None,
         left_out=0,
-        static=reduction(static_before, static_after),
-        static_capacity=static_after,
+        static=reduction(base.static, state.static) if base else None,
+        static_capacity=state.static,
     )
-    if levels is not None:
-        medians = [fragility(place, each, levels, 1).median_g for each in (before, after)]
-        return row.replace(dynamic=reduction(*medians))
-    of_before = {(each.record, each.sign): each.collapse for each in before}
-    pairs = [(of_before.get((each.record, each.sign)), each) for each in after]
-    losses = [
-        -math.inf if each.collapse is None else 1.0 - each.collapse / first
-        for first, each in pairs
-        if first is not None and not each.failed
-    ]
-    row = row.replace(left_out=len(pairs) - len(losses))
-    if not losses:
+    if base is None:
         return row
-    low, middle, high = (_quantile(losses, share) for share in (BAND[0], 0.5, BAND[1]))
-    return row.replace(dynamic=middle, dynamic_range=[low, high])
+    own = [each for each in combinations if each.moved is state]
+    if own and own[0].asked.reach.stripes:
+        return row.replace(dynamic=reduction(fit_before.median_g if fit_before else None, fit.median_g))
+    before = {(each.record, each.asked.sign): each.asked for each in combinations if each.moved is base}
+    names, changes, errors = [], [], []
+    for each in own:
+        pair = [observed_in(scan) for scan in scans.paired(before[each.record, each.asked.sign], each.asked)]
+        first, then = pair[0].middle, pair[1].middle
+        if first is None or not (then or pair[1].safe):
+            continue
+        names.append(each.record)
+        changes.append(math.log(then / first) if then else math.inf)
+        errors.append(math.hypot(*(seen.known_to(beta) for seen in pair)))
+    row = row.replace(left_out=len(own) - len(names))
+    if not names:
+        return row
+    row = row.replace(dynamic=_lost(float(np.median(changes))))
+    if state is base:
+        return row.replace(dynamic_range=[0.0, 0.0])
+    records = list(dict.fromkeys(names))
+    weights = np.ones((1, len(names)), dtype=int)
+    if len(records) >= ENOUGH:
+        weights = samples_of_records(np.array([records.index(name) for name in names])).astype(int)
+    random = np.random.default_rng(RESAMPLED)
+    noise = random.standard_normal((SAMPLES, len(names))) * errors + changes
+    medians = [
+        float(np.median(np.repeat(values, weights[k % len(weights)]))) for k, values in enumerate(noise)
+    ]
+    low, high = (_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest"))
+    return row.replace(
+        dynamic_range=[low, high],
+        distinguishable=None if low is None or high is None else not low <= 0.0 <= high,
+    )
 
 
-def _quantile(values: Sequence[float], share: float) -> float | None:
-    """Return a quantile; None if only an upper bound of it is known."""
-    place = share * (len(values) - 1)
-    low, high = (sorted(values)[place_of(place)] for place_of in (math.floor, math.ceil))
-    if math.isinf(low):
-        return None
-    return low + (place - math.floor(place)) * (high - low)
+def _lost(change: float) -> float | None:
+    """Return the loss of a change of ln level; None where only an upper bound of it is known."""
+    return None if math.isinf(change) else 1.0 - math.exp(change)

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from assessment.analyses.dynamic.scan import Scan
 from assessment.benchmark import command, table
 from assessment.benchmark.cases import motions, skips, statics, walls, whole
 from assessment.benchmark.cases.motions import Motion, pulse, rocking_freely, sine, stack
@@ -18,14 +19,15 @@ from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
 from assessment.cli import arguments, exit_codes
 from assessment.cli.main import main
+from assessment.results.schema.dynamic import Counts
 from assessment.runtime.tasks import Workers
-from assessment.studies.campaign.search import Combination, Judged
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures import step_control
 from mechanics.procedures.time_history import HistoryTolerances
 from mechanics.program import certify
 from mechanics.solvers import qp_piqp
 from tests.support.structures import block_on_base
+from tests.support.typed import made
 
 
 @pytest.mark.parametrize("skip", skips.all_skips(), ids=lambda skip: skip.name)
@@ -216,10 +218,10 @@ def test_a_reference_is_what_errors_are_of():
 
 
 def test_engines_of_a_campaign_are_compared_by_time_and_by_result(monkeypatch):
-    def searched(model, motion, *_) -> Combination:
-        return Combination(Judged(motion.pga), runs=3, seconds=1.0)
+    def searched(model, motion, *_) -> Scan:
+        return Scan(counts=made(Counts, {"motions": 3}), seconds=1.0)
 
-    monkeypatch.setattr(whole, "search_collapse", searched)
+    monkeypatch.setattr(whole, "scan", searched)
     monkeypatch.setattr(whole, "Workers", lambda *_, **__: Workers(1))
     monkeypatch.setattr(whole, "cores", lambda: 2)
     monkeypatch.setitem(sys.modules, "distributed", None)  # not installed

@@ -22,10 +22,8 @@ from assessment.report.figures.index import pictures
 from assessment.report.tables.campaign import LOSS, campaign_tables, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.report.text.quantities import heading
-from assessment.results.plain import plain
 from assessment.results.schema import Campaign
 from assessment.runtime.terminal.dynamic import dynamic_lines
-from assessment.studies.campaign.summary import Observed, Place, fragility, loss
 from tests.assessment.report.test_document import read
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
@@ -43,19 +41,40 @@ def combination(record: str, settlement: str, share: float, sign: int) -> dict:
         {"pga_g": part * collapse, "peak_displacement_m": None if part == 1.0 else 0.02 * part, "members": 1,
          "residual_displacement_m": None if part == 1.0 else 0.0, "collapsed": part == 1.0, "reason": None,
          "peak_displacement_m_range": [None, None] if part == 1.0 else [0.02 * part, 0.02 * part],
-         "members_collapsed": int(part == 1.0), "time_of_collapse_s": 3.0 if part == 1.0 else None}
+         "members_collapsed": int(part == 1.0), "time_of_collapse_s": 3.0 if part == 1.0 else None,
+         "integrator_share": 0.01}
         for part in (0.5, 0.95, 1.0)
     ]  # fmt: skip
     return {
         "record": record, "settlement": settlement, "share": share, "sign": sign, "pga_collapse_g": collapse,
         "pga_collapse_range": [collapse, 1.1 * collapse], "pga_safe_g": 0.95 * collapse, "resurrections_g": [],
-        "runs": 3, "points": points, "reason": None,
+        "runs": 3, "points": points, "reason": None, "lowest_collapse_g": collapse, "level_16_g": collapse,
+        "level_50_g": collapse, "level_84_g": collapse, "beta": 0.0, "widest_gap_g": [0.95 * collapse, collapse],
+        "time_step_s": 0.01, "notes": [], "counts": None,
     }  # fmt: skip
 
 
-def observed(row: dict) -> Observed:
-    low, high = row["pga_collapse_range"] or (None, None)
-    return Observed(row["record"], row["sign"], 1.0, low, row["pga_safe_g"], high, (), ())
+def fit(settlement: str, share: float, own: list[dict]) -> dict:
+    """A fragility of hand-made levels: mean and root mean square of their logarithms."""
+    logs = np.log([row["pga_collapse_g"] for row in own])
+    median, beta = float(np.exp(logs.mean())), float(logs.std())
+    return {
+        "settlement": settlement, "share": share, "movement_m": 0.02 * share, "combinations": len(own), "failed": 0,
+        "withstood": 0, "median_g": median, "median_range": [0.9 * median, 1.1 * median], "beta": beta,
+        "beta_range": [0.5 * beta, 1.5 * beta], "beta_record": beta, "beta_ensemble": 0.0, "measures": [],
+        "level_16_g": median * math.exp(-beta), "level_84_g": median * math.exp(beta), "rule": "lowest",
+        "pga_collapse_g": min(row["pga_collapse_g"] for row in own),
+    }  # fmt: skip
+
+
+def lost(settlement: str, share: float) -> dict:
+    """The loss of hand-made levels, 30 % of each at the whole movement."""
+    dynamic = 0.3 * share
+    return {
+        "settlement": settlement, "share": share, "movement_m": 0.02 * share, "dynamic": dynamic,
+        "dynamic_range": [dynamic, dynamic], "distinguishable": True if share else None, "left_out": 0,
+        "static": 0.2 * share, "static_capacity": 0.5 - 0.1 * share,
+    }  # fmt: skip
 
 
 def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (SETTLED,)) -> dict:
@@ -67,16 +86,14 @@ def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (
     ]  # fmt: skip
     fits, losses = [], []
     for settlement in settlements:
-        before = [observed(row) for row in rows if row["settlement"] == settlement and row["share"] == 0.0]
         for share in SHARES:
-            own = [observed(row) for row in rows if (row["settlement"], row["share"]) == (settlement, share)]
-            place = Place(settlement, share, 0.02 * share)
-            fits.append(plain(fragility(place, own, None, 5)))
-            losses.append(plain(loss(place, before, own, 0.5, 0.5 - 0.1 * share, None)))
+            own = [row for row in rows if (row["settlement"], row["share"]) == (settlement, share)]
+            fits.append(fit(settlement, share, own))
+            losses.append(lost(settlement, share))
     results["campaign"] = {
         "measure": "PGA", "period_s": None, "method": "incremental", "levels_g": [], "tolerance": 0.05,
-        "contacts": "rigid", "members": 5, "static_quantity": "a_g_g", "spectrum": None, "failures": [],
-        "warnings": [], "combinations": rows, "computed": len(rows), "fragility": fits, "loss": losses,
+        "contacts": "rigid", "members": 5, "symmetric": False, "static_quantity": "a_g_g", "spectrum": None,
+        "failures": [], "warnings": [], "combinations": rows, "computed": len(rows), "fragility": fits, "loss": losses,
         "records": [{"record": name, "record_pga_g": 0.3, "scale": 1.0, "duration_s": 25.0, "time_step_s": 0.01}
                     for name in LEVELS],
     }  # fmt: skip

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import math
 from contextlib import suppress
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.special import ndtr
-from scipy.stats import norm
+from scipy.stats import CensoredData, norm
 
-from assessment.analyses.dynamic import ensemble
-from assessment.analyses.dynamic.bracket import BELOW, find_collapse
-from assessment.analyses.dynamic.incremental import fragility as censored_fit
-from assessment.analyses.dynamic.record_set import Target, compatibility, scaled_to
+from assessment.analyses.dynamic.fragility import (
+    RecordLevel,
+    confidence,
+    fit_levels,
+    fit_stripes,
+    samples_of_records,
+)
+from assessment.analyses.dynamic.record_set import Measures, Target, compatibility, scaled_to
+from assessment.analyses.dynamic.scan import Reach, Scan
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
@@ -26,23 +28,20 @@ from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
+from assessment.results.schema.campaign import CampaignCombination, CampaignFragility
+from assessment.results.schema.dynamic import Level
 from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.show import Show
-from assessment.studies.campaign import records, search, stage
-from assessment.studies.campaign.fragility import (
-    Scatter,
-    confidence,
-    fit_levels,
-    fit_stripes,
-    samples_of_records,
-)
+from assessment.studies.campaign import records
+from assessment.studies.campaign.scans import Asked, Scans
 from assessment.studies.campaign.stage import _open_ends, _steep
-from assessment.studies.campaign.summary import Observed, Place, fragility, loss
+from assessment.studies.campaign.summary import Combination, loss_of, standard_of
 from assessment.workflow.stages import run as workflow
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
 from tests.support.campaign_project import SEARCHES, write_campaign
+from tests.support.typed import made
 from tests.support.wording import in_italian
 
 
@@ -60,9 +59,9 @@ def test_levels_give_mean_and_root_mean_square_of_their_logarithms():
 def test_what_withstood_is_a_lower_bound_as_scipy_has_it():
     levels, withstood = np.array([0.21, 0.34, 0.30, 0.55, 0.6, 0.4]), np.array([0, 0, 0, 0, 1, 1], bool)
     fit = fit_levels(levels, withstood, whole(6))
-    known = censored_fit(levels[~withstood].tolist(), levels[withstood].tolist())
-    assert fit.median[0] == pytest.approx(known.median_g, rel=1e-4)
-    assert fit.beta[0] == pytest.approx(known.dispersion, rel=1e-3)
+    mean, beta = norm.fit(CensoredData(np.log(levels[~withstood]), right=np.log(levels[withstood])))
+    assert fit.median[0] == pytest.approx(math.exp(mean), rel=1e-4)
+    assert fit.beta[0] == pytest.approx(beta, rel=1e-3)
 
 
 def test_equal_levels_beside_lower_bounds_are_a_distribution_all_the_same():
@@ -219,15 +218,10 @@ def test_a_median_beyond_all_numbers_is_none():
 
 
 def test_stripes_without_dispersion_are_warned_of():
-    fallen = [(False, True, True), (False, False, True)]
-    rows = [
-        seen(name, 0.4, 0.2, fallen=at, all_fallen=at) for name, at in zip("abcd", 2 * fallen, strict=True)
-    ]
-    found = fragility(PLACE, rows, [0.2, 0.4, 0.6], 1)
-    assert (found.median_g, found.beta) == (pytest.approx(0.4), 0.0)
+    found = made(CampaignFragility, {"median_g": 0.4, "beta": 0.0})
     [warning] = _steep(found)
     assert "a median acceleration of 0.4 g" in warning and "dispersione" in in_italian(warning)
-    assert not _steep(fragility(PLACE, [seen("a", None, fallen=(False,) * 3)], [0.2, 0.4, 0.6], 1))
+    assert not _steep(made(CampaignFragility, {"median_g": None, "beta": None}))
 
 
 def test_the_bootstrap_keeps_the_signs_of_a_record_together_and_is_the_same_at_every_run():
@@ -249,131 +243,91 @@ def test_the_bootstrap_covers_the_median_as_often_as_it_says():
     assert 176 <= inside <= 198
 
 
-def test_ranges_of_normal_samples():
-    """Tippett's d_2: 1.128, 2.326 for 2 and 5; variance of the smallest of two 1 − 1/π."""
-    two, five = Scatter.of(2), Scatter.of(5)
-    assert (two.mean_range, five.mean_range) == pytest.approx((2.0 / math.sqrt(math.pi), 2.32593), rel=1e-4)
-    assert two.variance_of_smallest == pytest.approx(1.0 - 1.0 / math.pi, rel=1e-4)
-    assert five.variance_of_smallest == pytest.approx(0.44753, rel=1e-3)
-
-
-PLACE = Place("s", 1.0, 0.02)
-
-
-def seen(record, collapse, safe=0.1, certain=None, sign=1, fallen=(), all_fallen=()):
-    return Observed(record, sign, 1.0, collapse, safe, certain or collapse, fallen, all_fallen)
-
-
-def test_scatter_of_the_records_apart_from_that_of_the_ensembles():
-    """Members scattered by 0.1 within records scattered by 0.4."""
-    random = np.random.default_rng(3)
-    rows = []
-    for k in range(2000):
-        members = np.exp(0.4 * random.standard_normal() + 0.1 * random.standard_normal(5))
-        rows.append(seen(f"{k}", float(members.min()), certain=float(members.max())))
-    found = fragility(PLACE, rows, None, 5)
-    assert found.beta_ensemble == pytest.approx(0.1, rel=0.03)
-    assert found.beta_record == pytest.approx(0.4, rel=0.04)
-    assert found.beta > found.beta_record
-
-
-def test_equal_levels_have_a_median_and_no_dispersion():
-    found = fragility(PLACE, [seen("a", 0.3), seen("a", 0.3, sign=-1)], None, 1)
-    assert found.median_g == pytest.approx(0.3) and found.beta == 0.0
-
-
-def test_stripes_that_a_level_parts_have_the_median_between():
-    parted = (False, True, True)
-    rows = [seen(name, 0.4, 0.2, fallen=parted, all_fallen=parted) for name in "ab"]
-    found = fragility(PLACE, rows, [0.2, 0.4, 0.6], 1)
-    assert found.median_g == pytest.approx(math.sqrt(0.2 * 0.4)) and found.beta == 0.0
-
-
 def test_lower_bounds_and_a_missing_median_are_warned_of():
-    stand = [seen("a", None, 0.8), seen("b", None, 0.9)]
-    [bounds, none] = _open_ends(fragility(PLACE, stand, None, 1))
+    stand = {"combinations": 2, "failed": 0, "withstood": 2, "median_g": None}
+    [bounds, none] = _open_ends(made(CampaignFragility, stand))
     assert "2 of 2 combinations do not collapse" in bounds and "no median of collapse" in none
-    [bounds] = _open_ends(fragility(PLACE, [*stand, seen("c", 0.5)], None, 1))
+    [bounds] = _open_ends(made(CampaignFragility, stand | {"combinations": 3, "median_g": 0.5}))
     assert "2 of 3 combinations" in bounds
-    assert not _open_ends(fragility(PLACE, [seen("c", 0.5)], None, 1))
+    assert not _open_ends(made(CampaignFragility, stand | {"withstood": 0, "median_g": 0.5}))
     for warning in (bounds, none):
         assert "combinazioni" in in_italian(warning) or "mediana" in in_italian(warning)
 
 
+def row(record, collapse, safe=0.1, sign=1, reason=None):
+    levels = {"pga_collapse_g": collapse, "pga_safe_g": safe, "sign": sign, "reason": reason}
+    return made(CampaignCombination, levels | {"record": record})
+
+
 def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_seven():
     levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
-    both = [seen(f"{k}", level + extra, sign=sign) for k, level in enumerate(levels)
+    both = [row(f"{k}", level + extra, sign=sign) for k, level in enumerate(levels)
             for sign, extra in ((1, 0.0), (-1, 0.1))]  # fmt: skip
-    three, seven = (fragility(PLACE, both[: 2 * count], None, 1) for count in (3, 7))
-    assert (three.rule, three.pga_collapse_g) == ("lowest", 0.30)
-    assert (seven.rule, seven.pga_collapse_g) == ("mean", pytest.approx(np.mean(levels)))
-    assert seven.median_range[0] < seven.median_g < seven.median_range[1]
+    three, seven = (standard_of(both[: 2 * count]) for count in (3, 7))
+    assert (three.rule, three.pga) == ("lowest", 0.30)
+    assert (seven.rule, seven.pga) == ("mean", pytest.approx(np.mean(levels)))
+    failed = [*both[:6], row("d", None, safe=None, reason="not solved")]
+    assert standard_of(failed).pga is None
 
 
-def test_what_failed_is_counted_is_in_no_median_and_leaves_the_standard_without_a_value():
-    rows = [seen("a", 0.3), seen("b", 0.4), seen("c", 0.5), seen("d", None, safe=None)]
-    found = fragility(PLACE, rows, None, 1)
-    assert (found.failed, found.combinations, found.withstood) == (1, 4, 0)
-    assert found.median_g == pytest.approx((0.3 * 0.4 * 0.5) ** (1 / 3))
-    assert found.pga_collapse_g is None
+class Levels:
+    """Combinations of two states and their scans, made up: each record's lowest collapse, None: it stands."""
+
+    def __init__(self, before, after):
+        self.scans, self.combinations = Scans(None, None), []
+        self.before, self.after = (SimpleNamespace(settlement="s", share=share, movement=0.02 * share,
+                                                   static=0.5 - 0.1 * share) for share in (0.0, 1.0))  # fmt: skip
+        for state, levels in ((self.before, before), (self.after, after)):
+            for record, level in levels.items():
+                shaking = SimpleNamespace(start=None)
+                asked = Asked("", shaking, 1, 1, Reach(5.0))
+                asked.__dict__["key"] = f"{record} {state.share}"
+                self.combinations.append(Combination(state, record, 1.0, asked))
+                runs = [(0.9, False)] if level is None else [(0.998 * level, False), (1.002 * level, True)]
+                points = [made(Level, {"pga_g": pga, "collapsed": fell}) for pga, fell in runs]
+                self.scans.found[asked.key] = [Scan(points)]
+
+    def loss(self, beta=0.0):
+        fit = made(CampaignFragility)
+        return loss_of(self.after, self.before, self.combinations, self.scans, beta, fit, fit)
 
 
 def test_losses_are_those_of_each_record_by_itself():
-    before = [seen("a", 0.2), seen("b", 0.4), seen("c", 0.8)]
-    after = [seen("a", 0.1), seen("b", 0.36), seen("c", 0.6)]
-    found = loss(PLACE, before, after, 0.5, 0.4, None)
-    assert found.dynamic == pytest.approx(0.25) and found.static == pytest.approx(0.2)
-    assert found.dynamic_range == pytest.approx([0.1 + 0.32 * 0.15, 0.25 + 0.68 * 0.25])
-    stood = loss(PLACE, before, [after[0], seen("b", None, 0.9), after[2]], 0.5, None, None)
-    assert stood.dynamic == pytest.approx(0.25) and stood.dynamic_range[0] is None
-    assert stood.static is None
-    assert loss(PLACE, [seen("a", None, 0.9), *before[1:]], after, None, None, None).left_out == 1
+    before = {"a": 0.2, "b": 0.4, "c": 0.8}
+    found = Levels(before, {"a": 0.1, "b": 0.36, "c": 0.6}).loss()
+    assert found.dynamic == pytest.approx(0.25, rel=1e-3) and found.static == pytest.approx(0.2)
+    low, high = found.dynamic_range
+    assert 0.09 < low < 0.12 and 0.45 < high < 0.52 and found.distinguishable is True
+    stood = Levels(before, {"a": 0.1, "b": None, "c": 0.6}).loss()
+    assert stood.dynamic == pytest.approx(0.25, rel=1e-3) and stood.dynamic_range[0] is None
+    assert Levels({"a": None, "b": 0.4}, {"a": 0.1, "b": 0.3}).loss().left_out == 1
 
 
-@given(limit=st.floats(0.1, 4.0), relative=st.sampled_from([0.02, 0.05, 0.2]))
-def test_a_relative_tolerance_bounds_the_bracket_relative_to_the_level(limit, relative):
-    def falls(level):
-        return level >= limit
+def test_a_loss_smaller_than_its_levels_are_known_to_is_not_distinguishable_from_none():
+    """Levels of 15 records lose 2 %: with brackets alone that is seen, with a scatter of 30 % within them it is not."""
+    random = np.random.default_rng(2)
+    before = {f"{k}": 0.3 * math.exp(0.3 * random.standard_normal()) for k in range(15)}
+    levels = Levels(before, {name: 0.98 * level for name, level in before.items()})
+    assert levels.loss().distinguishable is True
+    unsure = levels.loss(beta=30.0)
+    low, high = unsure.dynamic_range
+    assert unsure.distinguishable is False and low < 0.0 < high
+    assert unsure.dynamic == pytest.approx(0.02, abs=1e-3)
 
-    found = find_collapse(falls, falls, 0.3, 5.0, 1e-3, relative)
-    assert found.safe < limit <= found.collapse
-    assert found.collapse - found.safe <= relative * found.collapse + 1e-12
-    assert found.certain == found.collapse
 
-
-@given(
-    limit=st.floats(0.1, 4.0),
-    near=st.floats(0.05, 6.0),
-    relative=st.sampled_from([0.02, 0.05, 0.2]),
-    island=st.sampled_from([None, 0.45, 0.81]),
-)
-def test_a_search_that_begins_anywhere_brackets_the_same_collapse(limit, near, relative, island):
-    """A collapse of a weaker motion is found too where it meets a level below; no level between is left out."""
-    levels = []
-
-    def falls(level):
+def test_the_measure_that_collapse_follows_has_the_least_dispersion():
+    """Sines of 0.25 to 1 s that collapse at one peak velocity: β of PGV is none, that of PGA is not."""
+    measures = Measures(SimpleNamespace(campaign=None))
+    motions, levels = [], []
+    for period in (0.25, 0.5, 1.0):
+        time = 0.005 * np.arange(1001)
+        motions.append(motion(f"{period}", 0.3 * np.sin(2.0 * np.pi * time / period), 0.005))
+        level = RecordLevel(f"{period}", 0.2 / period, False, 0.0)
         levels.append(level)
-        return level >= limit or (island is not None and abs(level / (island * limit) - 1.0) < 0.15)
-
-    found = find_collapse(falls, falls, near, 5.0, 1e-3, relative, BELOW, 1.0 + relative)
-    assert falls(found.collapse) and not falls(found.safe)
-    assert 0.0 < found.collapse - found.safe <= max(relative * found.collapse, 1e-3) + 1e-12
-    assert not any(falls(level) for level in [*levels] if level < found.collapse)
-    for share in BELOW:
-        level = share * found.collapse
-        assert min(abs(level - other) for other in levels) <= max(relative * level, 1e-3)
-
-
-@given(limit=st.floats(0.2, 2.0), away=st.floats(-0.9, 0.9))
-def test_a_search_that_begins_at_the_collapse_costs_two_levels_and_those_below(limit, away):
-    levels = []
-
-    def falls(level):
-        levels.append(level)
-        return level >= limit
-
-    find_collapse(falls, falls, limit * 1.05**away, 5.0, 1e-3, 0.05, BELOW, 1.05)
-    assert len(set(levels)) == 2 + len(BELOW)
+    found = {each.measure: each for each in measures.fits(levels, measures.of(motions))}
+    assert found["PGV"].beta < 0.02 < 0.5 < found["PGA"].beta
+    assert found["PGV"].median == pytest.approx(2.0 * 0.2 * 9.80665 / (2.0 * math.pi), rel=0.02)
+    assert found["Sa(T)"].period_s == 1.0
 
 
 def motion(name, acceleration, step=0.01):
@@ -435,21 +389,19 @@ def test_a_small_campaign(tmp_path, request):
         (f"wave{k}", share, 1) for share in (0.0, 1.0) for k in (1, 2, 3)
     ]
     for row in rows:
-        safe, collapse = row["pga_safe_g"], row["pga_collapse_g"]
-        assert 0.0 < collapse - safe <= 0.2 * collapse and row["pga_collapse_range"][0] == collapse
+        safe, collapse, lowest = row["pga_safe_g"], row["pga_collapse_g"], row["lowest_collapse_g"]
+        assert 0.0 < collapse - safe <= 0.05 * collapse and row["pga_collapse_range"][0] == collapse
         fallen = {point["pga_g"]: point["collapsed"] for point in row["points"]}
-        assert fallen[collapse] and not fallen[safe] and row["runs"] >= len(fallen)
+        assert fallen[lowest] and not fallen[safe] and row["runs"] == row["counts"]["motions"] == len(fallen)
     original, settled = found["fragility"]
     assert original["median_g"] == pytest.approx(
-        math.exp(np.mean([math.log(row["pga_collapse_g"]) for row in rows[:3]]))
+        math.exp(np.mean([math.log(row["level_50_g"]) for row in rows[:3]]))
     )
     assert settled["rule"] == "lowest"
     assert settled["pga_collapse_g"] == min(row["pga_collapse_g"] for row in rows[3:])
     at_rest, lost = found["loss"]
     assert at_rest["dynamic"] == at_rest["static"] == 0.0
-    pairs = sorted(
-        1.0 - b["pga_collapse_g"] / a["pga_collapse_g"] for a, b in zip(rows[:3], rows[3:], strict=True)
-    )
+    pairs = sorted(1.0 - b["level_50_g"] / a["level_50_g"] for a, b in zip(rows[:3], rows[3:], strict=True))
     assert lost["dynamic"] == pytest.approx(pairs[1]) and 0.0 < lost["static"] < 0.3
     _static_of_the_checks(read_results(block / "output"))
     before = timeless(read_results(block / "output"))
@@ -466,11 +418,9 @@ def _static_of_the_checks(results):
     assert loss[1]["static"] == pytest.approx(results["comparison"][0]["static_reduction"], rel=1e-12)
 
 
-def test_a_search_begins_where_its_neighbour_ends(block, monkeypatch):
-    """Every bracket is as narrow as that of a search from the record itself, in fewer motions; from the plan alone."""
+def test_a_scan_begins_where_its_neighbour_ends_and_levels_do_not_depend_on_what_is_finished(block):
     edit(block, 'records = ["wave*.csv"]', 'records = ["wave[12].csv"]')
     edit(block, "shares = [0.0, 1.0]", "shares = [0.0, 0.5, 1.0]")
-    edit(block, "tolerance = 0.2", "tolerance = 0.05")
     edit(block, "scatter = 2", "scatter = 1")
     project = load_project(block)
     model = build_model(project)
@@ -481,15 +431,9 @@ def test_a_search_begins_where_its_neighbour_ends(block, monkeypatch):
             again = workflow(project, model, jobs=1, store=Store(block / "kept"), show=show)
     assert again.complete and sum(show.finished for show in shows) == whole.computed
     assert timeless(plain(again.results)) == timeless(plain(whole.results))
-    near = plain(whole.results)["campaign"]["combinations"]
-    monkeypatch.setattr(stage, "_neighbours", lambda *_: {})
-    alone = plain(workflow(project, model, jobs=1).results)["campaign"]["combinations"]
-    for one, other in zip(near, alone, strict=True):
-        assert one["pga_collapse_g"] == pytest.approx(other["pga_collapse_g"], rel=0.06)
-        assert one["pga_collapse_g"] - one["pga_safe_g"] <= 0.05 * one["pga_collapse_g"] + 1e-12
-    first = len(near) // 3
-    assert [row["runs"] for row in near[:first]] == [row["runs"] for row in alone[:first]]
-    assert sum(row["runs"] for row in near[first:]) <= 0.85 * sum(row["runs"] for row in alone[first:])
+    rows = plain(whole.results)["campaign"]["combinations"]
+    # eight levels down to 0.7 of the lowest, two above, and what is passed on the way from the neighbour's
+    assert all(row["runs"] <= 16 for row in rows[2:])
 
 
 class Stopping(Show):
@@ -510,12 +454,12 @@ class Stopping(Show):
 
 def test_curves_are_kept_of_the_members_asked_for_and_change_nothing_else(block):
     edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
+    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1, 0.3]\n')
     assert run(block, "--only", "campaign") == 0
     without = timeless(read_results(block / "output"))
     edit(block, "signs = [1]", "signs = [1]\ncurve_members = [2]\nwindow_s = [0.1, 1.1]")
     assert run(block, "--only", "campaign") == 0
     late = read_results(block / "output")["campaign"]["combinations"][0]["points"]
-    assert {len(point["curves"]) for point in late} == {0, 1}  # of what falls at once one member is run
     assert all(curve["time_s"][0] == 0.1 for point in late for curve in point["curves"])
     edit(block, "curve_members = [2]\nwindow_s = [0.1, 1.1]", "curve_members = [2, 1]")
     assert run(block, "--only", "campaign") == 0
@@ -525,21 +469,11 @@ def test_curves_are_kept_of_the_members_asked_for_and_change_nothing_else(block)
             curves = point.pop("curves")
             members = [(curve["member"], curve["factor"]) for curve in curves]
             assert members == [(1, 1.0), (2, 0.99)][: point["members"]]
-            assert all(len(curve["time_s"]) == len(curve["displacement_m"]) for curve in curves)
+            assert all(len(curve["time_s"]) == len(curve["displacement_m"]) <= 400 for curve in curves)
             if not point["collapsed"]:
                 peaks = [max(map(abs, curve["displacement_m"])) for curve in curves]
                 assert [min(peaks), max(peaks)] == pytest.approx(point["peak_displacement_m_range"], abs=1e-7)
     assert found["campaign"] == without["campaign"]
-
-
-def test_curves_of_ten_thousand_motions_stay_below_100_megabytes():
-    time = 0.005 * np.arange(8000)
-    displacement = 0.1 * np.random.default_rng(1).standard_normal(time.size)
-    levels = SimpleNamespace(scatter=ensemble.Scatter(5, 0.05), motion=SimpleNamespace(start=100.0))
-    [curve] = search._curves(levels, [ensemble.Course(time, displacement, False)] * 2, (2, 5))
-    assert curve.member == 2 and (curve.time_s[0], curve.time_s[-1]) == (100.0, 139.995)
-    assert max(curve.displacement_m) == pytest.approx(displacement.max(), abs=1e-7)
-    assert len(json.dumps(plain(curve))) < 10_000
 
 
 def test_stripes_by_spectral_acceleration(block):
@@ -629,13 +563,13 @@ def test_a_control_point_beside_the_axis_leaves_both_signs_to_be_run(block):
     assert read_results(block / "output")["campaign"]["computed"] == 2
 
 
-def made(spectrum, seed) -> Record:
+def made_record(spectrum, seed) -> Record:
     """A record in the place of one made to the spectrum, which takes seconds: as strong."""
     return Record(noise(seed, spectrum.ag, count=600), 0.01, f"generated {seed}")
 
 
 def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
-    monkeypatch.setattr(records, "made_record", made)
+    monkeypatch.setattr(records, "made_record", made_record)
     edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
     edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
     assert run(block, "--only", "campaign", "--jobs", "1") == 0

@@ -112,18 +112,19 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
         show = Told()
         states = plain(run(project, build_model(project), jobs, show=show).results)["states"]
         found.append([states[name]["incremental"] for name in project.states])
-        told.append(show.lines[show.lines.index(("begin", "incremental", 4, 0)) :])
+        told.append(show.lines[show.lines.index(("begin", "incremental", 8, 0)) :])
     for state in (state for states in found for state in states):
         assert len(state["records"]) == 2
         assert all(record.pop("seconds") > 0.0 for record in state["records"])
     assert found[0] == found[1]
-    under_way = [(name, record) for name in project.states for record in ("later", "wave")]
-    one_by_one = [
-        event for name, record in under_way for event in (("under way", f"{name}, {record}"), ("advance",))
-    ]
-    assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
+    under_way = [
+        f"{name}, incremental analysis with {record}, {sign}"
+        for name in project.states for record in ("later", "wave") for sign in "+−"
+    ]  # fmt: skip
+    one_by_one = [event for title in under_way for event in (("under way", title), ("advance",))]
+    assert told[0] == [("begin", "incremental", 8, 0), *one_by_one, ("end",)]
     others = [line for line in told[1] if line[0] != "under way"]  # how often depends on the machine
-    assert others == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
+    assert others == [("begin", "incremental", 8, 0), *[("advance",)] * 8, ("end",)]
 
 
 def test_the_time_left_of_a_run_of_one_history_is_told_before_it_is_finished(tmp_path, monkeypatch):

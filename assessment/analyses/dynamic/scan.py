@@ -1,0 +1,297 @@
+"""P(collapse | level) of one record from one state: which levels are run, and what they came to.
+
+Collapse of rocking masonry comes in bands of the level: no bisection finds the lowest. Levels form a lattice, a factor
+`ratio` apart (5 % at most), through the record's own PGA:
+
+    outwards from where collapse is expected, in strides that double, until a level on the other side is found
+    every level down to DOWN of the lowest that collapses; a collapse there begins this again
+    upwards, until CERTAIN levels in a row above the highest that stands collapse
+    around the lowest bracket the levels half-way, one for each member of an ensemble after the first
+    the lowest bracket is halved to the width asked for
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest_median_highest
+from assessment.analyses.dynamic.response import Response, Setting, respond
+from assessment.analyses.dynamic.time_history import thinned
+from assessment.results.schema.dynamic import Counts, Level, MemberCurve
+from mechanics import Assembly, ConvergenceError, State
+from mechanics.messages import Message, message
+from mechanics.progress import stretch
+
+if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
+
+SPACING = 1.05  # the largest ratio of levels
+DOWN = 0.7  # of the lowest collapse: down to there every level is run
+CERTAIN = 2  # levels in a row above all that stand
+FARTHEST = 8  # levels: the longest stride on the way to the first collapse
+LEAST = 1e-3  # g: the lowest level
+CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
+EXPECTED = 14  # motions of a scan, about
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Which levels are run: up to `max_scale` times the record's PGA, a factor `ratio` apart.
+
+    The lowest bracket is no wider than `width` (g); `members`: see above. `stripes`: these levels (PGA, g) alone.
+    """
+
+    max_scale: float
+    ratio: float = SPACING
+    width: float = math.inf
+    members: int = 1
+    stripes: tuple[float, ...] = ()
+
+
+@dataclass
+class Scan:
+    """The `points` of every level (PGA, g) that was run, and the time step (s) of its motions.
+
+    `reason`: why there is no answer; `failures`: why it could not be completed. `notes`: warnings of the motions.
+    `counts` of all motions, the worst residual of their programs, and the seconds that they took.
+    """
+
+    points: list[Level] = field(default_factory=list)
+    time_step: float = 0.0
+    stripes: bool = False
+    reason: Message | None = None
+    failures: list[Message] = field(default_factory=list)
+    notes: list[Message] = field(default_factory=list)
+    counts: Counts | None = None
+    worst: float = 0.0
+    seconds: float = 0.0
+
+
+def scan(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    start: State,
+    scatter: Scatter,
+    reach: Reach,
+    near: float | None = None,
+    curves: tuple[int, ...] = (),
+) -> Scan:
+    """Run the levels of a record from a state at rest.
+
+    `near` (g): where collapse is expected, None: not known. `curves`: numbers of the motions of a level whose curves
+    are kept. A level that cannot be completed ends the scan.
+    """
+    levels = _Motions(model, motion, setting, start, scatter, reach, curves)
+    found = Scan(time_step=motion.record.time_step, stripes=bool(reach.stripes))
+    began = time.perf_counter()
+    try:
+        if reach.stripes:
+            for pga in reach.stripes:
+                levels.collapses(pga)
+        else:
+            scan_levels(levels.collapses, motion.pga, reach, near)
+    except ConvergenceError as error:
+        found.reason = error.message
+        found.failures = [error.message]
+    found.points = [levels.points[pga] for pga in sorted(levels.points)]
+    found.notes = [
+        message(
+            "{count} of {all} motions: {text}", count=len(alike), all=levels.counts["motions"], text=alike[0]
+        )
+        for alike in levels.notes.values()
+    ]
+    if levels.points:
+        found.counts = Counts(**levels.counts)
+    found.worst, found.seconds = levels.worst, time.perf_counter() - began
+    return found
+
+
+def scan_levels(falls: Callable[[float], bool], pga: float, reach: Reach, near: float | None = None) -> None:
+    """Ask at which levels (g) a structure `falls`, around its lowest collapse; `pga` (g): of the record itself."""
+    lattice = _Lattice(falls, pga, reach)
+    _find_a_collapse(lattice, near)
+    for ask in iter(lambda: next(_missing(lattice), None), None):
+        lattice.run(ask)
+    if reach.members > 1 and lattice.fallen:
+        low = min(lattice.fallen)
+        for place in _half_way(low)[: reach.members - 1]:
+            lattice.run(place)
+    while (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
+        lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
+
+
+class _Lattice:
+    """The levels pga·ratio^k, up to the largest; places k that were run, with whether the structure fell."""
+
+    def __init__(self, falls: Callable[[float], bool], pga: float, reach: Reach) -> None:
+        self.falls, self.pga, self.ratio = falls, pga, reach.ratio
+        self.largest = reach.max_scale * pga
+        step = math.log(reach.ratio)
+        self.top = math.ceil(math.log(reach.max_scale) / step - 1e-9)
+        self.bottom = min(math.ceil(math.log(LEAST / pga) / step), self.top)
+        self.depth = math.ceil(math.log(1.0 / DOWN) / step - 1e-9)
+        self.tried: dict[float, bool] = {}
+        self.levels: dict[float, bool] = {}
+
+    def nearest(self, level: float) -> int:
+        """Return the place of a level (g)."""
+        return min(max(round(math.log(level / self.pga) / math.log(self.ratio)), self.bottom), self.top)
+
+    def run(self, place: float) -> bool:
+        """Whether the structure falls at a place; half a place lies between two."""
+        if place not in self.tried:
+            self.tried[place] = self.at(min(self.pga * self.ratio**place, self.largest))
+        return self.tried[place]
+
+    def at(self, level: float) -> bool:
+        """Whether the structure falls at a level (g)."""
+        if level not in self.levels:
+            self.levels[level] = self.falls(level)
+        return self.levels[level]
+
+    @property
+    def fallen(self) -> list[float]:
+        """Places at which the structure falls."""
+        return [place for place, fell in self.tried.items() if fell]
+
+    @property
+    def standing(self) -> list[float]:
+        """Places at which it stands."""
+        return [place for place, fell in self.tried.items() if not fell]
+
+    def bracket(self) -> tuple[float, float] | None:
+        """Return the largest level (g) below all collapses, 0: none, and the lowest collapse; None without one."""
+        fallen = [level for level, fell in self.levels.items() if fell]
+        if not fallen:
+            return None
+        low = min(fallen)
+        return max(
+            (level for level, fell in self.levels.items() if not fell and level < low), default=0.0
+        ), low
+
+
+def _find_a_collapse(lattice: _Lattice, near: float | None) -> None:
+    """Run places outwards from the one expected: upwards until one falls, or downwards until one stands."""
+    place, stride = lattice.nearest(near or lattice.pga), 1
+    falls = lattice.run(place)
+    end = lattice.bottom if falls else lattice.top
+    while lattice.run(place) == falls and place != end:
+        place = max(place - stride, end) if falls else min(place + stride, end)
+        stride = min(2 * stride, FARTHEST)
+
+
+def _missing(lattice: _Lattice) -> Iterator[int]:
+    """Yield the places that have still to be run, the next one first."""
+    low = min(map(int, lattice.fallen), default=lattice.top + 1)
+    for place in range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1):
+        if place not in lattice.tried:
+            yield place
+    if low <= lattice.top:
+        high = max(map(int, lattice.standing), default=low - 1)
+        for place in range(low + 1, min(high + CERTAIN, lattice.top) + 1):
+            if place not in lattice.tried:
+                yield place
+
+
+def _half_way(low: float) -> list[float]:
+    """Return places between those of the lattice, the nearest to the lowest collapse first."""
+    return [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
+
+
+@dataclass
+class _Motions:
+    """The motions of a scan, level by level (g)."""
+
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    start: State
+    scatter: Scatter
+    reach: Reach
+    curves: tuple[int, ...]
+    points: dict[float, Level] = field(default_factory=dict)
+    notes: dict[str, list[Message]] = field(default_factory=dict)  # by their template
+    counts: dict[str, int] = field(
+        default_factory=lambda: dict.fromkeys(("motions", "steps", "skipped", "programs", "iterations"), 0)
+    )
+    worst: float = 0.0
+
+    def collapses(self, pga: float) -> bool:
+        """Run the motions of a level, of stripes the members of an ensemble; whether any collapses."""
+        scatter = self.scatter if self.reach.stripes else replace(self.scatter, members=1)
+        members: list[_Member] = []
+        while not enough(members, scatter, self.model.size):
+            members.append(self._run(pga, len(members)))
+        self.points[pga] = self._point(pga, members)
+        return self.points[pga].collapsed
+
+    def _run(self, pga: float, number: int) -> _Member:
+        factor = self.scatter.strongest_first[number] * pga / self.motion.pga
+        done = self.counts["motions"]
+        expected = max(len(self.reach.stripes) or EXPECTED, done + 1)
+        with stretch(done / expected, (done + 1) / expected):
+            response = respond(self.model, self.motion, self.setting, self.start, factor)
+        self.counts["motions"] += 1
+        for name in ("steps", "skipped", "programs", "iterations"):
+            self.counts[name] += response.total(name)
+        self.worst = max(self.worst, response.worst)
+        for note in response.notes:
+            self.notes.setdefault(note.template, []).append(note)
+        return _Member.of(response)
+
+    def _point(self, pga: float, members: Sequence[_Member]) -> Level:
+        """Return what the motions of a level come to; it counts as a collapse if any collapses."""
+        first = min((each for each in members if each.collapsed), key=lambda each: each.end, default=None)
+        low, _, high = lowest_median_highest(
+            [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
+        )
+        found = Level(
+            pga_g=pga,
+            peak_displacement_m=high,
+            peak_displacement_m_range=[low, high],
+            residual_displacement_m=None if first else max(abs(float(m.displacement[-1])) for m in members),
+            members=len(members),
+            members_collapsed=sum(bool(each.collapsed) for each in members),
+            collapsed=first is not None,
+            time_of_collapse_s=self.motion.start + first.end if first else None,
+            reason=first.fell if first else None,
+            integrator_share=max(each.integrator for each in members),
+        )
+        return found.replace(curves=list(self._curves(members))) if self.curves else found
+
+    def _curves(self, members: Sequence[_Member]) -> Iterator[MemberCurve]:
+        for number in sorted(number for number in self.curves if number <= len(members)):
+            member = members[number - 1]
+            kept = thinned(member.displacement, CURVE_POINTS)
+            yield MemberCurve(
+                member=number,
+                factor=self.scatter.strongest_first[number - 1],
+                time_s=(self.motion.start + member.time[kept]).round(6).tolist(),
+                displacement_m=member.displacement[kept].round(7).tolist(),
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class _Member(Course):
+    """A motion: when it ended (s of the window), why it `fell`, and the share of the integrator."""
+
+    end: float
+    fell: str
+    integrator: float
+
+    @classmethod
+    def of(cls, response: Response) -> _Member:
+        """Return what is kept of a motion."""
+        return cls(
+            response.time,
+            response.displacement,
+            response.collapsed,
+            float(response.time[-1]),
+            response.last.collapse_reason,
+            response.integrator_share(),
+        )

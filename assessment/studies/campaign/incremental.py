@@ -1,0 +1,254 @@
+"""Incremental dynamic analysis: the peak ground acceleration at collapse of each record, sign and state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from assessment.analyses.dynamic.fragility import ENOUGH, RecordLevel, over_records, standard_value
+from assessment.analyses.dynamic.record_set import Measures
+from assessment.analyses.dynamic.time_history import quality_row
+from assessment.project.schema import ORIGINAL
+from assessment.results.schema.dynamic import Fragility, Incremental, Search, SignScan
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.studies import ConvergenceRow
+from assessment.studies.campaign.scans import (
+    SCALED,
+    Asked,
+    Scans,
+    mirrored,
+    numbers,
+    observed_in,
+    own_setting,
+    reach_of,
+    signed,
+)
+from mechanics.messages import Message, headed, message
+
+if TYPE_CHECKING:
+    from assessment.analyses.dynamic.inputs import MotionInputs
+    from assessment.project.motions import BaseMotion
+
+SIGNS = (1, -1)
+DIRECTIONS = {1: "+x", -1: "-x"}
+
+
+@dataclass
+class Found:
+    """What the analysis leaves: each state's part, rows, messages and computing time (s)."""
+
+    states: dict[str, Incremental] = field(default_factory=dict)
+    quality: list[QualityRow] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
+    errors: list[ConvergenceRow] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Found:
+    """Scan every record, of both signs, from every state, and sum them up by state."""
+    found, asked = Found(), _asked(inputs, motions)
+    scans.run("incremental", asked)
+    for _, row, warnings in scans.refine("finer: incremental", asked):
+        found.errors.append(row)
+        found.warnings += warnings
+    by_state: dict[str, list[Asked]] = {}
+    for each in asked:
+        by_state.setdefault(each.shaking.state, []).append(each)
+    measures, ratios = Measures(inputs.project), Measures(inputs.project).of(motions)
+    for state, own in by_state.items():
+        searches = []
+        for both in zip(own[:: len(SIGNS)], own[1 :: len(SIGNS)], strict=True):
+            searches.append(_search(both, scans))
+            _tell(found, both, scans, searches[-1])
+        found.states[state] = summarise(searches, found.warnings, state, measures, ratios)
+    return found
+
+
+def _asked(inputs: MotionInputs, motions: Sequence[BaseMotion]) -> list[Asked]:
+    """Return every record of both signs from every state; each begins where the one before found a collapse.
+
+    That is the record's other sign, or its first one in the state before; of the first state the first record's.
+    """
+    table = inputs.project.incremental
+    assert table is not None
+    drawn, reach = inputs.starts[ORIGINAL, table.contacts].model, reach_of(inputs.project)
+    symmetric = mirrored(inputs.project, drawn, table)
+    asked: list[Asked] = []
+    before: dict[str, Asked] = {}
+    for task in inputs.tasks(table, motions, own_setting(table)):
+        one_sign = symmetric and task.start is drawn.initial
+        name = task.motion.name
+        for sign in SIGNS:
+            run_sign = SIGNS[0] if one_sign else sign
+            title = message(
+                "{state}, incremental analysis with {record}, {sign}",
+                state=task.state,
+                record=name,
+                sign="+" if sign > 0 else "−",
+            )
+            after = before.get(name) or (asked[0] if asked else None)
+            asked.append(Asked(title, signed(task, run_sign), sign, run_sign, reach, after))
+            before[name] = asked[-1]
+    return asked
+
+
+def _search(both: Sequence[Asked], scans: Scans) -> Search:
+    """Return the row of a record: the numbers of its worse sign, and both signs."""
+    signs = []
+    for each in both:
+        part = SignScan(sign=each.sign, **numbers(scans.of(each)))
+        if each.run_sign != each.sign:
+            part = part.replace(same_as=each.run_sign, runs=0, points=[], counts=None)
+        signs.append(part)
+    known = [part for part in signs if part.reason is None]
+    failed = [part for part in signs if part.reason is not None]
+    worse = failed[0] if failed else min(known, key=lambda part: part.pga_collapse_g or float("inf"))
+    counted = next(each for each in both if each.sign == worse.sign)
+    seen = observed_in(scans.of(counted))
+    motion = counted.shaking.motion
+    shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)}
+    return Search(
+        record=motion.name,
+        record_pga_g=motion.pga,
+        sign=None if failed else worse.sign,
+        pga_collapse_g_range=None if seen.lowest is None else [seen.capacity, seen.certain],
+        signs=signs,
+        seconds=sum(scans.of(each).seconds for each in both if each.sign == each.run_sign),
+        **shown,
+    )
+
+
+def _tell(found: Found, both: Sequence[Asked], scans: Scans, search: Search) -> None:
+    """Add the messages, certificates and seconds of a record's scans, once of each."""
+    for each in both:
+        scan = scans.of(each)
+        if each.sign != each.run_sign or not scans.first_told(each):
+            continue
+        found.warnings += [headed(each.title, text) for text in scan.notes]
+        found.failures += [headed(each.title, text) for text in scan.failures]
+        if scan.reason is not None and not scan.failures:
+            found.warnings.append(headed(each.title, scan.reason))
+        found.warnings += [headed(each.title, text) for text in doubts(each, scans)]
+        if scan.counts:
+            row = quality_row(
+                each.shaking.state, f"incremental, {search.record}", scan.counts.programs, scan.worst
+            )
+            found.quality.append(row)
+        found.seconds += scan.seconds
+
+
+def doubts(asked: Asked, scans: Scans) -> Iterator[Message]:
+    """Yield what to know of the levels of a record: no collapse, bands, a record scaled far."""
+    seen, motion = observed_in(scans.of(asked)), asked.shaking.motion
+    if scans.of(asked).reason is not None:
+        return
+    if seen.lowest is None:
+        yield message(
+            "no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find one",
+            safe=seen.safe,
+            scale=asked.reach.max_scale,
+        )
+    elif seen.stands:
+        yield message(
+            "collapse at a PGA of {pga:.3g} g at the surface, but stands at {levels:.3g} g; "
+            "{counts:.3g} g counts, of 16 % of the levels around",
+            pga=seen.lowest,
+            levels=list(seen.stands),
+            counts=seen.capacity or seen.lowest,
+        )
+    factor = motion.scale * (seen.lowest or 0.0) / motion.pga
+    if abs(factor) > SCALED:
+        yield message(
+            "the record is scaled by {factor:.2g} to collapse; earthquakes so strong have other durations and spectra",
+            factor=abs(factor),
+        )
+
+
+def summarise(
+    records: Sequence[Search],
+    warnings: list[Message],
+    state: str,
+    measures: Measures | None = None,
+    ratios: Mapping[str, Mapping[str, float]] | None = None,
+) -> Incremental:
+    """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility.
+
+    `ratios`: of each record, other measures of intensity over its PGA.
+    """
+    title = message("{state}", state=state)
+    if len(records) < ENOUGH:
+        few = message(
+            "records of the incremental analysis: {count}; NTC 2018 §7.3.5 asks for at least {least}; "
+            "the scatter from record to record is not known",
+            count=len(records),
+            least=ENOUGH,
+        )
+        warnings.append(headed(title, few))
+    if any(part.same_as is not None for record in records for part in record.signs):
+        alike = message(
+            "a symmetric structure: one sign of each record was run, the other is its mirror image; "
+            "motions that turn on their last digits would differ by a few percent"
+        )
+        warnings.append(headed(title, alike))
+    standard = standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
+    found = Incremental(
+        records=list(records),
+        mean_pga_collapse_g=standard.mean,
+        lowest_pga_collapse_g=standard.lowest,
+        rule=standard.rule,
+        pga_collapse_g=standard.pga,
+        directions={
+            DIRECTIONS[sign]: standard_value(
+                [(p.pga_collapse_g, p.pga_safe_g) for each in records for p in each.signs if p.sign == sign]
+            ).pga
+            for sign in SIGNS
+        },
+        fragility=_fragility(records, measures, ratios or {}),
+    )
+    ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
+    if not ends:
+        return found
+    reached = [end for end in ends if end is not None]
+    upper = min(reached, default=None)
+    if standard.rule == "mean":
+        upper = sum(reached) / len(reached) if len(reached) == len(records) else None
+    return found.replace(pga_collapse_g_range=[standard.pga, upper])
+
+
+def _fragility(
+    records: Sequence[Search], measures: Measures | None, ratios: Mapping[str, Mapping[str, float]]
+) -> Fragility | None:
+    """Return the fragility of a state over records and signs; None where fewer than two records collapse."""
+    parts = [(each.record, part) for each in records for part in each.signs]
+    levels = record_levels(parts)
+    fallen = {each.record for each in levels if not each.withstood}
+    fit = over_records(levels) if len(fallen) > 1 and len(levels) == len(parts) else None
+    if fit is None:
+        return None
+    low, high = fit.probable
+    return Fragility(
+        median_g=fit.median,
+        dispersion=fit.beta,
+        records=len(records),
+        censored=sum(each.withstood for each in levels),
+        beta_record=fit.beta_record,
+        beta_ensemble=fit.beta_ensemble,
+        level_16_g=low,
+        level_84_g=high,
+        median_range=fit.median_range,
+        beta_range=fit.beta_range,
+        measures=measures.fits(levels, ratios) if measures else [],
+    )
+
+
+def record_levels(parts: Sequence[tuple[str, SignScan]]) -> list[RecordLevel]:
+    """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
+    return [
+        RecordLevel(
+            record, part.level_50_g or part.pga_safe_g or 0.0, part.level_50_g is None, part.beta or 0.0
+        )
+        for record, part in parts
+        if part.reason is None and (part.level_50_g or part.pga_safe_g)
+    ]
