@@ -19,6 +19,8 @@ from assessment.project.project import load_project, survey_project
 from assessment.project.repair import repairable, with_repaired_drawing
 from assessment.project.schema import ProjectContent
 from assessment.project.structure.model import build_model, how_to_read
+from assessment.report.text.language import Words
+from assessment.report.text.messages import translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 from assessment.runtime.files.atomic_files import write_atomically
 from assessment.workflow.checking import checked
@@ -80,7 +82,7 @@ def model_picture(folder: Path) -> dict[str, Any]:
     if contradictions is None:
         try:
             check = checked(project, model)
-            found["warnings"] = list(check.warnings)
+            found["warnings"] = [told(text) for text in check.warnings]
             found["self_weight"] = check.results.model.self_weight_stable
         except (ValueError, OSError) as error:
             if not is_input_error(error):
@@ -161,6 +163,7 @@ def record_picture(path: Path, time_step: float | None = None) -> dict[str, Any]
     strong = record.arias_window()
     return {
         "name": record.name,
+        "unit": record.unit,
         "step": record.time_step,
         "duration": record.duration,
         "pga": record.pga,
@@ -185,6 +188,11 @@ def spectrum_picture(folder: Path) -> dict[str, Any]:
             for name, each in spectra.items()
         },
     }
+
+
+def told(text: str) -> dict[str, str]:
+    """Return a sentence of the program in both languages."""
+    return {"en": str(text), "it": translated(text, Words.of("it"))}
 
 
 def _short(values: Array) -> list[Any]:

@@ -176,6 +176,7 @@ def followed(follow: Following) -> dict[str, Any]:
     """
     import numpy as np
 
+    from assessment.app.pictures import told
     from assessment.results.configurations.faces import shares
     from assessment.results.configurations.joint_states import EDGE, IDLE
     from mechanics.model import end_gaps, end_points
@@ -196,5 +197,5 @@ def followed(follow: Following) -> dict[str, Any]:
         "reaction": follow.reaction.round(6).tolist(),
         "at": follow.reached.tolist(),
         "fallen": follow.fallen,
-        "stopped": follow.stopped,
+        "stopped": None if follow.stopped is None else told(follow.stopped),
     }

@@ -179,7 +179,7 @@ const problems = () => {
   }
   if (model?.repairable) said.push(el("p", {}, `${w("repairable")} `,
     el("button", { type: "button", id: "repair", onclick: repair }, w("see_repair"))));
-  model?.warnings?.forEach((text) => line(`⚠ ${text}`, ""));
+  model?.warnings?.forEach((text) => line(`⚠ ${text[store.language]}`, ""));
   if (state.run?.said) line(`✗ ${state.run.said}`, "wrong");
   if (!said.length && state.folder && model) line(w("no_problems"), "note");
   $("problems").replaceChildren(...said);

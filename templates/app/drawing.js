@@ -185,7 +185,7 @@ const moved = (answer) => {
   $("caption").className = answer.stopped === null ? "" : "fallen";
   $("caption").textContent = [w("preview"), `${x}; ${z} mm${answer.at[2] ? `; ${turn} mrad` : ""}`,
     `Rx ${number(answer.reaction[0], 4)} Rz ${number(answer.reaction[1], 4)} kN`, w("hinges", { n: answer.hinges.length }),
-    answer.stopped === null ? "" : answer.fallen ? w("falls", { mm: number(1e3 * Math.max(...answer.at.slice(0, 2).map(Math.abs)), 4) }) : answer.stopped,
+    answer.stopped === null ? "" : answer.fallen ? w("falls", { mm: number(1e3 * Math.max(...answer.at.slice(0, 2).map(Math.abs)), 4) }) : answer.stopped[store.language],
   ].filter(Boolean).join(" · ");
   root().dataset.moved = answer.at.slice(0, 2).map((value) => (1e3 * value).toFixed(1)).join(";");
   frame();

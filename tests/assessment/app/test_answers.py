@@ -205,7 +205,7 @@ def test_a_support_is_followed_and_its_whole_way_is_that_of_the_project(session)
     fallen = ask(session, "live", tag=tag, support="base", target=[0.0, 0.0, 0.5], whole=True)
     assert fallen["fallen"]
     assert 0.1 < fallen["at"][2] < 0.15  # the block overturns at 0.3/2.1
-    assert fallen["stopped"]
+    assert fallen["stopped"]["en"] != fallen["stopped"]["it"]
 
 
 def test_the_spectra_are_those_of_the_site(session):
@@ -238,7 +238,8 @@ RECORD = "\n".join(f"{0.01 * k:.2f} {0.1 * (-1) ** k * k / 100:.6f}" for k in ra
 
 def test_a_record_is_kept_with_the_records_and_drawn(session):
     found = session.receive("quake.csv", "record", RECORD)
-    assert (found["name"], found["step"], found["pga"]) == ("records/quake.csv", 0.01, pytest.approx(0.299))
+    assert (found["name"], found["step"], found["unit"]) == ("records/quake.csv", 0.01, "g")
+    assert found["pga"] == pytest.approx(0.299)
     assert len(found["time"]) == len(found["acceleration"])
     assert session.receive("quake.csv", "record", RECORD)["name"] == "records/quake.csv"
     other = session.receive("quake.csv", "record", RECORD[: len(RECORD) // 2].rsplit(b"\n", 1)[0])
