@@ -74,7 +74,8 @@ def live(session: Session, sent: Sent) -> dict[str, Any]:
 
 def record(session: Session, sent: Sent) -> dict[str, Any]:
     """Return a(t) and Sa(T) of a record of the project."""
-    return session.look("record", inside(session.project, _given(sent, "name", str)))
+    path, step = inside(session.project, _given(sent, "name", str)), sent.get("time_step")
+    return session.look("record", path, time_step=step if isinstance(step, float | int) else None)
 
 
 def run(session: Session, sent: Sent) -> None:

@@ -20,6 +20,7 @@ from assessment.runtime.terminal.console import say, tell
 
 HOST = "127.0.0.1"
 IDLE = 60  # s, after which a connection without questions ends
+QUIET = {"log_level": "critical", "server_header": False, "lifespan": "off"}
 
 
 def serve(folder: Path | None, port: int, browser: bool) -> None:
@@ -29,36 +30,27 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     or a port that is taken.
     """
     session = Session(Path.cwd(), folder)
-    if session.folder is not None and (running := _running(session.folder)):
-        say(running)
-        if browser:
-            webbrowser.open(running)
-        return
-    listening = _listening(port)
-    port, token = listening.getsockname()[1], secrets.token_urlsafe(24)
-    address = f"http://{HOST}:{port}/?token={token}"
-    config = uvicorn.Config(
-        application(session, port, token),
-        log_level="critical",
-        timeout_keep_alive=IDLE,
-        timeout_graceful_shutdown=1,
-        server_header=False,
-        lifespan="off",
-    )
+    place = session.folder / OWN / "at" if session.folder else None
+    known = _running(place) if place else None
+    listening = None if known else _listening(port)
+    token = secrets.token_urlsafe(24)
+    address = known or f"http://{HOST}:{listening.getsockname()[1] if listening else 0}/?token={token}"
     say(address)
+    if browser:
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    if listening is None:
+        return
     tell("Ctrl-C ends it; a run that it has started goes on")
-    place = session.folder and session.folder / OWN / "at"
-    if place:
-        _leave(place, address)
     threading.Thread(
         target=session.worker.begin, daemon=True
     ).start()  # its imports take longer than the page
-    if browser:
-        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    served = application(session, listening.getsockname()[1], token)
+    config = uvicorn.Config(served, timeout_keep_alive=IDLE, timeout_graceful_shutdown=1, **QUIET)  # type: ignore[arg-type]
     try:
-        uvicorn.Server(config).run([listening])
-    except KeyboardInterrupt:
-        pass
+        if place:
+            _leave(place, address)
+        with suppress(KeyboardInterrupt):
+            uvicorn.Server(config).run([listening])
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         session.close()
@@ -83,12 +75,11 @@ def _leave(place: Path, address: str) -> None:
         place.write_text(address, encoding="utf-8")
 
 
-def _running(folder: Path) -> str | None:
+def _running(place: Path) -> str | None:
     """Return the address of a server that shows the folder already."""
-    try:
-        address = (folder / OWN / "at").read_text(encoding="utf-8").strip()
+    with suppress(OSError, ValueError):
+        address = place.read_text(encoding="utf-8").strip()
         port = int(address.removeprefix(f"http://{HOST}:").partition("/")[0])
         socket.create_connection((HOST, port), 0.5).close()
-    except (OSError, ValueError):
-        return None
-    return address
+        return address
+    return None

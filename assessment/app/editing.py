@@ -118,20 +118,11 @@ class History:
         Raises ConflictError where the file is another one by now, ProjectError as `edited` and for a file that is no
         TOML, OSError where a file cannot be written: nothing is changed then.
         """
-        before = self.file.read_bytes()
-        if digest_of(before) != digest:
-            raise ConflictError(f"{TOML} was changed elsewhere")
+        before = self._known(digest)
         read_toml(self.file)  # what is refused here is nothing to parse
         after = edited(before.decode("utf-8-sig"), changes).encode()
         if after != before:
-            at = self._taken_in(before)
-            for version in self._versions():
-                if version > at:
-                    self._path(version).unlink()
-            write_atomically(self._path(at + 1), after)
-            self._go_to(at + 1, after)
-            for version in self._versions()[:-VERSIONS]:
-                self._path(version).unlink()
+            self._go_to(self._added(self._taken_in(before), after))
         return digest_of(after)
 
     def step(self, by: int, digest: str) -> str:
@@ -140,47 +131,52 @@ class History:
         What was changed elsewhere is taken in as a version first. Raises ConflictError as `write`, ProjectError where
         there is no such version.
         """
-        before = self.file.read_bytes()
-        if digest_of(before) != digest:
-            raise ConflictError(f"{TOML} was changed elsewhere")
-        to = self._taken_in(before) + by
+        to = self._taken_in(self._known(digest)) + by
         if to not in self._versions():
             raise ProjectError(f"{TOML}: nothing to {'undo' if by < 0 else 'redo'}")
-        after = self._path(to).read_bytes()
-        self._go_to(to, after)
-        return digest_of(after)
+        return digest_of(self._go_to(to))
 
     def steps(self) -> tuple[bool, bool]:
         """Return whether there is a version to go back to, and one to go forward to."""
         versions, at = self._versions(), self._at()
-        if at is None:
-            return False, False
-        same = self.file.is_file() and self._path(at).read_bytes() == self.file.read_bytes()
-        return not same or at - 1 in versions, same and at + 1 in versions
+        same = (
+            at in versions and self.file.is_file() and self._path(at).read_bytes() == self.file.read_bytes()
+        )
+        return at in versions and (not same or at - 1 in versions), same and at + 1 in versions
+
+    def _known(self, digest: str) -> bytes:
+        content = self.file.read_bytes()
+        if digest_of(content) != digest:
+            raise ConflictError(f"{TOML} was changed elsewhere")
+        return content
 
     def _taken_in(self, present: bytes) -> int:
         """Return the number of the present version, which is made one where it is not the one at which undo is."""
         at = self._at()
-        if at is not None and self._path(at).read_bytes() == present:
+        if at in self._versions() and self._path(at).read_bytes() == present:
             return at
-        for version in self._versions():
-            if at is not None and version > at:
-                self._path(version).unlink()
-        number = 1 if at is None else at + 1
-        write_atomically(self._path(number), present)
-        write_atomically(self.folder / "at", str(number).encode())
+        write_atomically(self.folder / "at", str(number := self._added(at, present)).encode())
         return number
 
-    def _go_to(self, number: int, content: bytes) -> None:
+    def _added(self, at: int, content: bytes) -> int:
+        """Keep a version after another one, in the place of those that came after it; return its number."""
+        for version in self._versions():
+            if version > at or version <= at + 1 - VERSIONS:
+                self._path(version).unlink()
+        write_atomically(self._path(at + 1), content)
+        return at + 1
+
+    def _go_to(self, number: int) -> bytes:
+        content = self._path(number).read_bytes()
         write_atomically(self.file, content)
         write_atomically(self.folder / "at", str(number).encode())
+        return content
 
-    def _at(self) -> int | None:
-        try:
-            at = int((self.folder / "at").read_bytes())
-        except (OSError, ValueError):
-            return None
-        return at if self._path(at).is_file() else None
+    def _at(self) -> int:
+        """Return the number of the version that undo is at, 0 where there is none."""
+        with suppress(OSError, ValueError):
+            return int((self.folder / "at").read_bytes())
+        return 0
 
     def _versions(self) -> list[int]:
         return sorted(int(path.stem) for path in self.folder.glob("*.toml") if path.stem.isdecimal())

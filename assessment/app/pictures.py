@@ -37,10 +37,7 @@ if TYPE_CHECKING:
 MENDABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
 SAMPLES = 2000  # of a record that are drawn
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
-NAMED = {
-    "Millimeters": "mm",
-    "Centimeters": "cm",
-}  # as DXF names them; of one in metres there is nothing to warn of
+NAMED = {"Millimeters": "mm", "Centimeters": "cm"}  # as DXF names them; of metres nothing is warned of
 LONGEST = 100.0  # m: of a structure in a drawing that names no unit
 PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150)])  # s
 
@@ -48,46 +45,30 @@ PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150
 def model_picture(folder: Path) -> dict[str, Any]:
     """Return what the drawing of a project is: its blocks and joints, or its outlines and faults; and warnings.
 
-    Lengths in m. `error`: why a run would refuse the project beside the faults; `self_weight`: whether it stands,
-    None where that is not known. Raises ProjectError where the keys of the project file are wrong.
+    Lengths in m. `error`: why a run would refuse the project; `self_weight`: whether it stands, None where that is not
+    known. Raises ProjectError where the keys of the project file are wrong.
     """
     project, contradictions = survey_project(folder)
-    found: dict[str, Any] = {
-        "faults": [],
-        "warnings": [],
-        "joints": [],
-        "self_weight": None,
-        "repairable": False,
-    }
+    found: dict[str, Any] = {"faults": [], "warnings": [], "joints": [], "repairable": False}
+    found |= {"error": None, "self_weight": None}
     try:
         model = build_model(project)
+        found |= _blocks(model.assembly)
+        if contradictions is not None:
+            raise contradictions
+        check = checked(project, model)
+        found["warnings"] = [told(text) for text in check.warnings]
+        found["self_weight"] = check.results.model.self_weight_stable
     except FaultyDrawingError as faulty:
-        found["faults"] = [
-            {
-                "kind": fault.kind,
-                "text": fault.text,
-                "points": _short(fault.points),
-                "lines": [_short(line) for line in fault.lines],
-            }
-            for fault in faulty.faults
-        ]
-        found["repairable"] = bool(MENDABLE & {fault.kind for fault in faulty.faults}) and repairable(project)
-        return found | _outlined(faulty.outlines) | {"error": error_text(faulty)}
+        mendable = bool(MENDABLE & {fault.kind for fault in faulty.faults}) and repairable(project)
+        found |= _outlined(faulty.outlines) | {"error": error_text(faulty), "repairable": mendable}
+        for fault in faulty.faults:
+            places = {"points": _short(fault.points), "lines": [_short(line) for line in fault.lines]}
+            found["faults"].append({"kind": fault.kind, "text": fault.text} | places)
     except (ValueError, OSError) as error:
         if not is_input_error(error):
             raise
-        return found | _outlined(_readable_outlines(project)) | {"error": error_text(error)}
-    found |= _blocks(model.assembly)
-    found["error"] = None if contradictions is None else error_text(contradictions)
-    if contradictions is None:
-        try:
-            check = checked(project, model)
-            found["warnings"] = [told(text) for text in check.warnings]
-            found["self_weight"] = check.results.model.self_weight_stable
-        except (ValueError, OSError) as error:
-            if not is_input_error(error):
-                raise
-            found["error"] = error_text(error)
+        found = _outlined(_readable_outlines(project)) | found | {"error": error_text(error)}
     return found
 
 
@@ -99,40 +80,20 @@ def _readable_outlines(project: Project) -> tuple[Outline, ...]:
 
 def _outlined(outlines: tuple[Outline, ...]) -> dict[str, Any]:
     """Return the outlines of a drawing that is no assembly, in the place of blocks."""
-    blocks = [
-        {
-            "at": _short(each.points),
-            "layer": each.layer,
-            "support": each.support or None,
-            "open": not each.closed,
-        }
-        for each in outlines
-    ]
+    blocks = []
+    for each in outlines:
+        role = {"layer": each.layer, "support": each.support or None, "open": not each.closed}
+        blocks.append({"at": _short(each.points)} | role)
     return {"blocks": blocks, "layers": Counter(each.layer for each in outlines)}
 
 
 def _blocks(assembly: Assembly) -> dict[str, Any]:
-    blocks = [
-        {
-            "at": _short(block.polygon),
-            "centre": _short(block.centroid),
-            "layer": block.layer,
-            "support": block.support,
-            "weight": float(f"{block.weight:.6g}"),
-            "depth": block.depth,
-            "friction": min(block.material.friction, 1e9),
-        }
-        for block in assembly.blocks
-    ]
-    joints = zip(
-        assembly.joints.a.tolist(), assembly.joints.b.tolist(), _short(assembly.joints.ends), strict=True
-    )
-    return {
-        "blocks": blocks,
-        "joints": [{"blocks": [a, b], "at": ends} for a, b, ends in joints],
-        "layers": Counter(block.layer for block in assembly.blocks),
-        "weight": assembly.weight,
-    }
+    blocks = []
+    for block in assembly.blocks:
+        role = {"layer": block.layer, "support": block.support, "weight": float(f"{block.weight:.6g}")}
+        blocks.append({"at": _short(block.polygon), "centre": _short(block.centroid)} | role)
+    joints = [{"at": ends} for ends in _short(assembly.joints.ends)]
+    return {"blocks": blocks, "joints": joints, "layers": Counter(block.layer for block in assembly.blocks)}
 
 
 def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
@@ -149,29 +110,20 @@ def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
 
 
 def record_picture(path: Path, time_step: float | None = None) -> dict[str, Any]:
-    """Return a(t) of a record, g, and its Sa(T), g, at 5 % damping; raise RecordError for a file that is none."""
+    """Return a(t) of a record, g, and its Sa(T), g, at 5 % damping. Raises RecordError for a file that is none."""
     record = read_record(path, time_step)
-    every = max(1, 2 * (record.acceleration.size // SAMPLES))
-    whole = record.acceleration[: every * (record.acceleration.size // every)].reshape(-1, every)
-    # the lowest and the highest of some samples: a peak is never left out
-    shown = (
-        record.acceleration
-        if every == 1
-        else np.stack([whole.min(axis=1), whole.max(axis=1)], axis=1).ravel()
-    )
-    time = np.linspace(0.0, record.duration, len(shown))
-    strong = record.arias_window()
-    return {
-        "name": record.name,
-        "unit": record.unit,
-        "step": record.time_step,
-        "duration": record.duration,
-        "pga": record.pga,
-        "arias": list(strong),
-        "time": _short(time),
-        "acceleration": _short(shown),
+    a, every = record.acceleration, 2 * (record.acceleration.size // SAMPLES)
+    if every > 0:  # the lowest and the highest of some samples: a peak is never left out
+        parts = a[: every * (a.size // every)].reshape(-1, every)
+        a = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).ravel()
+    keys = {key: getattr(record, key) for key in ("name", "unit", "time_step", "duration", "pga")}
+    spectrum = response_spectrum(record.acceleration, record.time_step, PERIODS)[0]
+    return keys | {
+        "arias": list(record.arias_window()),
+        "time": _short(np.linspace(0.0, record.duration, len(a))),
+        "acceleration": _short(a),
         "periods": _short(PERIODS),
-        "Sa": _short(response_spectrum(record.acceleration, record.time_step, PERIODS)[0]),
+        "Sa": _short(spectrum),
     }
 
 
@@ -180,14 +132,11 @@ def spectrum_picture(folder: Path) -> dict[str, Any]:
     project = load_project(folder)
     if project.assessment is None or project.assessment.spectrum != "ntc":
         return {"periods": [], "spectra": {}}
-    spectra = demand_spectra(project).spectra
-    return {
-        "periods": _short(PERIODS),
-        "spectra": {
-            name: {"Se": _short(each.acceleration(PERIODS)), "ag": each.ag, "S": each.S}
-            for name, each in spectra.items()
-        },
+    spectra = {
+        name: {"Se": _short(each.acceleration(PERIODS)), "ag": each.ag, "S": each.S}
+        for name, each in demand_spectra(project).spectra.items()
     }
+    return {"periods": _short(PERIODS), "spectra": spectra}
 
 
 def told(text: str) -> dict[str, str]:
@@ -212,11 +161,7 @@ def drawing_picture(path: Path) -> dict[str, Any]:
     named = [NAMED.get(str(warning.fields["own"])) for warning in found.warnings if "own" in warning.fields]
     fitting = [unit for unit, metres in METRES.items() if metres * size.max() <= LONGEST]
     unit = next(filter(None, named), None) or (fitting or ["mm"])[0]
-    return {
-        "layers": Counter(each.layer for each in found.outlines),
-        "size": size.tolist(),
-        "unit": unit,
-    }
+    return {"layers": Counter(each.layer for each in found.outlines), "size": size.tolist(), "unit": unit}
 
 
 def grid_picture(path: Path) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 import traceback
+from contextlib import suppress
 from functools import partial
 from hmac import compare_digest
 from importlib.resources import files
@@ -26,16 +27,10 @@ if TYPE_CHECKING:
 
     from assessment.app.session import Session
 
-STATIC = {
-    "app.css": "text/css",
-    **dict.fromkeys(("app.js", "drawing.js", "form.js", "panels.js", "charts.js"), "text/javascript"),
-}
-SHOWN = {  # files of a project and of its output that a page may show
-    ".html": "text/html", ".pdf": "application/pdf", ".svg": "image/svg+xml", ".png": "image/png",
-    ".jpg": "image/jpeg", ".jpeg": "image/jpeg", ".gif": "image/gif", ".csv": "text/csv", ".json": "application/json",
-    ".docx": "application/vnd.openxmlformats-officedocument.wordprocessingml.document",
-    ".md": "text/plain", ".dxf": "application/dxf",
-}  # fmt: skip
+SCRIPTS = ("app.js", "drawing.js", "form.js", "panels.js", "charts.js")
+STATIC = {"app.css": "text/css", **dict.fromkeys(SCRIPTS, "text/javascript")}
+# files of a project and of its output that a page may show
+SHOWN = {".html", ".pdf", ".docx", ".md", ".svg", ".png", ".jpg", ".jpeg", ".gif", ".csv", ".json", ".dxf"}
 MOST_SENT, MOST_DROPPED = 2_000_000, 50_000_000  # bytes of a question, and of a file
 PAGE = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -45,10 +40,10 @@ FRAME = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data:; font-src data:; form-action 'none'; base-uri 'none'; frame-ancestors 'self'"
 )
-HEADERS = {
-    "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
-    "Cross-Origin-Resource-Policy": "same-origin", "Cross-Origin-Opener-Policy": "same-origin",
-}  # fmt: skip
+HEADERS = [
+    (b"x-content-type-options", b"nosniff"), (b"referrer-policy", b"no-referrer"), (b"cache-control", b"no-store"),
+    (b"cross-origin-resource-policy", b"same-origin"), (b"cross-origin-opener-policy", b"same-origin"),
+]  # fmt: skip
 
 
 class TooLargeError(Exception):
@@ -68,12 +63,6 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
         response.set_cookie(cookie, key, httponly=True, samesite="strict", path="/")
         return response
 
-    def file(request: Request) -> Response:
-        return _file(session, request.path_params["place"], request.path_params["name"])
-
-    async def question(request: Request) -> Response:
-        return await _question(session, request)
-
     async def drop(request: Request) -> Response:
         name, kind = request.path_params["name"], request.query_params.get("kind", "")
         content = await _body(request, MOST_DROPPED)
@@ -82,9 +71,9 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
     routes = [
         Route("/", page, methods=["GET"]),
         Route("/static/{name}", _static, methods=["GET"]),
-        Route("/{place:str}/{name:path}", file, methods=["GET"]),
+        Route("/{place:str}/{name:path}", partial(_file, session), methods=["GET"]),
         Route("/file/{name:path}", drop, methods=["PUT"]),
-        Route("/{name:str}", question, methods=["POST"]),
+        Route("/{name:str}", partial(_question, session), methods=["POST"]),
     ]
     served = Starlette(routes=routes, exception_handlers={TooLargeError: _too_large})
 
@@ -93,9 +82,7 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
 
         async def headed(message: Any) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] += [
-                    (name.lower().encode(), text.encode()) for name, text in HEADERS.items()
-                ]
+                message["headers"] += HEADERS
             await send(message)
 
         if scope["type"] == "http":
@@ -106,12 +93,8 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
 
 
 def _static(request: Request) -> Response:
-    name = request.path_params["name"]
-    return (
-        Response(_template(name), media_type=STATIC[name])
-        if name in STATIC
-        else _refused("no such file", 404)
-    )
+    kind = STATIC.get(name := request.path_params["name"])
+    return Response(_template(name), media_type=kind) if kind else _refused("no such file", 404)
 
 
 async def _question(session: Session, request: Request) -> Response:
@@ -140,11 +123,8 @@ def _refusal(request: Request, port: int, cookie: str, key: str) -> Response | N
         return _refused("asked from another page", 403)
     if request.headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
         return _refused("asked from another page", 403)
-    if (
-        request.url.path != "/"
-        and not request.url.path.startswith("/static/")
-        and not _has(request, cookie, key)
-    ):
+    open_to_all = request.url.path == "/" or request.url.path.startswith("/static/")  # "/" asks for the token
+    if not open_to_all and not _has(request, cookie, key):
         return _refused("open the address that assesto app has printed", 403)
     return None
 
@@ -187,31 +167,28 @@ def _answered(session: Session, ask: Any) -> Response:
 def _bug(session: Session, text: str, detail: str) -> Response:
     number = secrets.token_hex(3)
     if session.folder is not None and detail:
-        try:
-            path = session.folder / OWN / "faults"
-            path.parent.mkdir(exist_ok=True)
-            with path.open("a", encoding="utf-8") as log:
-                log.write(f"{number}\n{detail}\n")
-        except OSError:
-            pass
+        log = session.folder / OWN / "faults"
+        with suppress(OSError):
+            log.parent.mkdir(exist_ok=True)
+            with log.open("a", encoding="utf-8") as file:
+                file.write(f"{number}\n{detail}\n")
     return _refused(f"internal error {number}: {text}", 500)
 
 
-def _file(session: Session, place: str, name: str) -> Response:
+def _file(session: Session, request: Request) -> Response:
     """Return a file of the output or of the project, in a frame of its own origin; 404 for everything else."""
     try:
-        top = {"output": session.project / "output", "files": session.project}[place]
-        path = inside(top, name)
-        kind = SHOWN[path.suffix.lower()]
+        places = {"output": session.project / "output", "files": session.project}
+        path = inside(places[request.path_params["place"]], request.path_params["name"])
     except (KeyError, ProjectError):
         return _refused("no such file", 404)
-    return FileResponse(path, media_type=kind, headers={"Content-Security-Policy": FRAME})
+    if path.suffix.lower() not in SHOWN:
+        return _refused("no such file", 404)
+    return FileResponse(path, headers={"Content-Security-Policy": FRAME})
 
 
 def _refused(text: str, status: int) -> Response:
-    if status in (403, 404):
-        return PlainTextResponse(text, status)
-    return JSONResponse({"ok": False, "error": text}, status)
+    return PlainTextResponse(text, status) if status in (403, 404) else JSONResponse({"error": text}, status)
 
 
 def _template(name: str) -> bytes:

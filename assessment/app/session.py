@@ -166,10 +166,10 @@ class Session:
         """Return the place of a drawing that is dropped without a project. Raises ProjectError as `file_name`."""
         return Path(self.staging.name) / file_name(name)
 
-    def look(self, kind: str, path: Path) -> dict[str, Any]:
+    def look(self, kind: str, path: Path, **more: Any) -> dict[str, Any]:
         """Return the picture of a file of some kind. Raises ProjectError where it cannot be read as one."""
         try:
-            return dict(self.worker.ask(kind, path=path))
+            return dict(self.worker.ask(kind, path=path, **more))
         except ProjectError as error:
             raise ProjectError(str(error).replace(f"{path.parent}{os.sep}", "")) from None
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 
 if TYPE_CHECKING:
+    from assessment.project.structure.model import ProjectModel
     from mechanics import Following
 
 LIMITS = {"model": 120.0, "live": 30.0, "repair": 300.0}  # s, of an answer
@@ -120,6 +121,7 @@ class Live:
 
     def __init__(self) -> None:
         self.key: tuple[str, str] | None = None
+        self.model: ProjectModel | None = None
         self.follow: Following | None = None
 
     def answer(
@@ -151,22 +153,23 @@ class Live:
                 more, steps = follow.advance(), steps + 1
         except MechanicsError as error:
             raise ProjectError(str(error)) from None
-        return followed(follow) | {
-            "there": not more and follow.stopped is None,
-            "cost": (time.perf_counter() - began) / max(steps, 1),
-        }
+        cost = (time.perf_counter() - began) / max(steps, 1)
+        return followed(follow) | {"there": not more and follow.stopped is None, "cost": cost}
 
     def _begun(self, folder: Path, tag: str, support: str, whole: bool) -> Following:
+        """Return the structure as drawn, with the ties that are there as the support moves."""
         from assessment.project.project import survey_project
+        from assessment.project.schema import ORIGINAL
         from assessment.project.structure.model import build_model
         from mechanics import Following
 
-        project, _ = survey_project(folder)
-        known = self.follow is not None and self.key is not None and self.key[0] == tag
-        model = self.follow.model if self.follow and known else build_model(project).assembly
-        steps = [each.increment_m for each in project.settlements if each.support == support] or [1e-3]
-        pixel = 0.0 if whole else model.size / 50.0
-        return Following(model, support, sliding=project.contacts.sliding, increment=max(steps[0], pixel))
+        project = survey_project(folder)[0]
+        if self.model is None or self.key is None or self.key[0] != tag:
+            self.model = build_model(project)
+        own = next((each for each in project.settlements if each.support == support and not each.after), None)
+        model = self.model.states[own.name if own else ORIGINAL].settling
+        step = max(own.increment_m if own else 1e-3, 0.0 if whole else model.size / 50.0)
+        return Following(model, support, sliding=project.contacts.sliding, increment=step)
 
 
 def followed(follow: Following) -> dict[str, Any]:

@@ -235,7 +235,7 @@ const release = async () => {
   root().dataset.settled = "awaited";
   const answer = await straight(support, fine(target));
   if (!answer) return;
-  const [x, z, turn] = fine(answer.at), index = (content().settlements ?? []).findIndex((each) => each.support === support);
+  const [x, z, turn] = fine(answer.at), index = (content().settlements ?? []).findIndex((each) => each.support === support && !each.after);
   if (index >= 0) await edit([[["settlements", index, "displacement_m"], [x, z]], [["settlements", index, "rotation_rad"], turn || null]]);
   else await add("settlements", { name: freeName("settlements", `${support} `), support, displacement_m: [x, z], ...(turn ? { rotation_rad: turn } : {}) });
   root().dataset.settled = "written";

@@ -89,7 +89,7 @@ const hypotheses = () => {  // which movements of which supports may explain wha
 };
 const settlementsPanel = () => [el("p", { className: "note" }, w("settlements_help")),
   ...sections(["settlements"], { settlements: { first: ["name", "support", "displacement_m", "rotation_rad", "to_collapse"], entry: () => ({ name: freeName("settlements", `${w("movement")} `) }),
-    extra: (each) => button(w("show_preview"), () => straight(each.support, [...(each.displacement_m ?? [0, 0]), each.rotation_rad ?? 0]), { disabled: !ready(), "data-preview": each.name }) } }),
+    extra: (each) => button(w("show_preview"), () => straight(each.support, [...(each.displacement_m ?? [0, 0]), each.rotation_rad ?? 0]), { disabled: !ready() || Boolean(each.after), "data-preview": each.name }) } }),
   ...sections(["tie", "strengthening"]), ...(content().identification ? [] : sections(["identification"], { identification: { entry: () => ({ hypotheses: [{ [supports()[0] ?? ""]: ["x", "z"] }] }) } })),
   ...(content().identification ? [...sections(["identification"], { identification: { leave: ["hypotheses"] } }), ...hypotheses()] : []), ...sections(["measurement"])];
 
@@ -113,7 +113,7 @@ const earthquakeWide = () => {
       ...read.map(([each, , found]) => ({ label: found.name, x: found.periods, y: found.Sa.map((a) => a * Math.abs(each.scale ?? 1)) }))])] : []),
     ...read.map(([each, k, found]) => {
       const own = each.window_s === "arias" ? found.arias : each.window_s ?? [0, 0];
-      return chart(`${found.name} · PGA ${number(found.pga * Math.abs(each.scale ?? 1))} g · ${number(found.step)} s · ${number(found.duration)} s${found.unit ? ` · ${found.unit}` : ""} · ${w("window_help")}`, "t [s]", "a [g]",
+      return chart(`${found.name} · PGA ${number(found.pga * Math.abs(each.scale ?? 1))} g · ${number(found.time_step)} s · ${number(found.duration)} s${found.unit ? ` · ${found.unit}` : ""} · ${w("window_help")}`, "t [s]", "a [g]",
         [{ label: found.name, x: found.time, y: found.acceleration }], { from: own[0], to: own[1], set: (window) => edit([[["history", k, "window_s"], window]]) });
     })];
 };

@@ -238,7 +238,7 @@ RECORD = "\n".join(f"{0.01 * k:.2f} {0.1 * (-1) ** k * k / 100:.6f}" for k in ra
 
 def test_a_record_is_kept_with_the_records_and_drawn(session):
     found = session.receive("quake.csv", "record", RECORD)
-    assert (found["name"], found["step"], found["unit"]) == ("records/quake.csv", 0.01, "g")
+    assert (found["name"], found["time_step"], found["unit"]) == ("records/quake.csv", 0.01, "g")
     assert found["pga"] == pytest.approx(0.299)
     assert len(found["time"]) == len(found["acceleration"])
     assert session.receive("quake.csv", "record", RECORD)["name"] == "records/quake.csv"
