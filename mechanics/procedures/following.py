@@ -37,6 +37,9 @@ class Following:
     structure as drawn cannot stand, ArgumentError for an argument out of its range.
     """
 
+    fallen: bool
+    stopped: Message | None
+
     def __init__(
         self,
         model: Assembly,
@@ -53,13 +56,9 @@ class Following:
         self.system = static_system(model, contacts, sliding)
         self.smallest = 0.0 if self.system.rigid else rest_size(model, contacts)
         self.equilibrium: Equilibrium = rest(self.system, model.initial)
-        self.reached = np.zeros(3)
-        self.fallen, self.stopped = False, None
-        self._target, self._steps = np.zeros(3), Bisection(increment)
-        self._rate, self._direction = np.zeros_like(model.initial.positions), np.zeros(3)
-
-    fallen: bool
-    stopped: Message | None
+        self.reached, self._direction = np.zeros(3), np.zeros(3)
+        self._rate = np.zeros_like(model.initial.positions)
+        self.aim((0.0, 0.0))
 
     @property
     def reaction(self) -> Array:
@@ -80,7 +79,7 @@ class Following:
             try:
                 self.equilibrium = motion_to_rest(problem, step.state.positions)
             except (NoEquilibriumError, ConvergenceError) as error:
-                self.fallen, self.stopped = isinstance(error, RunawayError), error.message
+                self._stop(error)
         return self.equilibrium.state
 
     def aim(self, displacement: ArrayLike, rotation: float = 0.0) -> None:
@@ -95,16 +94,16 @@ class Following:
     def advance(self) -> bool:
         """Take one step towards the target; return whether another one is to follow."""
         way, last = self._target - self.reached, self.equilibrium
-        length = self._length(way)
+        # its largest component, or the arc of the support's farthest corner
+        arc = whole_movement(self.model, self.support, (0.0, 0.0), float(way[2]))
+        length = max(float(abs(way[:2]).max()), arc)
         if self.stopped is not None or length <= PUSHDOWN.least * self.model.size:
             return False
         by = min(self._steps.length, length)
-        next_ = self.reached + by / length * way
+        at = self.reached + by / length * way
         straight = float(self._direction @ way) > STRAIGHT * np.linalg.norm(way)
         past = self._rate if straight else np.zeros_like(self._rate)
-        guess = self.model.moved_support(
-            last.state.positions + past * by, self.support, next_[:2], float(next_[2])
-        )
+        guess = self.model.moved_support(last.state.positions + past * by, self.support, at[:2], float(at[2]))
         expected = max(by, self.smallest)
         self.system = self.system.around(last.state.positions, PUSHDOWN.look_ahead * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
@@ -112,17 +111,15 @@ class Following:
             found, jumped = reach(problem, guess, last if past.any() else None, self._steps.shortest)
         except (NoEquilibriumError, ConvergenceError) as error:
             if not self._steps.shorter():
-                self.fallen, self.stopped = isinstance(error, RunawayError), error.message
+                self._stop(error)
             return self.stopped is None
         self._steps.longer(jumped)
         if by > 0.05 * self.increment:  # the rate of a shorter step is mostly rounding
             rate = (found.state.positions - last.state.positions) / by
             self._rate = np.zeros_like(rate) if jumped else rate
         self._direction = way / np.linalg.norm(way)
-        self.equilibrium, self.reached = found, self._target.copy() if by == length else next_
+        self.equilibrium, self.reached = found, self._target.copy() if by == length else at
         return by < length
 
-    def _length(self, way: Array) -> float:
-        """Return the length (m) of a way of the support: its largest component, or the arc of its farthest corner."""
-        arc = whole_movement(self.model, self.support, (0.0, 0.0), float(way[2]))
-        return max(float(abs(way[:2]).max()), arc)
+    def _stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
+        self.fallen, self.stopped = isinstance(error, RunawayError), error.message
