@@ -305,10 +305,10 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
     Semicolons separate wherever there are any; commas separate where points are used for decimals, cells are quoted or
     the heading holds commas too; in all other cases blanks separate and a comma is a decimal comma.
     """
-    start = next((n for n, line in enumerate(text.lines) if _numeric(line)), None)
+    if text.lines == [""]:
+        raise text.error(1, "fewer than two samples; the file is empty")
+    start = next((n for n, line in enumerate(text.lines[:HEADER_LINES]) if _numeric(line)), None)
     if start is None:
-        if text.lines == [""]:
-            raise text.error(1, "fewer than two samples; the file is empty")
         raise text.error(1, f"{text.lines[0].strip()[:SHOWN]!r}: no line of numbers follows; {SUPPORTED}")
     body = "\n".join(text.lines[start:])
     cells, separator = _cells(body, text.head[start - 1] if start else "")

@@ -313,6 +313,10 @@ FAULTS = {
         esm().replace("KEY_9: ", "DATA_TYPE: ACCELERATION RESPONSE SPECTRUM"),
         "DATA_TYPE is 'ACCELERATION RESPONSE SPECT",
     ),
+    "prose of many lines": (
+        heading("word\n" * 120 + "t,a [m/s2]"),
+        "line 1: 'word': no line of numbers follows",
+    ),
     "v2 cut": (v2(n=20), "line 8: 12 values where the V2 file says 20"),
     "v2 of two channels": (
         v2(channels=2),
