@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.motions import history_motions, records_of
+from assessment.project.motions import described, history_motions, records_of
 from assessment.project.project import load_project
 from assessment.workflow.dynamic import read_motions
+from mechanics import RecordError
 from tests.support.block_project import PROJECT, write_block
 
 TIME = 0.005 * np.arange(5001)
@@ -59,6 +60,39 @@ def test_a_record_that_is_not_understood_is_refused_by_name(tmp_path, capsys, he
     assert main(["check", str(folder)]) == 2
     error = capsys.readouterr().err
     assert error.startswith(f"error: {folder / 'wave.csv'}: line 1: ") and said in error
+
+
+RECORDS_UNITS = {
+    "time (s),acceleration (ms-2)": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "Time_s,Acc_m_s2": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "time,accel_mps2": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "Time(s),Acc(gals)": "PGA 0.00327 g, step 0.005 s, 25.0 s, unit gal",
+    "t [s],a [mg]": "PGA 0.00321 g, step 0.005 s, 25.0 s, unit mg",
+    "t [s],a [m·s⁻²]": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "t,a (m per s2)": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "t s,a m s^-2": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "t(s),a(%g)": "PGA 0.0321 g, step 0.005 s, 25.0 s, unit % g",
+    "Time[sec],Acc[ft/sec2]": "PGA 0.0997 g, step 0.005 s, 25.0 s, unit ft/s²",
+    "Time[sec],Acc[m/s2]": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
+    "t,in/s2": "PGA 0.00831 g, step 0.005 s, 25.0 s, unit in/s²",
+    "time [ms],a [m/s/s]": "PGA 0.327 g, step 5e-06 s, 0.0 s, unit m/s²",
+    "Tempo [s],Accelerazione [cm/s²]": "PGA 0.00327 g, step 0.005 s, 25.0 s, unit cm/s²",
+}
+
+
+@pytest.mark.parametrize("heading", RECORDS_UNITS)
+def test_records_units(tmp_path, heading):
+    folder = _block(tmp_path / "block", HISTORY, heading=heading)
+    [record] = records_of(load_project(folder))
+    assert described(record) == f"record wave: {RECORDS_UNITS[heading]}"
+
+
+@pytest.mark.parametrize("damaged", ["O.00 0.5", "0.00 O.5", "O.00 O.5", "0.00", "0,00 0.5 x"])
+def test_record_first_line_lost(tmp_path, damaged):
+    folder = _block(tmp_path / "block", HISTORY)
+    (folder / "wave.csv").write_text(f"{damaged}\n0.01 -0.100\n0.02 0.000\n0.03 0.1\n", encoding="utf-8")
+    with pytest.raises(RecordError, match=r"wave\.csv: line [12]: "):
+        records_of(load_project(folder))
 
 
 def test_a_record_too_strong_for_its_unit_is_doubted(tmp_path):
