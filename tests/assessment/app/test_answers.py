@@ -113,7 +113,9 @@ def test_a_spreadsheet_is_shown_not_written_and_can_be_converted(tmp_path, worke
     assert changed(session, [["title"], "Two"])["digest"]
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="needs rights that can be taken away")
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="needs rights that can be taken away"
+)
 def test_a_folder_without_rights_is_told(session):
     session.folder.chmod(0o500)
     with pytest.raises(OSError, match="Permission"):
