@@ -15,6 +15,13 @@ def finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
+def ratio_decimals(value: float, decimals: int = 2) -> int:
+    """Return the decimals of a ratio that is compared with 1: those, or more where they tell the wrong side of it."""
+    while (float(f"{value:.{decimals}f}") >= 1.0) != (value >= 1.0) and decimals < 15:
+        decimals += 1
+    return decimals
+
+
 def plain(value: Any) -> Any:
     """Return a value in dictionaries, lists, strings and Python's own numbers; null for NaN and infinity.
 

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from markupsafe import Markup
 
+from assessment.results.plain import ratio_decimals
 from assessment.results.schema import Results
 
 LANGUAGES = ("it", "en")
@@ -79,10 +80,7 @@ class Words:
         """Write what is compared with 1: two decimals, more where they would not tell on which side of 1 it is."""
         if abs(value) >= 10.0 or value == 0.0:
             return self.number(value)
-        decimals = 2 - min(0, math.floor(math.log10(abs(value))) + 1)
-        while (float(f"{value:.{decimals}f}") >= 1.0) != (value >= 1.0) and decimals < 15:
-            decimals += 1
-        return self.rounded(value, decimals)
+        return self.rounded(value, ratio_decimals(value, 2 - min(0, math.floor(math.log10(abs(value))) + 1)))
 
     def per_cent(self, share: float) -> str:
         """Write a share in per cent, without the sign: two digits, and one decimal at most."""

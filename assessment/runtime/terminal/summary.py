@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from assessment.ntc.limit_states import INDEXED
 from assessment.results.echo import turns
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines
-from assessment.results.plain import plain
+from assessment.results.plain import plain, ratio_decimals
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, StrengtheningRow
 from assessment.results.schema.identification import SupportMovement
@@ -220,7 +220,7 @@ def _table(rows: list[CapacitySummary]) -> list[str]:
         numbers = f"{_number(row.alpha_0, 4):7} {_number(row.d_0_m, 4):8}"
         for limit in limits:
             check = row.checks.get(limit) or CheckSummary(None, None)
-            numbers += f" {_number(check.a_g_g, 3):8} {_number(check.zeta_E, 2):7}"
+            numbers += f" {_number(check.a_g_g, 3):8} {_ratio(check.zeta_E):7}"
         lines.append(f"{row.state:{width}}  {row.direction}  {numbers.rstrip()}")
     return lines
 
@@ -244,6 +244,10 @@ def _ultimates(results: Results) -> list[_Ultimate]:
 
 def _warnings(results: Results, others: Iterable[str]) -> list[str]:
     return [*results.model.warnings, *results.quality.warnings, *others]
+
+
+def _ratio(value: float | None) -> str:
+    return _number(value, 2 if value is None else ratio_decimals(value))
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from assessment.results.plain import ratio_decimals
 from assessment.results.schema import Results
 from assessment.results.schema.summary import Summary, SummaryRow
 from assessment.results.summary import summary_of
@@ -151,3 +152,19 @@ def test_a_strengthened_state_has_its_gain_over_the_state_that_it_strengthens():
         content["states"]["tied"] = made
 
     assert row(changed(strengthened), "tied").checks["SLV"].gain == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "written"),
+    [
+        (0.9994, "0.999"),
+        (0.99996, "0.99996"),
+        (1.0, "1.00"),
+        (1.0004, "1.00"),
+        (0.5, "0.50"),
+        (0.9949, "0.99"),
+    ],
+)
+def test_a_ratio_has_the_decimals_that_tell_on_which_side_of_one_it_is(ratio, written):
+    """ "1.00" stood beside "not verified"."""
+    assert f"{ratio:.{ratio_decimals(ratio)}f}" == written
