@@ -108,11 +108,16 @@ def _with_ranges(governing: Capacity, runs: Sequence[Capacity]) -> Capacity:
 
 
 def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part]) -> Ranged:
-    """Return the part with the range of each of its quantities over the runs: open above where a run has no value."""
+    """Return the part with the range of each of its quantities, in which another choice of increments is expected.
+
+    It is wider than the span of the runs, not below zero, and open above where a run has no value.
+    """
     ranges: dict[str, Any] = {}
     for name in names:
         values = [getattr(each, name) for each in runs if name in each.model_fields_set]
         known = [value for value in values if value is not None]
         if name in part.model_fields_set and known:
-            ranges[f"{name}_range"] = [min(known), max(known) if len(known) == len(values) else None]
+            more = ENSEMBLE.wider * (max(known) - min(known))
+            above = max(known) + more if len(known) == len(values) else None
+            ranges[f"{name}_range"] = [max(0.0, min(known) - more), above]
     return part.replace(**ranges)
