@@ -111,7 +111,8 @@ const fetchModel = async (tag) => {
     store.model = { ...(await ask("model")), tag };
     if (!store.model.blocks.length && store.model.error) note("");
   } catch (error) {
-    store.model = { blocks: [], joints: [], faults: [], warnings: [], layers: {}, ...(store.model ?? {}), error: error.message, tag };
+    const empty = { blocks: [], joints: [], faults: [], warnings: [], layers: {} };
+    store.model = { ...empty, ...store.model, error: error.message, tag };
   }
   modelling = false;
   drawing.show();
@@ -241,7 +242,10 @@ const begin = async () => {
     await poll();
   } catch (error) { $("gone").hidden = false; $("gone").textContent = error.message; }
   const tick = async () => {
-    if (!document.hidden) { try { if (!store.schema) Object.assign(store, await ask("schema")); await poll(); } catch { /* told by gone */ } }
+    try {
+      if (!document.hidden && !store.schema) Object.assign(store, await ask("schema"));
+      if (!document.hidden) await poll();
+    } catch { /* told by gone */ }
     setTimeout(tick, $("gone").hidden ? 500 : 2000);
   };
   setTimeout(tick, 500);

@@ -59,7 +59,8 @@ const lettered = ([x, z], text, dy = "-1.2em", name = null) =>
 const signs = () => {
   const file = content(), made = [], spot = (each, name, r) => [
     svg("circle", { class: name, cx: each.point_m[0], cy: -each.point_m[1], "data-r": r }), lettered(each.point_m, each.name)];
-  parts.joints.replaceChildren(...(layer.joints ? store.model?.joints ?? [] : []).map((joint) => svg("path", { class: "joint", d: path(joint.at, true) })));
+  const joints = layer.joints ? store.model?.joints ?? [] : [];
+  parts.joints.replaceChildren(...joints.map((joint) => svg("path", { class: "joint", d: path(joint.at, true) })));
   if (layer.numbers) blocks().forEach((block, k) => made.push(lettered(centre(block), k, "0")));
   file.region?.forEach((each) => made.push(svg("path", { class: "region", d: path(each.outline_m) })));
   file.tie?.forEach((each) => made.push(svg("path", { class: "tie", d: path([each.from_m, each.to_m], true) })));
@@ -99,19 +100,23 @@ export const render = () => {
     ...TOOLS.map((name) => button(name, w(name), store.tool === name, () => tool(name))), button("fit", w("fit"), null, fit),
     button("nearer", "+", null, () => zoom(0.8, middle())), button("wider", "−", null, () => zoom(1.25, middle())),
     ...Object.keys(layer).map((name) => button(name, w(name), layer[name], () => { layer[name] = !layer[name]; render(); })),
-    el("select", { id: "times", title: w("times"), "aria-label": w("times"), onchange: (event) => { times = +event.target.value; home(); } },
+    el("select", { id: "times", title: w("times"), "aria-label": w("times"), onchange: magnify },
       ...[1, 2, 5, 10, 20, 50].map((n) => el("option", { value: n, selected: n === times }, `× ${n}`)))] : []));
   root().setAttribute("aria-label", w("drawing_help"));
   root().classList.toggle("moves", store.step === "settlements" && ready());
   root().style.display = open ? "" : "none";
   if (open && parts) { signs(); mark(); }
 };
+const magnify = (event) => { times = +event.target.value; home(); };
+const named = (index) => {
+  const { layer, support } = blocks()[index];
+  return `${w("block")} ${index} · ${layer}${typeof support === "string" ? ` · ${w("support")} ${support}` : ""}`;
+};
 const tip = (event) => {
   const index = event.target.dataset?.block, block = blocks()[index];
   $("tip").hidden = !block || Boolean(drag);
   if ($("tip").hidden) return;
-  $("tip").textContent = [`${w("block")} ${index} · ${block.layer}`, block.support && block.support !== true ? `${w("support")} ${block.support}` : "",
-    block.weight === undefined ? "" : `${number(block.weight, 4)} kN`].filter(Boolean).join("\n");
+  $("tip").textContent = named(index) + (block.weight === undefined ? "" : `\n${number(block.weight, 4)} kN`);
   $("tip").style.left = `${Math.min(event.clientX + 14, innerWidth - 190)}px`;
   $("tip").style.top = `${event.clientY + 16}px`;
 };
@@ -144,7 +149,8 @@ const click = (event, index) => {
   else if (tool === "crack") {
     const end = nearest(point, store.model.joints.flatMap((joint) => joint.at), 14);
     if (!end) return note(w("no_joint_here"));
-    add("measurement", { name: freeName("measurement", `${w("crack")} `), kind: "crack", point_m: rounded(end), opening_mm: 1, sigma_mm: 0.5 });
+    const measured = { kind: "crack", point_m: rounded(end), opening_mm: 1, sigma_mm: 0.5 };
+    add("measurement", { name: freeName("measurement", `${w("crack")} `), ...measured });
   } else if (tool === "chain" || tool === "measure") {
     trail = trail.length === 2 ? [corner(point)] : [...trail, corner(point)];
     if (trail.length === 2 && tool === "chain") {
@@ -178,16 +184,20 @@ const moved = (answer) => {
     const [dx, dz, turn] = answer.positions[k].map((value) => times * value), [cx, cz] = centre(blocks()[k]);
     shape.setAttribute("transform", `translate(${dx} ${-dz}) rotate(${(-turn * 180) / Math.PI} ${cx} ${-cz})`);
   });
-  if (!parts.ghost.childNodes.length) parts.ghost.append(svg("path", { class: "ghost", d: blocks().map((block) => path(block.at)).join("") }));
+  if (!parts.ghost.childNodes.length) {
+    parts.ghost.append(svg("path", { class: "ghost", d: blocks().map((block) => path(block.at)).join("") }));
+  }
   parts.joints.style.display = parts.signs.style.display = "none";
-  parts.moving.replaceChildren(...(times === 1 ? answer.hinges : []).map(([x, z]) => svg("circle", { class: "hinge", cx: x, cy: -z, "data-r": answer.hinges.length > 60 ? 2 : 3.5 })));
-  const [x, z, turn] = answer.at.map((value) => number(1e3 * value, 4));
-  $("caption").className = answer.stopped === null ? "" : "fallen";
-  $("caption").textContent = [w("preview"), `${x}; ${z} mm${answer.at[2] ? `; ${turn} mrad` : ""}`,
-    `Rx ${number(answer.reaction[0], 4)} Rz ${number(answer.reaction[1], 4)} kN`, w("hinges", { n: answer.hinges.length }),
-    answer.stopped === null ? "" : answer.fallen ? w("falls", { mm: number(1e3 * Math.max(...answer.at.slice(0, 2).map(Math.abs)), 4) }) : answer.stopped[store.language],
+  const { hinges, reaction, at, fallen, stopped } = answer, r = hinges.length > 60 ? 2 : 3.5;
+  parts.moving.replaceChildren(...(times === 1 ? hinges : []).map(([x, z]) =>
+    svg("circle", { class: "hinge", cx: x, cy: -z, "data-r": r })));
+  const [x, z, turn] = at.map((value) => number(1e3 * value, 4)), most = Math.max(...at.slice(0, 2).map(Math.abs));
+  const end = stopped === null ? "" : fallen ? w("falls", { mm: number(1e3 * most, 4) }) : stopped[store.language];
+  $("caption").className = stopped === null ? "" : "fallen";
+  $("caption").textContent = [w("preview"), `${x}; ${z} mm${at[2] ? `; ${turn} mrad` : ""}`,
+    `Rx ${number(reaction[0], 4)} Rz ${number(reaction[1], 4)} kN`, w("hinges", { n: hinges.length }), end,
   ].filter(Boolean).join(" · ");
-  root().dataset.moved = answer.at.slice(0, 2).map((value) => (1e3 * value).toFixed(1)).join(";");
+  root().dataset.moved = at.slice(0, 2).map((value) => (1e3 * value).toFixed(1)).join(";");
   frame();
 };
 export const home = () => {
@@ -235,9 +245,11 @@ const release = async () => {
   root().dataset.settled = "awaited";
   const answer = await straight(support, fine(target));
   if (!answer) return;
-  const [x, z, turn] = fine(answer.at), index = (content().settlements ?? []).findIndex((each) => each.support === support && !each.after);
-  if (index >= 0) await edit([[["settlements", index, "displacement_m"], [x, z]], [["settlements", index, "rotation_rad"], turn || null]]);
-  else await add("settlements", { name: freeName("settlements", `${support} `), support, displacement_m: [x, z], ...(turn ? { rotation_rad: turn } : {}) });
+  const [x, z, turn] = fine(answer.at), all = content().settlements ?? [];
+  const index = all.findIndex((each) => each.support === support && !each.after), at = ["settlements", index];
+  const moved = { displacement_m: [x, z], ...(turn ? { rotation_rad: turn } : {}) };
+  if (index >= 0) await edit([[[...at, "displacement_m"], [x, z]], [[...at, "rotation_rad"], turn || null]]);
+  else await add("settlements", { name: freeName("settlements", `${support} `), support, ...moved });
   root().dataset.settled = "written";
 };
 
@@ -302,10 +314,9 @@ const walk = ([wx, wz]) => {
     const along = dx * wx + dz * wz, off = along + 2 * Math.abs(dx * wz + dz * wx);
     if (k !== at && along > 1e-9 && off < least) [least, best] = [off, k];
   });
-  const block = blocks()[best];
-  if (!block) return;
+  if (!blocks()[best]) return;
   at = best;
-  $("caption").textContent = `${w("block")} ${at} · ${block.layer}${block.support ? ` · ${w("support")} ${block.support}` : ""}`;
+  $("caption").textContent = named(at);
   mark();
 };
 export const begin = () => {
