@@ -114,15 +114,17 @@ def open_folder(session: Session, sent: Sent) -> None:
 
 
 def new(session: Session, sent: Sent) -> None:
-    """Make a project in a new folder beside the others and show it: from a `template`, or of a dropped `drawing`.
+    """Make a project in a new folder and show it: from a `template`, an `example`, or a dropped `drawing`.
 
     Of a drawing title, unit, depth (m) and unit weight (kN/m³) are asked, no more. Raises ProjectError for a name that
     is taken or none.
     """
     name = file_name(_given(sent, "name", str))
     folder = session.home / name
-    if (template := sent.get("template")) is not None:
-        session.worker.ask("new", folder=folder, template=str(template))
+    if "template" in sent:
+        session.worker.ask("template", folder=folder, template=_given(sent, "template", str))
+    elif "example" in sent:
+        session.worker.ask("example", folder=folder, name=_given(sent, "example", str))
     else:
         drawing = session.dropped(_given(sent, "drawing", str))
         keys = {key: sent.get(key) for key in ("title", "unit", "depth_m", "unit_weight_kN_m3")}
@@ -151,6 +153,7 @@ ANSWERS: Mapping[str, Callable[[Session, Sent], dict[str, Any] | None]] = {
     "convert": convert,
     "open": open_folder,
     "new": new,
+    "examples": lambda session, _: {"examples": session.worker.ask("examples")},
 }
 
 

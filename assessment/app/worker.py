@@ -41,16 +41,16 @@ class Worker:
         self.process: multiprocessing.process.BaseProcess | None = None
         self.connection: Any = None
 
-    def ask(self, name: str, **arguments: Any) -> Any:
+    def ask(self, question: str, /, **arguments: Any) -> Any:
         """Return the answer to a question. Raises ProjectError for what is the user's to mend, WorkerError else."""
         with self.turn:
             self.begin()
             try:
-                self.connection.send((name, arguments))
-                if not self.connection.poll(limit := self.limits.get(name, LIMIT)):
+                self.connection.send((question, arguments))
+                if not self.connection.poll(limit := self.limits.get(question, LIMIT)):
                     self.end()
                     raise ProjectError(
-                        f"{name}: not answered within {limit:g} s; the drawing may be too large for this "
+                        f"{question}: not answered within {limit:g} s; the drawing may be too large for this "
                         "page, the command line has no limit"
                     )
                 kind, answer = self.connection.recv()
@@ -85,6 +85,7 @@ def _work(connection: Connection) -> None:
     """Answer questions until there is nobody who asks any."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends this process
     from assessment.app import pictures
+    from assessment.project.catalogue.examples import example_title, examples, new_example
     from assessment.project.catalogue.new_project import new_project
     from assessment.report.chapters.judgement_file import read_judgement
 
@@ -98,7 +99,9 @@ def _work(connection: Connection) -> None:
         "picture": pictures.attachment_picture,
         "spectrum": pictures.spectrum_picture,
         "live": live.answer,
-        "new": partial(new_project, options={}),
+        "template": partial(new_project, options={}),
+        "example": new_example,
+        "examples": lambda: {name: example_title(folder) for name, folder in examples().items()},
         "begin": pictures.begin_project,
         "judgement": read_judgement,
     }

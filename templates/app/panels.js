@@ -57,9 +57,12 @@ const start = () => {
   const { state, words, language, dropped } = store;
   const templates = Object.entries(words[language].templates).map(([name, text]) =>
     button(text, () => make({ name: $("template-name").value, template: name }), { "data-template": name }));
+  const examples = Object.entries(fetched("examples", "examples")?.examples ?? {}).map(([name, text]) =>
+    button(text, () => make({ name: $("template-name").value, example: name }), { "data-example": name }));
   const folder = el("input", { id: "open-folder", "data-at": "open-folder", placeholder: state.home, ariaLabel: w("folder_name") });
   return [el("h2", {}, w("start")), dropper("drawing", w("drop_drawing"), ".dxf"), ...(dropped ? [fromDrawing(dropped)] : []),
     el("h3", {}, w("templates")), asked("template-name", w("folder_name"), w("my_project")), el("p", { className: "row" }, ...templates),
+    el("p", {}, w("examples")), el("p", { className: "row" }, ...examples),
     el("h3", {}, w("open")),
     el("p", { className: "row" }, ...state.projects.map((name) => button(name, () => open(name), { "data-open": name }))),
     el("p", { className: "row" }, folder, button(w("open"), () => open(folder.value)))];

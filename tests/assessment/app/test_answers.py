@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 import tomllib
-from importlib.resources import files
 
 import pytest
 
@@ -19,7 +18,6 @@ from assessment.app.session import Session
 from assessment.app.worker import Worker, WorkerError
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.formats.xlsx import to_xlsx
-from assessment.project.project import json_schema
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, write_block
 
@@ -144,6 +142,7 @@ def test_a_folder_without_rights_is_told(session):
         ("new", {"name": "", "template": "block"}),
         ("new", {"name": "block", "template": "block"}),
         ("new", {"name": "other", "template": "cathedral"}),
+        ("new", {"name": "other", "example": "cathedral"}),
         ("new", {"name": "other", "drawing": "../block/geometry.dxf"}),
         ("convert", {}),
     ],
@@ -305,6 +304,9 @@ def test_without_a_project_there_is_a_choice(tmp_path, worker):
     assert ask(session, "state") == {"folder": None, "home": str(tmp_path), "projects": ["one"]}
     ask(session, "open", folder="one")
     assert ask(session, "state")["content"]["title"] == "Block"
+    assert "rocking_block" in ask(session, "examples")["examples"]
+    ask(session, "new", name="three", example="rocking_block")
+    assert ask(session, "state")["content"]["title"] == "Blocco oscillante"
     ask(session, "new", name="two", template="wall")
     assert ask(session, "state")["folder"] == str(tmp_path / "two")
 
@@ -351,39 +353,3 @@ def test_a_run_of_a_terminal_is_seen_and_stopped_and_goes_on(session):
     assert ask(Session(session.home, session.folder), "state")["run"]["exit_code"] == 0
     changed(session, [["material", "friction"], 0.5])
     assert ask(session, "state")["results"]["stale"]
-
-
-# ---- words ----
-
-
-def words(language):
-    return tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
-
-
-def test_both_languages_have_the_same_words():
-    it, en = words("it"), words("en")
-    assert it["page"].keys() == en["page"].keys()
-    assert it["templates"].keys() == en["templates"].keys()
-    for key, text in en["page"].items():
-        assert [part.partition("}")[0] for part in text.split("{")[1:]] == [
-            part.partition("}")[0] for part in it["page"][key].split("{")[1:]
-        ]
-
-
-def test_every_word_that_the_page_says_is_there():
-    import re
-
-    said = set()
-    for script in (files("templates") / "app").iterdir():
-        if script.name.endswith(".js"):
-            said |= set(re.findall(r"\bw\(\"(\w+)\"", script.read_text(encoding="utf-8")))
-    assert said - words("en")["page"].keys() == set()
-
-
-def test_every_key_of_the_project_file_has_its_italian():
-    keys, schema = words("it")["keys"], json_schema()
-    tables = {"ProjectContent": schema, **schema["$defs"]}
-    named = [(table, key) for table, each in tables.items() for key in each["properties"]]
-    assert [pair for pair in named if ".".join(pair) not in keys and pair[1] not in keys] == []
-    assert {key for key in keys if key.partition(".")[2]} <= {".".join(pair) for pair in named}
-    assert all(len(each) == 2 and all(each) for each in keys.values())

@@ -22,7 +22,7 @@ OPTIONS = [
     *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
 ]
-PATIENCE = 60_000  # ms, of a browser on a machine that does other things too
+PATIENCE = 180_000  # ms, of a browser on a machine that does other things too
 
 
 @pytest.fixture(scope="module")
