@@ -8,7 +8,7 @@ from assessment.ntc.limit_states import INDEXED, SURFACE
 from assessment.results.echo import limit_states
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Capacity, Check, Direction
-from assessment.results.schema.static import Mechanism, Pushovers
+from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
 from assessment.results.schema.summary import (
     Summary,
     SummaryCheck,
@@ -78,6 +78,8 @@ def _row(
     )
     if direction is not None:
         row = _with_curves(row, pushed, original.pushover.get(direction) if original else None)
+    if capacity and capacity.alpha_0 is not None and capacity.other_law:
+        row = row.replace(alpha_0=capacity.alpha_0, other_law=capacity.other_law)
     if state.incremental.records is not None:
         dynamic = state.incremental.pga_collapse_g
         nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
@@ -101,8 +103,8 @@ def _with_curves(row: SummaryRow, pushed: Pushovers | None, before: Pushovers | 
         row = row.replace(alpha_u=elastic.alpha_u)
     if rigid is not None:
         row = row.replace(alpha_0=rigid.alpha_0, d_0_m=rigid.d_0_m, mechanism=_mechanism(rigid.mechanism))
-        if rigid.other_law is not None:
-            row = row.replace(other_law=rigid.other_law)
+        if (law := rigid.other_law) is not None:
+            row = row.replace(other_law=OtherLaw(sliding=law.sliding, alpha_0=law.alpha_0))
     if row.state == ORIGINAL or before is None:
         return row
     if rigid is not None and before.rigid is not None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assessment.analyses.checks.capacity import refused_as_drawn
+from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
-from assessment.analyses.static.control import with_control
+from assessment.analyses.static.lateral import with_control
 from assessment.analyses.static.paths import stand
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project

@@ -9,19 +9,18 @@ from typing import TYPE_CHECKING
 from assessment.analyses.checks.capacity import (
     Assessed,
     assess,
-    assess_chosen,
     capacities,
     governing,
     safety_index,
 )
+from assessment.analyses.checks.chosen_mechanism import assess_chosen
 from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
 from assessment.analyses.checks.governing import Paths, governed
 from assessment.analyses.checks.indices import knowledge_of, state_indices
 from assessment.analyses.checks.refusals import joined
-from assessment.analyses.static.control import with_control
 from assessment.analyses.static.ensemble import members
+from assessment.analyses.static.lateral import second_solver, with_control
 from assessment.analyses.static.paths import stand
-from assessment.analyses.static.second_solver import second_solver
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from assessment.analyses.checks.check_result import check_of, checks_of, curve_of
-from assessment.analyses.checks.chosen_mechanism import Control, MechanismError, begun, compared, evaluate
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.checks.indices import confidence_source
 from assessment.analyses.checks.refusals import other_mechanism, refused, towards
-from assessment.analyses.static.local_loss import loss_sentence
+from assessment.analyses.static.lateral import FRICTION
+from assessment.analyses.static.paths import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.ntc.capacity.curve import (
     Activation,
@@ -24,33 +23,33 @@ from assessment.ntc.capacity.curve import (
     capacity_curve,
     mechanism_participation,
 )
-from assessment.ntc.capacity.curve_fit import CapacityError, Curve, CurveFit, Way, fit_curve
+from assessment.ntc.capacity.curve_fit import CapacityError, Curve, Way, fit_curve
+from assessment.ntc.capacity.return_period import stated
 from assessment.ntc.demand.hazard import HazardCurve
 from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.verification import Check, Method, verify
 from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
-from assessment.project.schema import ORIGINAL
-from assessment.project.structure.mechanisms import chosen_mechanisms
 from assessment.results.lines import lines
 from assessment.results.plain import finite
 from assessment.results.schema import checks as parts
 from assessment.results.schema import static
-from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
+from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.part import known
-from assessment.results.schema.static import ElasticPush, LocalLoss, Pushovers, RigidPush
+from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
 from assessment.results.table import indices, sense
-from mechanics.messages import Message, message
+from mechanics.messages import Message, linked, message
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import AssessmentTable
-    from assessment.project.structure.state_models import StateModel
-    from assessment.results.schema import State
     from mechanics import Assembly
 
 
+Kind = TypeVar("Kind", bound=parts.Check)
 BLOCKS = "pushover with rigid contacts, d* of the blocks over Γ*"  # where α0 and d_0 of the curve come from
+OTHER_LAW = "pushover with rigid contacts, times α0 of the other law of friction over its own"
+TOLD = 0.02  # relative difference of a ratio by the two laws of friction from which it is told
 CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
 
 
@@ -108,42 +107,112 @@ def _assessed(
                 model=assessment.model,
             )
         )
-    mechanism = rigid.mechanism
-    part = mechanism_participation(model, np.array(mechanism.displacements), mechanism.control_displacement_x)
-    way = way_of_blocks(rigid, part.gamma_star, direction)
-    branch = None if elastic is None else way.curve(along_push(elastic.curve, direction))
-    fit = fit_curve(assessment.model, rigid_branch(rigid, way), branch)
-    end = _elastic_end(elastic) if assessment.model != "none" else None
-    fit = replace(fit, source=BLOCKS, elastic_end=end, way=way)
-    capacity = capacity_curve(
-        fit,
-        part.e_star,
-        part.gamma_star,
-        assessment.confidence_factor,
-        confidence_source(assessment),
-        activation_of(rigid),
-    )
-    method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
+    given = project, model, direction, curves, demands
+    own = _by_law(*given, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
+    other, counts = None, False
+    if (law := _other_law(rigid)) is not None:
+        with suppress(CapacityError):
+            other = _by_law(*given, law)
+        counts = law.factor < 1.0 and "sliding" not in project.contacts.model_fields_set  # none was asked for
+    used, apart = (other, own) if other is not None and counts else (own, other)
+    capacity, checks, method = used.capacity, used.checks, used.method
     beyond = _beyond_loss(assessment, rigid.local_loss)
-    checks = verify(capacity, demands.spectra, method)
     notes = dict.fromkeys(note for check in checks.values() for note in check.notes)
     warnings += [towards(direction, note) for note in (*beyond, *notes)]
 
-    made = _capacity(mechanism, part, fit, capacity, checks)
+    made = _capacity(used)
     if curves.run is not None:
         made = made.replace(run=curves.run)
+    if apart is not None:
+        beside = OtherLaw(sliding=apart.law.sliding, alpha_0=apart.law.mechanism.alpha)
+        if ratios := _apart(checks, apart.checks):
+            of_law = {name: check.zeta_E for name, check in apart.checks.items() if check.zeta_E is not None}
+            beside = beside.replace(zeta_E=of_law)
+            warnings.append(towards(direction, _told(apart.law.sliding, ratios, counts)))
+        made = made.replace(other_law=beside)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
     if demands.hazard is not None and "SLV" in demands.spectra:
         made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
     if project.incremental:
         made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
-    if elastic is not None and fit.alpha_y is not None:
-        d_y = float(way.control_point(known(fit.d_y)))
-        d_star = (part.gamma_star * way.blocks(along_push(elastic.curve, direction)[0])).tolist()
+    fit = capacity.fit
+    if elastic is not None and fit.alpha_y is not None and fit.way is not None:
+        d_y = float(fit.way.control_point(known(fit.d_y)))
+        d_star = (capacity.gamma_star * fit.way.blocks(along_push(elastic.curve, direction)[0])).tolist()
         fitted = elastic.replace(alpha_y=fit.alpha_y, d_y_m=d_y, d_star_m=d_star)
         curves = curves.replace(elastic=fitted)
     return Assessed(curves, made)
+
+
+class _Law(NamedTuple):
+    """A law of friction with its mechanism, what is activated first by it, and its α0 over that of the curve."""
+
+    sliding: static.Sliding
+    mechanism: static.Mechanism
+    activation: Activation | None
+    factor: float = 1.0
+
+
+def _other_law(rigid: RigidPush) -> _Law | None:
+    """Return the law that the rigid curve is not of, of which limit analysis alone is known; None where it is alike."""
+    other = rigid.other_law
+    if other is None or other.mechanism is None:
+        return None
+    first = None
+    if other.onset is not None and other.alpha_onset is not None:
+        first = Activation(other.alpha_onset, known(other.onset.e_star))
+    return _Law(other.sliding, other.mechanism, first, other.alpha_0 / rigid.mechanism.alpha)
+
+
+class _ByLaw(NamedTuple):
+    """Capacity and checks by one law of friction."""
+
+    law: _Law
+    part: Participation
+    capacity: CapacityCurve
+    method: Method
+    checks: Mapping[str, Check]
+
+
+def _by_law(
+    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands, law: _Law
+) -> _ByLaw:
+    """Return what follows from the curves, for another law times its α0 over theirs. Raises CapacityError."""
+    assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
+    displacements = np.array(law.mechanism.displacements)
+    part = mechanism_participation(model, displacements, law.mechanism.control_displacement_x)
+    way = way_of_blocks(rigid, part.gamma_star, direction)
+    d, alpha = rigid_branch(rigid, way)
+    branch = None
+    if elastic is not None:
+        d_elastic, alpha_elastic = way.curve(along_push(elastic.curve, direction))
+        branch = d_elastic, law.factor * np.asarray(alpha_elastic)
+    fit = fit_curve(assessment.model, (d, law.factor * np.asarray(alpha)), branch)
+    end = _elastic_end(elastic) if assessment.model != "none" else None
+    fit = replace(fit, source=BLOCKS if law.factor == 1.0 else OTHER_LAW, elastic_end=end, way=way)
+    factor, source = assessment.confidence_factor, confidence_source(assessment)
+    capacity = capacity_curve(fit, part.e_star, part.gamma_star, factor, source, law.activation)
+    method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
+    return _ByLaw(law, part, capacity, method, verify(capacity, demands.spectra, method))
+
+
+def _apart(checks: Mapping[str, Check], others: Mapping[str, Check]) -> list[Message]:
+    """Return the checks whose ratios by two laws differ by more than TOLD."""
+    pairs = ((name, check.zeta_E, others[name].zeta_E) for name, check in checks.items() if name in others)
+    return [
+        message("{check} has the ratio {other:.3g}, not {own:.3g}", check=name, other=other, own=own)
+        for name, own, other in pairs
+        if own is not None and other is not None and abs(other - own) > TOLD * own
+    ]
+
+
+def _told(sliding: static.Sliding, ratios: Sequence[Message], counts: bool) -> Message:
+    """Return what the law that does not count gives; `counts`: whether the lower α0 does, as none was asked for."""
+    law, listed = FRICTION[sliding], linked(ratios)
+    if counts:
+        return message("by {law} {ratios}; the lower α0 counts", law=law, ratios=listed)
+    return message("by {law} {ratios}", law=law, ratios=listed)
 
 
 def activation_of(rigid: RigidPush) -> Activation | None:
@@ -332,82 +401,64 @@ def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> tuple[float, Dire
     )
 
 
-def assess_chosen(
-    project: Project,
-    models: Mapping[str, StateModel],
-    states: Mapping[str, State],
-    demands: Demands,
-    warnings: list[Message],
-) -> list[GivenMechanism]:
-    """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
-    found = []
-    factor = project.assessment.confidence_factor if project.assessment else 1.0
-    source = confidence_source(project.assessment)
-    method = method_of(project, demands.hazard) if project.assessment else Method()
-    for chosen in chosen_mechanisms(project, models[ORIGINAL].assembly):
-        state, model = states[chosen.state], models[chosen.state].assembly
-        positions = model.initial.positions + np.array(state.configuration)
-        try:
-            if project.settlement_of(chosen.state) and not any(map(any, state.configuration)):
-                raise MechanismError(message("its state was not reached"))
-            controls = _controls(project, model, positions)
-            answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls, source)
-            pushed = state.pushover.get(known(answer.direction))
-            rigid = pushed.rigid if pushed else None
-            answer = compared(answer, rigid.alpha_0 if rigid else None, rigid.alpha_onset if rigid else None)
-            warnings += [
-                message('mechanism "{name}": {text}', name=chosen.name, text=note)
-                for note in known(answer.notes)
-            ]
-        except MechanismError as refusal:
-            answer = GivenMechanism(name=chosen.name, state=chosen.state, refused=refusal.message)
-            warnings.append(_of_mechanism(chosen.name, refusal))
-        found.append(answer)
-    return found
-
-
-def _of_mechanism(name: str, refusal: MechanismError) -> Message:
-    return message('mechanism "{name}": refused: {reason}', name=name, reason=refusal.message)
-
-
-def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
-    """Yield why mechanisms that the user chose on the structure as drawn, `model`, are refused, without an analysis."""
-    for chosen in chosen_mechanisms(project, model.assembly):
-        if chosen.state == ORIGINAL:
-            try:
-                begun(model.assembly, model.assembly.initial.positions, chosen)
-            except MechanismError as refusal:
-                yield _of_mechanism(chosen.name, refusal)
-
-
-def _controls(project: Project, model: Assembly, positions: NDArray[np.float64]) -> dict[str, Control]:
-    """Return the control point of each pushover direction at its place in a configuration (b, 3)."""
-    found: dict[str, Control] = {}
-    for direction in project.pushover.directions if project.pushover else ():
-        point = project.pushover_control(direction).point_m
-        block = model.block_at(point)
-        x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
-        found[direction] = Control((x, z), block)
-    return found
-
-
-def _capacity(
-    mechanism: static.Mechanism,
-    part: Participation,
-    fit: CurveFit,
-    capacity: CapacityCurve,
-    checks: Mapping[str, Check],
-) -> Capacity:
+def _capacity(by: _ByLaw) -> Capacity:
     """Return capacity curve and checks as a part of the results, with the steps of e* and Γ*."""
+    mechanism, capacity, fit = by.law.mechanism, by.capacity, by.capacity.fit
     return Capacity(
+        sliding=by.law.sliding,
         mechanism=parts.Count(hinges=mechanism.hinges, sliding_joints=len(mechanism.sliding_joints)),
         alpha_0=fit.alpha_0,
-        e_star=part.e_star,
-        gamma_star=part.gamma_star,
+        e_star=by.part.e_star,
+        gamma_star=by.part.gamma_star,
         T_0_s=finite(capacity.T_0),
         model=fit.model,
         d_0_star_m=finite(capacity.d_0_star),
         notes=list(fit.notes),
         curve=curve_of(capacity),
-        trace=lines((*part.steps(), *capacity.steps()[2:])),
-    ).with_checks(checks_of(capacity, checks))
+        trace=lines((*by.part.steps(), *capacity.steps()[2:])),
+    ).with_checks(checks_of(capacity, by.checks))
+
+
+def check_of(kind: type[Kind], check: Check, common: int, **more: Any) -> Kind:
+    """Return a check as a part of the results of that kind, with what such a part has `more`; null: not finite.
+
+    Its trace leaves out the `common` first steps, those of the capacity curve.
+    """
+    return kind(
+        method=check.method,
+        d_star_m=finite(check.d_star),
+        a_star_g=finite(check.a_star),
+        T_s=finite(check.T),
+        a_g_g=finite(check.a_g),
+        demand_a_g_g=check.demand_a_g,
+        demand_a_star_g=finite(check.demand_a_star),
+        pga_g=finite(check.pga),
+        demand_pga_g=finite(check.demand_pga),
+        S=finite(check.S),
+        demand_S=finite(check.demand_S),
+        reference=check.reference,
+        zeta_E=finite(check.zeta_E),
+        verified=check.verified,
+        damping=finite(check.damping),
+        return_period_years=finite(check.return_period),
+        return_period_stated=stated(check.return_period),
+        governing=check.governing,
+        notes=list(check.notes),
+        trace=lines(check.trace[common:]),
+        **more,
+    )
+
+
+def checks_of(curve: CapacityCurve, checks: Mapping[str, Check]) -> dict[str, parts.Check]:
+    """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
+    common = len(curve.steps())
+    linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
+    return {
+        name: check_of(parts.Check, check, common, **(linear if check.method == "linear" else {}))
+        for name, check in checks.items()
+    }
+
+
+def curve_of(curve: CapacityCurve) -> parts.CapacityCurve:
+    """Return a capacity curve as a part of the results: d* (m) and a* (g), divided by the confidence factor."""
+    return parts.CapacityCurve(d_star_m=curve.displacement.tolist(), a_star_g=curve.acceleration.tolist())

@@ -6,20 +6,23 @@ against friction, contact forces do no work, and α0 = Σ W δ_z/Σ P δ_x is an
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.analyses.checks.check_result import checks_of, curve_of
+from assessment.analyses.checks.capacity import checks_of, curve_of, method_of
+from assessment.analyses.checks.indices import confidence_source
 from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
 from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
 from assessment.ntc.capacity.curve import CapacityCurve, capacity_curve
 from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.confidence import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
+from assessment.project.schema import ORIGINAL
+from assessment.project.structure.mechanisms import chosen_mechanisms
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.ties import lengthenings
 from assessment.results.lines import lines
@@ -32,8 +35,12 @@ from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
+    from assessment.analyses.checks.demand import Demands
     from assessment.ntc.demand.spectrum import Spectrum
+    from assessment.project.project import Project
     from assessment.project.structure.mechanisms import Chosen
+    from assessment.project.structure.state_models import StateModel
+    from assessment.results.schema import State
     from mechanics import Assembly
 
 Array = NDArray[np.float64]
@@ -362,3 +369,62 @@ def _notes(penetration: float, pair: tuple[int, int], sliding: list[int]) -> lis
             )
         )
     return notes
+
+
+def assess_chosen(
+    project: Project,
+    models: Mapping[str, StateModel],
+    states: Mapping[str, State],
+    demands: Demands,
+    warnings: list[Message],
+) -> list[parts.GivenMechanism]:
+    """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
+    found = []
+    factor = project.assessment.confidence_factor if project.assessment else 1.0
+    source = confidence_source(project.assessment)
+    method = method_of(project, demands.hazard) if project.assessment else Method()
+    for chosen in chosen_mechanisms(project, models[ORIGINAL].assembly):
+        state, model = states[chosen.state], models[chosen.state].assembly
+        positions = model.initial.positions + np.array(state.configuration)
+        try:
+            if project.settlement_of(chosen.state) and not any(map(any, state.configuration)):
+                raise MechanismError(message("its state was not reached"))
+            controls = _controls(project, model, positions)
+            answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls, source)
+            pushed = state.pushover.get(known(answer.direction))
+            rigid = pushed.rigid if pushed else None
+            answer = compared(answer, rigid.alpha_0 if rigid else None, rigid.alpha_onset if rigid else None)
+            warnings += [
+                message('mechanism "{name}": {text}', name=chosen.name, text=note)
+                for note in known(answer.notes)
+            ]
+        except MechanismError as refusal:
+            answer = parts.GivenMechanism(name=chosen.name, state=chosen.state, refused=refusal.message)
+            warnings.append(_of_mechanism(chosen.name, refusal))
+        found.append(answer)
+    return found
+
+
+def _of_mechanism(name: str, refusal: MechanismError) -> Message:
+    return message('mechanism "{name}": refused: {reason}', name=name, reason=refusal.message)
+
+
+def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
+    """Yield why mechanisms that the user chose on the structure as drawn, `model`, are refused, without an analysis."""
+    for chosen in chosen_mechanisms(project, model.assembly):
+        if chosen.state == ORIGINAL:
+            try:
+                begun(model.assembly, model.assembly.initial.positions, chosen)
+            except MechanismError as refusal:
+                yield _of_mechanism(chosen.name, refusal)
+
+
+def _controls(project: Project, model: Assembly, positions: Array) -> dict[str, Control]:
+    """Return the control point of each pushover direction at its place in a configuration (b, 3)."""
+    found: dict[str, Control] = {}
+    for direction in project.pushover.directions if project.pushover else ():
+        point = project.pushover_control(direction).point_m
+        block = model.block_at(point)
+        x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
+        found[direction] = Control((x, z), block)
+    return found

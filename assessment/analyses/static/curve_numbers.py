@@ -6,15 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from assessment.analyses.static.local_loss import local_loss
-from assessment.analyses.static.paths import configuration
+from assessment.analyses.static.paths import configuration, local_loss
 from assessment.ntc.capacity.curve import mass_share, mechanism_participation
 from assessment.ntc.capacity.curve_fit import CapacityError, yield_point
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
 from assessment.results.configurations.ties import along_path, determined, lengthenings, tensions, yielding
 from assessment.results.plain import finite
-from assessment.results.schema.static import Curve, ElasticPush, Mechanism, RigidPush
+from assessment.results.schema.static import Curve, ElasticPush, Mechanism, OtherLaw, RigidPush
 from assessment.results.table import sense
 from mechanics import Assembly, ConvergenceError, NoEquilibriumError, State
 from mechanics.model import Contacts, Direction
@@ -27,8 +26,6 @@ if TYPE_CHECKING:
     from assessment.project.schema import ControlTable
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that moves less takes no part
-LAWS: tuple[Sliding, ...] = ("associative", "coulomb")
-LIFTED = 1.0  # of the largest virtual displacement: more lift is left in no flow that follows Coulomb's law
 DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
 
 
@@ -73,7 +70,10 @@ def rigid_push(
     moved[path.formed] = path.mechanism
     if ties := along_path(model, carried, path.formed, None, determined(model, moved)):
         found = found.replace(ties=ties)
-    return _with_other_law(found, model, direction, path) if mechanism.sliding_joints else found
+    slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
+    if slides and (other := _other_law(found, model, control, direction, path, met)):
+        found = found.replace(other_law=other)
+    return found
 
 
 def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: Pushover) -> ElasticPush:
@@ -175,27 +175,31 @@ def _virtual_work(
     return by_weights + float(np.where(yielding(model, pulled), pulled, 0.0) @ longer) / lateral
 
 
-def _with_other_law(found: RigidPush, model: Assembly, direction: Direction, path: Pushover) -> RigidPush:
-    """Return the curve with the multiplier by the other law of friction where it differs by more than DIFFERS.
+def _other_law(
+    found: RigidPush, model: Assembly, control: ControlTable, direction: Direction, path: Pushover, met: Met
+) -> OtherLaw | None:
+    """Return limit analysis by the other law of friction where the mechanism forms, and at the onset.
 
-    With Coulomb friction a multiplier is not unique: `sliding_residual` is the lift that is left, and beyond LIFTED the
-    flow is none of Coulomb's law, and its multiplier none either.
+    None where the two multipliers differ by less than DIFFERS, or where the other law has no flow.
     """
-    at = path.states[path.peak]
-    try:
-        associative, coulomb = (limit_in(model, direction, at, law) for law in LAWS)
-    except (
-        NoEquilibriumError,
-        ConvergenceError,
-    ):  # the curve has its own multiplier; the other one is not known
-        return found
-    other = coulomb if found.sliding == "associative" else associative
-    if abs(other.alpha - found.alpha_0) <= DIFFERS * found.alpha_0:
-        return found
-    found = found.replace(sliding_residual=coulomb.dilation)
-    if other is associative:
-        return found.replace(alpha_0_associative=other.alpha)
-    return found if coulomb.dilation > LIFTED else found.replace(alpha_0_coulomb=other.alpha)
+    law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
+    moving = {}
+    for point in sorted({path.formed, 0}):
+        try:
+            limit = limit_in(model, direction, path.states[point], law)
+        except (NoEquilibriumError, ConvergenceError):  # the curve has its own multiplier
+            return None
+        moving[point] = _Moving(
+            point, limit.alpha, path.states[point], limit.mechanism, limit.contacts, limit.forces
+        )
+    own = {0: found.alpha_onset, path.formed: found.mechanism.alpha}
+    if all(abs(moving[point].alpha - alpha) <= DIFFERS * abs(alpha) for point, alpha in own.items()):
+        return None
+    at_peak = moving[path.formed]
+    other = OtherLaw(sliding=law, alpha_0=at_peak.alpha, mechanism=_mechanism(model, control, met, at_peak))
+    if not path.formed:
+        return other
+    return other.replace(alpha_onset=moving[0].alpha, onset=_mechanism(model, control, met, moving[0]))
 
 
 def _scaled(

@@ -1,34 +1,48 @@
-"""A state pushed over by lateral loads, direction by direction, in plain numbers for results.json."""
+"""A state pushed over by lateral loads, direction by direction; its control point, and α0 by a second solver."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.analyses.static.curve_numbers import LIFTED, elastic_push, rigid_push
-from assessment.analyses.static.local_loss import loss_sentence
-from assessment.analyses.static.paths import PathResult, Quality, crossings, turns_on_rounding
+from assessment.analyses.static.curve_numbers import elastic_push, rigid_push
+from assessment.analyses.static.paths import PathResult, Quality, crossings, loss_sentence, turns_on_rounding
 from assessment.project.schema import ControlTable
-from assessment.results.schema.static import Pushovers, RigidPush
+from assessment.results.schema.static import Pushovers, RigidPush, SecondSolver
 from mechanics import (
+    ArgumentError,
     Assembly,
     ControlError,
     ConvergenceError,
     NoEquilibriumError,
     State,
     UnstableError,
+    limit_analysis,
     pushover,
 )
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, Direction
-from mechanics.procedures import Mirror, Pushover
+from mechanics.procedures import Mirror, Pushover, farthest_corner, limit_in, static_theorem
 from mechanics.steps import Sliding
 
+FRICTION: dict[Sliding, Message] = {
+    "coulomb": message("Coulomb friction, which does not lift what slides,"),
+    "associative": message("associative friction, which lifts what slides,"),
+}
+AGREE = 1e-6  # relative difference of the multipliers of two solvers from which there is a warning
+LEAST = 1e-2  # a multiplier below which differences are relative to this: solvers know α to 1e-9, not its digits at 0
+CHOSEN = {"it": "scelto {direction}", "en": "chosen {direction}"}  # name of a control point
 MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises where blocks meet others
+
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
 
 
 @dataclass(frozen=True)
@@ -179,19 +193,12 @@ def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[
             displacement=float(path.displacement[path.peak]),
             multiplier=curve.alpha_0,
         )
-    if curve.alpha_0_coulomb is not None:
+    if curve.other_law is not None:
         yield message(
-            "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}; "
-            "what its flow lifts is settled to {residual:.1g} of its largest displacement",
-            coulomb=curve.alpha_0_coulomb,
-            multiplier=curve.alpha_0,
-            residual=curve.sliding_residual or 0.0,
-        )
-    elif (curve.sliding_residual or 0.0) > LIFTED:
-        yield message(
-            "no flow was found in which friction does not lift what slides (Coulomb): α0 by it is not known; what the "
-            "nearest one lifts changes by {residual:.1g} of its largest displacement",
-            residual=curve.sliding_residual or 0.0,
+            "by {law} α0 is {other:.4g}, not {multiplier:.4g}",
+            law=FRICTION[curve.other_law.sliding],
+            other=curve.other_law.alpha_0,
+            multiplier=curve.mechanism.alpha,
         )
     if curve.local_loss is not None:
         yield loss_sentence(curve.local_loss)
@@ -202,3 +209,92 @@ def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[
             displacement=float(path.displacement[path.formed]),
             multiplier=float(path.multiplier[path.formed]),
         )
+
+
+def second_solver(
+    model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float
+) -> PathResult[SecondSolver]:
+    """Compare the associative multipliers of two programs in the state `activated` of the state of that name.
+
+    `alpha_0`: multiplier of the curve that has its peak there, a third number beside them.
+    The law is associative whatever that of the curve: with Coulomb's the multiplier is not unique, and no linear
+    program has it. Nothing is `found` where joints crush.
+    """
+    began = time.perf_counter()
+    result = PathResult[SecondSolver]()
+    title = pushover_title(name, direction, "rigid")
+    try:
+        linear = static_theorem(model, direction, activated)
+    except ArgumentError:
+        return result
+    own: float | None = None
+    try:
+        own = limit_in(model, direction, activated, "associative").alpha
+    except (NoEquilibriumError, ConvergenceError) as error:
+        note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
+        result.warnings.append(headed(title, note))
+    if linear is None:
+        note = message("the linear program of limit analysis has no optimum by HiGHS")
+        result.warnings.append(headed(title, note))
+    difference = None
+    if own is not None and linear is not None:
+        difference = (linear - own) / max(abs(own), LEAST)
+        if abs(difference) > AGREE:
+            note = message(
+                "limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart (HiGHS) "
+                "{linear:.8g}: relative difference {difference:.2g}",
+                own=own,
+                linear=linear,
+                difference=difference,
+            )
+            result.warnings.append(headed(title, note))
+    result.found = SecondSolver(
+        alpha_0=alpha_0,
+        alpha_program=own,
+        alpha_linear_program=linear,
+        relative_difference=difference,
+    )
+    result.seconds = time.perf_counter() - began
+    return result
+
+
+def with_control(project: Project, model: Assembly) -> tuple[Project, list[Message]]:
+    """Return the project with a control point for each direction where it needs one and has none, and which these are.
+
+    It is the corner that goes farthest along the push in the first mechanism of the structure as drawn, `model`: the
+    same in every state, so that their displacements can be compared.
+    """
+    needed = project.pushover or project.history or project.incremental or project.campaign
+    if project.control or not needed:
+        return project, []
+    directions: tuple[Direction, ...] = project.pushover.directions if project.pushover else ("+x",)
+    found = [_chosen(project, model, direction) for direction in directions]
+    notes = [
+        message(
+            "no control point given: towards {direction} that of block {block} at ({x:.4g}, {z:.4g}) m is followed, "
+            "which goes farthest along the push",
+            direction=direction,
+            block=block,
+            x=point.point_m[0],
+            z=point.point_m[1],
+        )
+        for direction, (point, block) in zip(directions, found, strict=True)
+    ]
+    points = tuple(point for point, _ in found)
+    changed: dict[str, object] = {"control": points}
+    if project.pushover:
+        by_direction = {way: point.name for way, point in zip(directions, points, strict=True)}
+        changed["pushover"] = project.pushover.model_copy(update={"control": by_direction})
+    return project.model_copy(update=changed), notes
+
+
+def _chosen(project: Project, model: Assembly, direction: Direction) -> tuple[ControlTable, int]:
+    """Return the control point of a direction and its block; that of the highest corner where nothing moves."""
+    begun = model.initial.positions
+    moved = begun + model.movable[:, None] * [1.0, 0.0, 0.0]
+    with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
+        limit = limit_analysis(model, direction, sliding=project.contacts.sliding)
+        moved = begun + 1e-6 * model.size * limit.mechanism
+    (x, z), block = farthest_corner(model, begun, moved, direction)
+    name = CHOSEN[project.report.language].format(direction=direction)
+    return ControlTable(name=name, point_m=(float(x), float(z))), block

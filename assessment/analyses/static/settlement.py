@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.analyses.static.local_loss import local_loss, loss_sentence
-from assessment.analyses.static.paths import PathResult, Quality, configuration, crossings, turns_on_rounding
+from assessment.analyses.static.paths import (
+    PathResult,
+    Quality,
+    configuration,
+    crossings,
+    local_loss,
+    loss_sentence,
+    turns_on_rounding,
+)
 from assessment.results.configurations.frames import pushdown_frames
 from assessment.results.configurations.ties import along_path, determined
 from assessment.results.schema.static import PushdownPath

@@ -7,7 +7,7 @@ from typing import Literal, Self
 
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
-from assessment.results.schema.static import Run
+from assessment.results.schema.static import OtherLaw, Run, Sliding
 
 Direction = Literal["+x", "-x"]
 CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
@@ -138,6 +138,10 @@ class Capacity(_Checked):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
     run: Run | None = optional("which run it is of; missing: not told")
+    sliding: Sliding | None = optional(
+        "law of friction of its α_0: that of the curve, or the other one where its α_0 is lower and none was asked for"
+    )
+    other_law: OtherLaw | None = optional("by the law that does not count, where α_0 differs by 1 % or more")
     mechanism: Count = key("the mechanism", label=("Meccanismo", "Mechanism"))
     alpha_0: float | None = optional("multiplier of the rigid mechanism", "–")
     e_star: float = key("share of the mass that takes part, e*", "–")

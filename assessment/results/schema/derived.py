@@ -31,6 +31,8 @@ class Derived(Part):
     before: str = column("", ("Prima", "Before"))
     after: str = column("", ("Dopo", "After"))
     alpha_own_run: float = column("–", ("α_0, analisi propria", "α_0, own run"))
+    alpha_0_associative: float = column("–", ("α_0 con attrito associato", "α_0, associative friction"))
+    alpha_0_coulomb: float = column("–", ("α_0 con attrito di Coulomb", "α_0, Coulomb friction"))
     macro_element: str = column("", ("Macroelemento", "Macro-element"))
     ratio_SLV_linear: float = column(
         "–", ("Rapporto SLV lineare", "Ratio SLV linear"), null="not_determined", ratio=True

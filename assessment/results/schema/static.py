@@ -20,16 +20,6 @@ class Run(Part):
     )
 
 
-class OtherLaw(Part):
-    """`other_law`: α_0 and ζ_E by the law of friction that was not used, where they differ."""
-
-    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
-    alpha_0: float = key("multiplier of the rigid mechanism by that law", "–")
-    zeta_E: dict[str, float] | None = optional(
-        "by check, of the capacity that this α_0 has, where it differs by more than 2 %", "–"
-    )
-
-
 class TieTension(Part):
     """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
 
@@ -131,6 +121,21 @@ class Mechanism(Part):
     moving_weight_kN: float = key("weight of the blocks that move", "kN", ("Peso in moto", "Moving weight"))
 
 
+class OtherLaw(Part):
+    """`other_law`: limit analysis where α_0 is reached by the other law of friction, where the two differ."""
+
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
+    alpha_0: float = key("multiplier of the rigid mechanism by that law", "–")
+    alpha_onset: float | None = optional(
+        "what sets the first mechanism in motion by it; missing: the same", "–"
+    )
+    mechanism: Mechanism | None = optional("its mechanism; of a capacity: that of its curve")
+    onset: Mechanism | None = optional("the first mechanism by it; missing: the same")
+    zeta_E: dict[str, float] | None = optional(
+        "of a capacity: ratio of each check by that law, where one differs by more than 2 %", "–"
+    )
+
+
 class SecondSolver(Part):
     """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs."""
 
@@ -166,25 +171,10 @@ class RigidPush(Part):
         "least and largest of an ensemble; null: none in some", "m"
     )
     other_law: OtherLaw | None = optional("by the other law of friction, where it differs by 1 % or more")
-    alpha_0_associative: float | None = optional(
-        "α_0 where what slides lifts, if it differs by 1 % or more",
-        "–",
-        ("α_0 con attrito associato", "α_0, associative friction"),
-    )
-    alpha_0_coulomb: float | None = optional(
-        "α_0 where what slides does not lift, if it differs by 1 % or more",
-        "–",
-        ("α_0 con attrito di Coulomb", "α_0, Coulomb friction"),
-    )
     d_star_m: list[float] | None = key(
         "d* of the blocks that move, at each point of the curve: ΣPδu/ΣPδ, u how far each has gone since the mechanism "
         "formed; null: Γ* is not defined",
         "m",
-    )
-    sliding_residual: float | None = optional(
-        "how far the lift taken back is from settled, per largest displacement of the mechanism",
-        "–",
-        ("Sollevamento residuo, attrito di Coulomb", "Residual lift of Coulomb’s flow"),
     )
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")

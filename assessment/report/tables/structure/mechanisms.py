@@ -30,16 +30,15 @@ ALL = (
 )
 MOVES = 1e-6  # of the largest displacement
 RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
-OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative", "sliding_residual")
+OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
 SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
 
 
 def mechanisms(results: Results) -> Table:
     """List the rigid mechanism of every state and direction.
 
-    It is that of α0, beside it that by the other law of friction where the two differ, and how far Coulomb's flow is
-    from settled; where the control point takes no part in that mechanism, `mechanism_alpha` is the multiplier at which
-    the one listed is activated.
+    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
+    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
     """
     rows = []
     for name, direction, rigid in found_mechanisms(results):
@@ -47,7 +46,7 @@ def mechanisms(results: Results) -> Table:
         rows.append(
             {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
             | ({} if mechanism.alpha == rigid.alpha_0 else {"mechanism_alpha": mechanism.alpha})
-            | cells(rigid, OTHER_LAW)
+            | ({f"alpha_0_{other.sliding}": other.alpha_0} if (other := rigid.other_law) else {})
             | cells(mechanism, ("hinges", "moving_weight_kN", "e_star", "gamma_star"))
             | {"sliding_joints": len(mechanism.sliding_joints)}
         )

@@ -7,7 +7,7 @@ import pytest
 
 from assessment.analyses.checks.capacity import assess, with_loss
 from assessment.analyses.checks.demand import demand_spectra
-from assessment.analyses.static.local_loss import local_loss, loss_sentence
+from assessment.analyses.static.paths import local_loss, loss_sentence
 from assessment.ntc.verification import Method
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.project import load_project

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from assessment.analyses.static import second_solver as module
-from assessment.analyses.static.second_solver import second_solver
+from assessment.analyses.static import lateral as module
+from assessment.analyses.static.lateral import second_solver
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain

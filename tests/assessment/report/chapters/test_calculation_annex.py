@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from ezdxf.math import Matrix44
 
-from assessment.analyses.checks.capacity import assess, assess_chosen, capacities, governing
+from assessment.analyses.checks.capacity import assess, capacities, governing
+from assessment.analyses.checks.chosen_mechanism import assess_chosen
 from assessment.analyses.checks.demand import demand_parts, demand_spectra
 from assessment.analyses.checks.indices import confidence_source
 from assessment.cli.main import main

@@ -8,6 +8,7 @@ from string import Formatter
 
 import pytest
 
+from assessment.analyses.static.lateral import FRICTION
 from assessment.report.chapters.judgement import all_warnings
 from assessment.report.text.language import Words, words_of
 from assessment.report.text.messages import merged, sentence, templates, translated
@@ -189,14 +190,13 @@ def test_messages_are_sentences_of_the_report():
 
 def test_symbols_of_warnings_are_set_as_symbols():
     told = message(
-        "with friction that does not lift what slides (Coulomb) α0 is {coulomb:.4g}, not {multiplier:.4g}; "
-        "what its flow lifts is settled to {residual:.1g} of its largest displacement",
-        coulomb=0.07,
+        "by {law} α0 is {other:.4g}, not {multiplier:.4g}",
+        law=FRICTION["coulomb"],
+        other=0.07,
         multiplier=0.08,
-        residual=2e-4,
     )
     assert as_sentence(told, "en").count("α<sub>0</sub> is") == 1
-    assert "α<sub>0</sub> vale 0,07" in as_sentence(told, "it")
+    assert "α<sub>0</sub> è 0,07" in as_sentence(told, "it")
     text = "SLV: S_De at T_SLV; see max_scale, Tc_star_s, d_0_m"
     assert sentence(text, Words.of("en")) == (
         "SLV: S<sub>De</sub> at T<sub>SLV</sub>; see max_scale, Tc_star_s, d_0_m."
