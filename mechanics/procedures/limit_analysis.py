@@ -15,19 +15,19 @@ wedge, slips grow without bound), a slight dilation has one: its multiplier is r
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import DILATION, FRICTION
+from mechanics.kernels.law import FRICTION
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, Solution, certify, end_forces
 from mechanics.solvers import GOOD, solve
-from mechanics.solvers.interior import Iterate
+from mechanics.solvers.interior import Iterate, with_dilation
 from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
 from mechanics.steps.static_system import Sliding, check_sliding
 from mechanics.steps.tolerances import LIMIT
@@ -118,26 +118,19 @@ def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, slidi
     )
 
 
-def _with_dilation(closed: ClosedProgram, psi: float) -> Program:
-    """Return the program whose joints that slide lift by a share ψ."""
-    law = closed.program.law.copy()
-    law[:, DILATION] = psi
-    return replace(closed.program, law=law)
-
-
 def _associative(closed: ClosedProgram) -> tuple[Solution, float, float]:
     """Return the flow of the associative law, its multiplier and its dilation."""
-    found, _ = solve(_with_dilation(closed, 1.0), closed.layout)
+    found, _ = solve(with_dilation(closed.program, 1.0), closed.layout)
     return found, found.alpha, 1.0
 
 
 def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
     """Return the flow of least multiplier that is found by Coulomb's law, the multiplier of the central one, and ψ."""
-    program = _with_dilation(closed, 0.0)
+    program = with_dilation(closed.program, 0.0)
     try:
         central, iterate = solve(program, closed.layout)
     except ConvergenceError:
-        wedged, _ = solve(_with_dilation(closed, LIMIT.slight), closed.layout)
+        wedged, _ = solve(with_dilation(closed.program, LIMIT.slight), closed.layout)
         return wedged, wedged.alpha, LIMIT.slight
     if iterate is None or len(program.places) > LIMIT.most_joints:
         return central, central.alpha, 0.0

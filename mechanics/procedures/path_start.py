@@ -12,12 +12,13 @@ from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate
+from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import lifted, motion_to_rest
-from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_step import Equilibrium, StepProblem, held
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
-from mechanics.steps.tolerances import REST
+from mechanics.steps.tolerances import LIMIT, REST
 from mechanics.types import Array
 
 
@@ -63,7 +64,12 @@ class PathStart:
 def mechanism_start(
     model: Assembly, direction: Direction, state: State | None, sliding: Sliding
 ) -> PathStart:
-    """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises."""
+    """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises.
+
+    By Coulomb's law a state that a path has reached is pushed on from the forces that it has at rest.
+    """
+    if sliding == "coulomb" and state is not None and state.forces is not None:
+        return _pushed_from_rest(model, direction, state, state.forces)
     limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     share = 1.0 if state is None else START.settled
@@ -76,6 +82,34 @@ def mechanism_start(
         limit.certificate,
         rate,
         share,
+        limit.alpha,
+    )
+
+
+def _pushed_from_rest(model: Assembly, direction: Direction, state: State, forces: Array) -> PathStart:
+    """Return the start of a rigid curve by Coulomb's law: a rest under gravity, and where the associative law leads.
+
+    `forces` (j, 3): N, P and T of the drawn joints there. The multiplier is that of the associative law: no less than
+    that of the first step. Raises UnstableError where the forces do not hold the structure.
+    """
+    size, lateral = LIMIT.onset * model.size, model.lateral_load(direction)
+    system = static_system(model, "rigid", "coulomb").around(state.positions, size)
+    still = StepProblem(system, state, model.dead_load, size)
+    rest = held(still, forces)
+    if max(rest.certificate.equilibrium, rest.certificate.cone) > USABLE:  # ties or loads have changed since
+        check_self_weight(model, state)
+        rest = find_equilibrium(still, state.positions, rest)
+    limit = limit_analysis(model, direction, state)
+    rate = limit.mechanism / float((lateral * limit.mechanism).sum())
+    return PathStart(
+        rest.state,
+        rest,
+        limit.alpha,
+        rest.forces,
+        rest.contacts,
+        rest.certificate,
+        rate,
+        START.settled,
         limit.alpha,
     )
 

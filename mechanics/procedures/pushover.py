@@ -197,7 +197,8 @@ class _Curve:
         self.lateral = self.model.lateral_load(push.direction)
         self.first = self._start(state)
         self.states, self.multiplier, self.displacement = [self.first.state], [self.first.alpha], [0.0]
-        self.steps = [self.first.step] if self.first.step else []
+        self.steps = [self.first.step] if self.first.step and not system.rigid else []
+        self.begins = system.rigid and self.first.step is not None
         self.certificates = [self.first.certificate]
         # the next step is predicted from the displacements of blocks and control point per unit work in the last one
         self.rate = self.first.rate
@@ -285,7 +286,7 @@ class _Curve:
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
-        last = self.steps[-1] if self.steps else None
+        last = self.steps[-1] if self.steps else self.first.step
         return reach(problem, now.positions + work * self.rate, last, shortest)
 
     def _down_to_zero(
@@ -377,7 +378,7 @@ class _Curve:
         forces = moved_over(start.forces, start.contacts, held.contacts)
         onset = replace(held, alpha=start.alpha, forces=forces, certificate=start.certificate)
         self._append(1.0, onset, jumped=True)
-        self.rate = start.rate
+        self.rate, self.begins = start.rate, self.system.rigid and start.step is not None
         self.control_rate = self._control_rate(held.state.positions)
         return True
 
@@ -388,6 +389,8 @@ class _Curve:
         self.steps.append(step)
         self.certificates.append(step.certificate)
         self.multiplier.append(step.alpha)
+        if self.begins and not jumped:  # a start by Coulomb's law has the multiplier of the associative one
+            self.multiplier[-2], self.begins = min(self.multiplier[-2], step.alpha), False
         self.displacement.append(self.along(step.state.positions))
         then, now = self.displacement[-2:]
         if jumped:

@@ -12,6 +12,7 @@ The same follower serves pushdown and pushover, rigid and elastic:
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -24,7 +25,7 @@ from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.tolerances import STEP
+from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
 
@@ -46,6 +47,7 @@ class PathTolerances:
 
 
 PATH = PathTolerances()
+SLIDES = 1e-3  # of a step: a slip of a joint that slides
 
 
 @dataclass(slots=True)
@@ -132,7 +134,7 @@ def slides(found: Equilibrium, size: float) -> bool:
     if found.iterate is None:
         return False
     slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
-    return bool(slip > STEP.slip_gap * size)
+    return bool(slip > SLIDES * size)
 
 
 def _reach(
@@ -143,10 +145,13 @@ def _reach(
         return find_equilibrium(problem, guess, last), False
     except (NoEquilibriumError, ConvergenceError) as error:
         stop: NoEquilibriumError | ConvergenceError = error
+    if problem.system.dilation < LIMIT.slight:
+        with suppress(NoEquilibriumError, ConvergenceError):
+            return find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last), False
     unsettled = isinstance(stop, UnsettledError)
     if rigid:
         try:
-            found = in_short_steps(problem, guess)
+            found = in_short_steps(problem, guess, last)
             if unsettled or slides(found, problem.size):  # what only turns is followed exactly or not at all
                 return found, False
         except (NoEquilibriumError, ConvergenceError) as error:

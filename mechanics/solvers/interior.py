@@ -88,11 +88,16 @@ def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
         yield replace(far, forces=LARGER * far.forces)
 
 
+def with_dilation(program: Program, psi: float) -> Program:
+    """Return the program whose joints that slide lift by a share ψ of μ|slip|."""
+    law = program.law.copy()
+    law[:, DILATION] = psi
+    return replace(program, law=law)
+
+
 def near_lifting(program: Program, layout: Elimination) -> Iterate:
     """Return the iterate near a rough solution of the program by the associative law."""
-    law = program.law.copy()
-    law[:, DILATION] = 1.0
-    lifting = replace(program, law=law)
+    lifting = with_dilation(program, 1.0)
     return run(lifting, layout, cold(lifting), ROUGH)[0].warm(program, APART)
 
 

@@ -59,7 +59,7 @@ def least_residual(program: Program, closed: Mask) -> float:
 
 
 def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | None:
-    """Return forces (j, 3) and the least multiplier with which they balance the loads and fit a mechanism.
+    """Return forces (j, 3) and the least multiplier α ≥ 0 with which they balance the loads and fit a mechanism.
 
     `flowing` (j, 4): what the mechanism opens or slides, y₁, y₂, λ₊ and λ₋: there N₁, N₂, μN + T or μN − T is zero.
     None if there are no such forces.
@@ -69,7 +69,7 @@ def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | N
     idle = np.stack([first | forth, first | back, second | forth, second | back], axis=1)  # rays of +T and −T
     q = np.zeros(len(form.q))
     q[form.rays] = 1.0
-    bounds = [(0.0, 0.0 if none else None) for none in idle.ravel()] + [(None, LARGEST_MULTIPLIER)]
+    bounds = [(0.0, 0.0 if none else None) for none in idle.ravel()] + [(0.0, LARGEST_MULTIPLIER)]
     found = linprog(q, A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ds", options=EXACTLY)
     if found.status != 0:
         return None

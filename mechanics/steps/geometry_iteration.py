@@ -8,7 +8,6 @@ import numpy as np
 
 from mechanics.errors import NoEquilibriumError, UnsettledError
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import FRICTION
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, certify
@@ -21,6 +20,7 @@ from mechanics.steps.static_step import (
     check_motion,
     displaced,
     penetration,
+    proximal,
     solve_program,
 )
 from mechanics.steps.static_system import StaticSystem
@@ -33,7 +33,7 @@ class Round:
     """What one program of the sequence passes on to the next.
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
-    which the next program begins; `slips` (j,) m: those whose lift is subtracted; `touching`: the program's joints;
+    which the next program begins; `touching`: the program's joints;
     `solves`: programs so far. `held`: whether its geometry had to be held.
     """
 
@@ -41,11 +41,12 @@ class Round:
     forces: Array | None
     iterate: Iterate | None
     distance: float
-    slips: Array | None = None
     touching: Index | None = None
     alpha: float = 0.0
     solves: int = 0
     held: bool = False
+    reference: Array | None = None
+    stage: int = 0
 
 
 def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
@@ -53,20 +54,18 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
 
     A sequence of programs is solved. Each is convex in the geometry of the positions at which it begins, and contains
     the change of the last forces with that geometry (Newton's method for geometry and forces together); the first ones
-    are solved roughly. With Coulomb friction each program subtracts the lift of the last slips: once the slips settle,
-    sliding lifts nothing. `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near
-    or elastic joints do not hold it (it is unstable), UnsettledError if geometry and forces do not agree in the end,
-    ConvergenceError if neither can be decided.
+    are solved roughly. By Coulomb's law rigid joints yield a little to changes of their forces (proximal). `last`: the
+    previous equilibrium of the path. Raises NoEquilibriumError if none lies near or elastic joints do not hold it (it
+    is unstable), UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be
+    decided.
     """
     system, model = problem.system, problem.system.model
     residuals, repeats = STEP.residuals(system.behaviour), STEP.rounds(system.behaviour)
     stages = residuals + (residuals[-1],) * repeats
     now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
     for stage, residual in enumerate(stages):
-        before, now = now, _solve_round(problem, now, residual, update_slips=stage <= STEP.slip_rounds)
+        before, now = now, _solve_round(problem, now, residual)
         if stage < len(residuals) - 1:
-            continue
-        if stage < STEP.slip_rounds and _slips_changed(problem, now):
             continue
         others = _other_contacts(problem, now)
         if others is not None:
@@ -74,12 +73,6 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             continue
         found = certified(problem, now)
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
-            if _lift_left(problem, now) > STEP.lift_left * model.size:
-                raise UnsettledError(
-                    message(
-                        "the slips of the step do not settle: joints would penetrate as the lift is taken back"
-                    )
-                )
             return _stable(found)
         # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
@@ -108,17 +101,24 @@ def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Roun
         return Round(guess, None, None, STEP.begin)
     forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
-    return Round(guess, forces, iterate, STEP.begin)
+    reference = iterate.forces if iterate is not None and system.rigid and system.dilation < 1.0 else None
+    return Round(guess, forces, iterate, STEP.begin, reference=reference)
 
 
-def _solve_round(problem: StepProblem, last: Round, residual: float, update_slips: bool) -> Round:
+def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
     """Solve the program in the geometry of the last round to a residual (per weight and step)."""
-    system, slips, iterate = problem.system, last.slips, last.iterate
-    if system.sliding == "coulomb" and iterate is not None and update_slips:
-        slips = _slips(iterate)
-    program, index = problem.pose(last.at, last.forces, slips, last.touching)
-    near = None if iterate is None else taken(iterate, index).warm(program, last.distance)
+    system = problem.system
+    program, index = problem.pose(last.at, last.forces, last.touching)
+    near = None
+    if last.iterate is not None:
+        before = taken(last.iterate, index)
+        near = before.warm(program, last.distance)
+        if last.reference is not None:
+            program = proximal(program, last.reference[index])
     found, solves = solve_program(program, system.layout.take(index), near, residual)
+    reference = last.reference
+    if system.rigid and system.dilation < 1.0 and last.stage < STEP.memory:
+        reference = spread(found.forces, index, len(system.contacts))
     at = displaced(system.model, last.at, found.displacement)
     check_motion(problem, at)
     count = len(system.contacts)
@@ -127,29 +127,12 @@ def _solve_round(problem: StepProblem, last: Round, residual: float, update_slip
         spread(interior.resultants(program, found), index, count),
         over_all(found, index, count),
         STEP.go_on * residual,
-        slips,
         index,
         found.alpha,
         last.solves + solves,
+        reference=reference,
+        stage=last.stage + 1,
     )
-
-
-def _slips(iterate: Iterate) -> Array:
-    """Return the absolute slips (j,) m of an iterate."""
-    return np.asarray(abs(iterate.gaps[:, 2] - iterate.gaps[:, 3]))
-
-
-def _slips_changed(problem: StepProblem, now: Round) -> bool:
-    """Whether the slips differ so much from those whose lift was subtracted that a gap is left."""
-    return _lift_left(problem, now) > STEP.slip_gap * problem.size
-
-
-def _lift_left(problem: StepProblem, now: Round) -> float:
-    """Return the largest difference (m) between the lift of a round's slips and the lift that was subtracted."""
-    if now.slips is None or now.iterate is None:
-        return 0.0
-    lift = problem.system.law[:, FRICTION] * (_slips(now.iterate) - now.slips)
-    return float(abs(lift).max(initial=0.0))
 
 
 def _other_contacts(problem: StepProblem, now: Round) -> Index | None:
@@ -177,7 +160,9 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
     """Return forces and positions of a round, with the certificate of the forces in the geometry of the positions."""
     assert now.forces is not None and now.touching is not None
     system = problem.system
-    program, index = problem.pose(now.at, now.forces, now.slips, now.touching)
+    program, index = problem.pose(now.at, now.forces, now.touching)
+    if now.reference is not None:
+        program = proximal(program, now.reference[index])
     places = system.places(now.at, problem.start)
     return Equilibrium(
         state_at_rest(system, now.at, now.forces, problem.start),

@@ -24,7 +24,7 @@ from mechanics.steps.contact_values import iterate_over, moved_over, over_all, s
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
 from mechanics.steps.static_system import StaticSystem
-from mechanics.steps.tolerances import REST, STEP, RestTolerances
+from mechanics.steps.tolerances import LIMIT, REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
 UNSTABLE = message("the structure balances on an unstable equilibrium: its joints are too soft to hold it")
@@ -149,9 +149,13 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         if full and way(at, displaced(system.model, at, full.displacement), size) > REST.jump * problem.size:
             full = None
     if full is None:
-        for start in (warm and warm.warm(frozen, STEP.begin), interior.cold(frozen)):
+        cold = interior.cold(frozen)
+        tries = [(frozen, warm and warm.warm(frozen, STEP.begin)), (frozen, cold)]
+        if system.dilation < 1.0:  # a step by Coulomb's law may have no solution, one that lifts always has
+            tries += [(interior.with_dilation(frozen, psi), cold) for psi in (LIMIT.slight, 1.0)]
+        for tried, start in tries:
             if start and not held:
-                held, solves = _solved(frozen, layout, start), solves + 1
+                held, solves = _solved(tried, layout, start), solves + 1
         if held and curved:
             near = replace(held.warm(program, STEP.bend), displacement=held.displacement)
             full, solves = _solved(program, layout, near), solves + 1

@@ -11,13 +11,14 @@ from mechanics.messages import message
 from mechanics.program import Program
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import over_all, spread, state_at_rest, taken
+from mechanics.steps.contact_values import iterate_over, over_all, spread, state_at_rest, taken
 from mechanics.steps.static_step import (
     Equilibrium,
     StepProblem,
     balanced,
     check_motion,
     displaced,
+    proximal,
     solve_program,
 )
 from mechanics.steps.tolerances import STEP
@@ -32,7 +33,7 @@ def inertia(program: Program, displacement: Array) -> float:
     return float(abs(force).max(initial=0.0)) / program.weight
 
 
-def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
+def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Equilibrium:
     """Return the equilibrium of a step of rigid joints taken in short ones, up to the supports in `guess` (b, 3).
 
     Each short step is one program in the geometry in which it begins, with a little inertia that keeps loose blocks in
@@ -46,12 +47,17 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
     count = max(STEP.fewest, int(np.ceil(problem.size / (STEP.short * model.size))))
     mass = model.mass * GRAVITY / (STEP.short_time**2 * model.size)
     short = replace(problem, size=problem.size / count, work=problem.work / count, mass=mass)
-    at, iterate, solves = begun, None, 0
+    at, solves = begun, 0
+    iterate: Iterate | None = None
+    if last is not None and last.iterate is not None:
+        iterate = iterate_over(last.iterate, last.contacts, system.contacts)
     for k in range(count):
         posed = at.copy()
         posed[fixed] = begun[fixed] + (k + 1.0) / count * (guess - begun)[fixed]
         program, index = short.pose(posed, None)
         near: Iterate | None = iterate and taken(iterate, index).warm(program, STEP.begin)
+        if iterate and system.dilation < 1.0:
+            program = proximal(program, iterate.forces[index])
         found, more = solve_program(program, system.layout.take(index), near, STEP.solved)
         solves += more
         at = displaced(model, posed, found.displacement)
@@ -63,4 +69,4 @@ def in_short_steps(problem: StepProblem, guess: Array) -> Equilibrium:
         iterate = over_all(found, index, len(system.contacts))
         forces = spread(interior.resultants(program, found), index, len(system.contacts))
         short = replace(short, start=state_at_rest(system, at, forces, short.start))
-    return balanced(replace(short, mass=None), at, solves)
+    return balanced(replace(short, mass=None), at, iterate, solves)

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import ARM, BETA, CURVED, MV, PHI, H, U, V, curvatures
-from mechanics.kernels.law import BED, FRICTION, SHEAR, SLID
+from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
-from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, end_forces
+from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, certify, end_forces
 from mechanics.solvers import check_balance, interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import over_all, spread, spring_forces, state_at_rest
+from mechanics.steps.contact_values import over_all, spread, spring_forces, state_at_rest, taken
 from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
@@ -56,7 +56,8 @@ class StepProblem:
     """A step: the equilibrium at about `size` (m) from `start` under `load` (b, 3), kN and kNm.
 
     With a `lateral` load the multiplier α is free, and the lateral load does the given `work` (kNm). `mass` (b, 3),
-    Mg/s²: of a step from rest, the mass over the square of its time; None in statics.
+    Mg/s²: of a step from rest, the mass over the square of its time; None in statics. `dilation`: share of μ|slip| by
+    which sliding lifts; None: that of the system's law.
     """
 
     system: StaticSystem
@@ -66,6 +67,7 @@ class StepProblem:
     lateral: Array | None = None
     work: float = 0.0
     mass: Array | None = None
+    dilation: float | None = None
 
     @cached_property
     def slid(self) -> Array:
@@ -76,22 +78,22 @@ class StepProblem:
             slid = slid + system.law[:, SHEAR] * spring_forces(system.contacts, self.start)
         return slid
 
-    def pose(
-        self, at: Array, forces: Array | None, slips: Array | None = None, touching: Index | None = None
-    ) -> tuple[Program, Index]:
+    def pose(self, at: Array, forces: Array | None, touching: Index | None = None) -> tuple[Program, Index]:
         """Return the program in the geometry of the positions `at` (b, 3), and the indices of its joints.
 
         The displacements are measured from `at`. `forces` (j, 3): estimate of the joint forces, None if there is none;
-        an elastic program contains their change with the geometry. `slips` (j,) m: those whose lift is subtracted,
-        None: no lift is. `touching`: indices of the program's joints, None: all joints that overlap.
+        an elastic program contains their change with the geometry. `touching`: indices of the program's joints, None:
+        all joints that overlap.
         """
         system, movable = self.system, self.system.model.movable
-        places = self._places(at, forces, slips)
+        places = self._places(at, forces)
         overlapping = places[:, H] > system.no_overlap
         index = np.flatnonzero(overlapping) if touching is None else touching
         places[~overlapping, H] = system.no_overlap
         law = system.law[index].copy()
         law[:, SLID] = self.slid[index]
+        if self.dilation is not None:
+            law[:, DILATION] = self.dilation
         moved = (at - self.start.positions)[movable].ravel()
         load = self.load[movable].ravel()
         mass = None if self.mass is None else self.mass[movable].ravel()
@@ -111,12 +113,10 @@ class StepProblem:
         )
         return program, index
 
-    def _places(self, at: Array, forces: Array | None, slips: Array | None) -> Array:
-        """Return the joints' places (j, PLACE) at positions (b, 3) without the lift of `slips`; T acts where N acts."""
+    def _places(self, at: Array, forces: Array | None) -> Array:
+        """Return the joints' places (j, PLACE) at positions (b, 3); T acts where N acts."""
         contacts = self.system.contacts
         places = self.system.places(at, self.start)
-        if slips is not None:
-            places[:, U] += self.system.law[:, FRICTION] * slips
         if forces is not None:
             turned = (at - self.start.positions)[:, 2]
             lay_shear(places, forces, turned[contacts.a] - turned[contacts.b])
@@ -146,6 +146,44 @@ def lay_shear(places: Array, forces: Array, turned: Array) -> None:
     places[:, MV] -= height
 
 
+def held(problem: StepProblem, forces: Array) -> Equilibrium:
+    """Return the start of a step under `forces` (j, 3) N, P, T of the drawn joints, with their residuals."""
+    system, start = problem.system, problem.start
+    places = system.places(start.positions, start)
+    known = spread(forces, np.arange(len(forces)), len(places))
+    ends = end_forces(known, places[:, H])
+    slips = np.zeros((len(places), 2))
+    iterate = Iterate(
+        np.column_stack([ends, known[:, 2]]),
+        np.column_stack([np.maximum(end_gaps(places), 0.0), slips]),
+        0.0,
+        np.zeros(3 * int(system.model.movable.sum())),
+    )
+    program, index = problem.pose(start.positions, known)
+    residuals = certify(program, known[index], 0.0, np.zeros(len(program.load)))
+    deepest = penetration(system, places, known)
+    return Equilibrium(start, system, places, known, 0.0, iterate, residuals, deepest, 0)
+
+
+def proximal(program: Program, forces: Array) -> Program:
+    """Return the program whose rigid joints yield a little to what their forces change from given ones.
+
+    `forces` (j, 3): N₁, N₂ and T, kN, of the last solution. Forces of rigid joints that Coulomb's law leaves open then
+    stay near those that were there, and what they yield vanishes as the solutions settle (a proximal point method).
+    """
+    p, law, places = program, program.law.copy(), program.places.copy()
+    soft = STEP.yielding * p.step / p.weight
+    yields = np.isinf(law[:, BED]) & np.isinf(law[:, STRENGTH])
+    half = places[:, H]
+    law[yields, BED], law[yields, SEGMENTS] = 1.0 / (soft * half[yields]), 1.0
+    back = np.where(yields[:, None], soft * forces[:, :2], 0.0)
+    places[:, U] -= 0.5 * back.sum(axis=1)
+    places[:, PHI] -= 0.5 * (back[:, 1] - back[:, 0]) / half
+    law[:, SHEAR] += soft
+    law[:, SLID] += soft * forces[:, 2]
+    return replace(p, law=law, places=places)
+
+
 def solve_program(
     program: Program, layout: Elimination, near: Iterate | None, accepted: float
 ) -> tuple[Iterate, int]:
@@ -158,6 +196,8 @@ def solve_program(
     """
     unstable, solves = False, 0
     held = interior.frozen(program)
+    skew = bool((program.law[:, DILATION] < 1.0).any())
+    solved = STEP.stalled if skew else STEP.solved
     for tried, start in ((program, near), (held, interior.cold(held))):
         if start is None:
             continue
@@ -167,16 +207,16 @@ def solve_program(
             raise NoEquilibriumError(
                 message("no mechanism: the load only wedges the blocks, the multiplier has no bound")
             )
-        if outcome.accepted or max(outcome.force, outcome.product) <= STEP.solved:
+        if outcome.accepted or max(outcome.force, outcome.product) <= solved:
             return found, solves
         unstable = unstable or outcome.unstable
     if unstable:
         raise NoEquilibriumError(
             message("loss of stability: the stiffness of the structure is no longer positive")
         )
-    if (program.law[:, BED] < np.inf).any():  # where other solvers take seconds in vain
+    if (program.law[:, BED] < np.inf).all():  # where other solvers take seconds in vain
         check_balance(program, layout)
-    else:
+    elif not skew:
         _, iterate = solve(program, layout)  # raises if there is no equilibrium
         if iterate is not None:
             return iterate, solves + 1
@@ -214,15 +254,19 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
         )
 
 
-def balanced(problem: StepProblem, at: Array, solves: int = 0) -> Equilibrium:
+def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int = 0) -> Equilibrium:
     """Return the equilibrium of blocks that stay at positions (b, 3): the forces that hold them there.
 
-    `solves`: number of programs solved before. Raises NoEquilibriumError if no forces hold them, ConvergenceError if
-    that cannot be decided.
+    `near`: an iterate, near whose forces they are sought by Coulomb's law; `solves`: number of programs solved before.
+    Raises NoEquilibriumError if no forces hold them, ConvergenceError if that cannot be decided.
     """
     system = problem.system
     program, index = problem.pose(at, None)
-    found, more = solve_program(program, system.layout.take(index), None, STEP.solved)
+    start = None
+    if near and system.dilation < 1.0:
+        known = taken(near, index)
+        program, start = proximal(program, known.forces), known.warm(program, STEP.begin)
+    found, more = solve_program(program, system.layout.take(index), start, STEP.solved)
     solution, count = interior.solution(program, found), len(system.contacts)
     forces, places = spread(solution.forces, index, count), system.places(at, problem.start)
     return Equilibrium(

@@ -101,6 +101,11 @@ class StaticSystem:
         return slice(first, first + len(self.model.ties))
 
     @property
+    def dilation(self) -> float:
+        """Share ψ of μ|slip| by which sliding lifts a joint."""
+        return 1.0 if self.sliding == "associative" else 0.0
+
+    @property
     def rigid(self) -> bool:
         """Whether joints are rigid."""
         return self.behaviour == "rigid"
@@ -111,7 +116,7 @@ class StaticSystem:
         c = self.contacts
         law = np.zeros((len(c), LAW))
         law[:, FRICTION] = np.maximum(c.friction, STEP.least_friction)
-        law[:, STRENGTH], law[:, BED], law[:, DILATION] = c.strength, np.inf, 1.0
+        law[:, STRENGTH], law[:, BED], law[:, DILATION] = c.strength, np.inf, self.dilation
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments
             with np.errstate(divide="ignore"):

@@ -17,9 +17,10 @@ class StepTolerances:
     `rigid_rounds` or `elastic_rounds` times; `solved`: the residual with which a program counts as solved where
     rounding keeps it from a smaller one. `begin`: distance from the bounds, per weight and step, at which the first
     program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the last;
-    `bend`: the same for a program that begins near that with its geometry held. `slip_rounds`: number of programs in
-    which Coulomb slips are updated; `slip_gap`: gap left by a change of the slips that ends that, as a share of a step;
-    `lift_left`: the most of it that is accepted, as a share of the block size.
+    `bend`: the same for a program that begins near that with its geometry held. `yielding`: compliance, in
+    steps per weight, of rigid joints to changes of their forces by Coulomb's law; `memory`: programs of a step after
+    which these count from the same forces. `stalled`: residual accepted of a program by Coulomb's law that stalls,
+    within the sequence.
 
     Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
     to; `slow`: the same of rigid joints if forces and geometry approach each other only slowly. `fall`: a motion of
@@ -40,12 +41,12 @@ class StepTolerances:
     rigid_rounds: int = 8
     elastic_rounds: int = 12
     solved: float = 1e-8
+    stalled: float = 1e-6
     begin: float = 0.3
     go_on: float = 0.1
     bend: float = 1e-2
-    slip_rounds: int = 6
-    slip_gap: float = 1e-3
-    lift_left: float = 2e-3
+    yielding: float = 3e-4
+    memory: int = 2
     rigid_certificate: float = 1e-8
     elastic_certificate: float = 1e-6
     slow: float = 1e-5

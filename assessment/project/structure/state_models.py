@@ -64,6 +64,7 @@ class StateModel:
             reached,
             shear=_longer(reached.shear, self.later),
             carrying=_longer(reached.carrying, self.later),
+            forces=_longer(reached.forces, self.later),
             lengthened=_longer(reached.lengthened, self.later),
         )
 
