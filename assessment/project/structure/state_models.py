@@ -80,8 +80,10 @@ class StateModel:
 
 
 def _longer(values: NDArray[Kind] | None, count: int) -> NDArray[Kind] | None:
-    """Return an array (n,) with zeros for `count` more contacts at its end."""
-    return None if values is None else np.concatenate([values, np.zeros(count, dtype=values.dtype)])
+    """Return an array of contacts (n,) or (n, k) with zeros for `count` more at its end."""
+    if values is None:
+        return None
+    return np.concatenate([values, np.zeros((count, *values.shape[1:]), dtype=values.dtype)])
 
 
 def tie_lengths(model: Assembly, positions: Array) -> Array:

@@ -23,6 +23,8 @@ def inertia(
 ) -> tuple[int, float]:  # fmt: skip
     """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
 
+    Joints that slide by Coulomb's law do so under the friction that they have.
+
     Arrays as in `iterate`; `least` (m/kN): compliance that bounds the stiffness; `held` (m,): stiffness added to the
     diagonal.
     """
@@ -32,7 +34,8 @@ def inertia(
     residual = np.zeros(len(x))
     evaluate(joints, x, f, y, least, known, residual)
     lower, upper = stored[: len(stored) // 2], stored[len(stored) // 2 :]
-    assemble(joints, known, held, lower, upper, True, pattern)
+    assemble(joints, known, held, lower, upper, False, pattern)
+    upper[:] = lower
     negative = lu(lower, upper, pattern)
     if negative < 0 or len(lateral) == 0:
         return negative, 0.0

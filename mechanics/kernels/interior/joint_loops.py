@@ -142,7 +142,10 @@ def evaluate(
 def assemble(
     joints: Any, known: Array, held: Array, lower: Array, upper: Array, two: bool, pattern: Any
 ) -> None:  # fmt: skip
-    """BᵀDB − G and the diagonal `held` (m,): the lower triangle, and the upper one where there are `two`."""
+    """BᵀDB − G and the diagonal `held` (m,): the lower triangle, and the upper one where there are `two`.
+
+    One triangle is that of a symmetric matrix: friction that changes with N is left out where ψ < 1.
+    """
     row, places, which = joints.row, joints.places, joints.which
     diagonal(held, lower, pattern)
     if two:
@@ -154,7 +157,8 @@ def assemble(
         for k in range(lanes):
             j = r * LANES + k
             uu, up, pp, vv = s[DUU + k], s[DUP + k], s[DPP + k], s[DVV + k]
-            uv, pv, vu, vp = s[DUV + k], s[DPV + k], s[DVU + k], s[DVP + k]
+            uv, pv = s[DUV + k], s[DPV + k]
+            vu, vp = (s[DVU + k], s[DVP + k]) if two else (uv, pv)
             stiffen(
                 which[j], places[j], row[j, 0], row[j, 1], (uu, up, uv, pp, pv, vv, vu, vp), lower, pattern
             )

@@ -182,7 +182,11 @@ def test_a_beam_that_unseats_is_followed_from_the_drawing_to_the_report(tmp_path
 
 
 def test_a_pier_that_moves_away_unseats_the_beam():
-    """Two stocky piers stand still: the beam slides alike on both, and 0.1 m of movement use up both seats of 50 mm."""
+    """Two stocky piers stand still: the beam stays on one, and 50 mm of movement use up the seat on the other.
+
+    Rigid joints leave open on which of two like seats it slides; a joint that has begun to slide goes on, since the forces
+    of rigid joints stay near those of the step before. Elastic joints say 46 mm.
+    """
     supports = {"LEFT": "left", "RIGHT": "right"}
     blocks = [
         Block(polygon, 1.0, Material(18.0, 0.5), support=supports.get(layer))
@@ -191,8 +195,8 @@ def test_a_pier_that_moves_away_unseats_the_beam():
     ]
     model = Assembly(blocks)
     path = pushdown(model, "right", (0.002, 0.0), increment=0.002, to_collapse=True, sliding="coulomb")
-    assert path.ultimate == pytest.approx(0.1, rel=0.02)
+    assert path.ultimate == pytest.approx(0.05, rel=0.02)
     loss = local_loss(model, path.states, path.movement, path.steps[0].forces, falls=True)
-    assert loss.displacement_m == path.movement[-1] == pytest.approx(0.1, rel=0.02)
+    assert loss.displacement_m == path.movement[-1] == pytest.approx(0.05, rel=0.02)
     assert 4 in loss.blocks
     assert local_loss(model, path.states, path.movement, path.steps[0].forces, falls=False) is None
