@@ -184,8 +184,8 @@ def test_a_beam_that_unseats_is_followed_from_the_drawing_to_the_report(tmp_path
 def test_a_pier_that_moves_away_unseats_the_beam():
     """Two stocky piers stand still: the beam stays on one, and 50 mm of movement use up the seat on the other.
 
-    Rigid joints leave open on which of two like seats it slides; a joint that has begun to slide goes on, since the forces
-    of rigid joints stay near those of the step before. Elastic joints say 46 mm.
+    Rigid joints leave open on which of two like seats it slides; a joint that has begun to slide goes on, since the
+    forces of rigid joints stay near those of the step before. Elastic joints say 46 mm.
     """
     supports = {"LEFT": "left", "RIGHT": "right"}
     blocks = [
