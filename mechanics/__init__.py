@@ -1,27 +1,47 @@
 """Rigid blocks in dry contact: limit analysis, pushdown, pushover and time histories by one program."""
 
-from mechanics.errors import (
-    ArgumentError,
-    CollapseError,
-    ControlError,
-    ConvergenceError,
-    DrawingError,
-    MechanicsError,
-    NoEquilibriumError,
-    RecordError,
-    UnstableError,
-)
-from mechanics.model.assembly import Assembly, State
-from mechanics.model.block import Block, Material
-from mechanics.model.dxf import Layer, read_drawing
-from mechanics.model.tie import Tie
-from mechanics.procedures.following import Following
-from mechanics.procedures.limit_analysis import limit_analysis
-from mechanics.procedures.pushdown import pushdown
-from mechanics.procedures.pushover import pushover
-from mechanics.procedures.time_history import TimeHistory, time_history
-from mechanics.records.record import Record, read_record
+from __future__ import annotations
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mechanics.errors import (
+        ArgumentError,
+        CollapseError,
+        ControlError,
+        ConvergenceError,
+        DrawingError,
+        MechanicsError,
+        NoEquilibriumError,
+        RecordError,
+        UnstableError,
+    )
+    from mechanics.model.assembly import Assembly, State
+    from mechanics.model.block import Block, Material
+    from mechanics.model.dxf import Layer, read_drawing
+    from mechanics.model.tie import Tie
+    from mechanics.procedures.following import Following
+    from mechanics.procedures.limit_analysis import limit_analysis
+    from mechanics.procedures.pushdown import pushdown
+    from mechanics.procedures.pushover import pushover
+    from mechanics.procedures.time_history import TimeHistory, time_history
+    from mechanics.records.record import Record, read_record
+
+_HOME = {  # module: public names
+    "errors": "ArgumentError CollapseError ControlError ConvergenceError DrawingError MechanicsError "
+    "NoEquilibriumError RecordError UnstableError",
+    "model.assembly": "Assembly State",
+    "model.block": "Block Material",
+    "model.dxf": "Layer read_drawing",
+    "model.tie": "Tie",
+    "procedures.following": "Following",
+    "procedures.limit_analysis": "limit_analysis",
+    "procedures.pushdown": "pushdown",
+    "procedures.pushover": "pushover",
+    "procedures.time_history": "TimeHistory time_history",
+    "records.record": "Record read_record",
+}
 __all__ = [
     "ArgumentError",
     "Assembly",
@@ -48,3 +68,11 @@ __all__ = [
     "read_record",
     "time_history",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name where it is first asked for: what needs a message or an error alone needs no NumPy."""
+    for module, names in _HOME.items():
+        if name in names.split():
+            return getattr(import_module(f"mechanics.{module}"), name)
+    raise AttributeError(f"module 'mechanics' has no attribute {name!r}")

@@ -21,6 +21,7 @@ from assessment.runtime.processes.pool import KilledError, Pool, finished, proce
 from assessment.runtime.show import SILENCE, Show
 
 if TYPE_CHECKING:
+    from assessment.results.schema import Results
     from mechanics import Assembly
 
 SMALL = 100  # joints times static analyses: below it a second process costs more than it saves
@@ -138,6 +139,20 @@ class _Plan:
         if number not in self.keys:
             self.keys[number] = fingerprint(self.function, self.task(number))
         return self.keys[number]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The outcome of a run: its results, whether every requested analysis was completed, and how many were computed.
+
+    `computed`: number of analyses of this run; `taken`: number of stored results of earlier runs that were used, as
+    their inputs have not changed.
+    """
+
+    results: Results
+    complete: bool
+    computed: int
+    taken: int
 
 
 @dataclass

@@ -1,34 +1,120 @@
-"""The output folder: each set of files appears whole or not at all."""
+"""The output folder: all that is made of results, put there together, and the record of the run that made it."""
 
 from __future__ import annotations
 
-import os
-import shutil
+import json
 import tempfile
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assessment.report.formats.pdf import printable
-from assessment.runtime.files.atomic_files import write_atomically
-from assessment.runtime.files.swap import SCRATCH, put_in_place
+from assessment.runtime import fingerprint
+from assessment.runtime.cache import FOLDER, Store, unpacked
+from assessment.runtime.files.atomic_files import SCRATCH, file_digest, put_in_place, write_atomically
 from assessment.runtime.processes.pool import KilledError, Pool, processes, result_of
-from assessment.workflow.earlier import (
-    EVERYTHING,
-    FIGURES,
-    JUDGEMENT,
-    REPORT,
-    RESULTS,
-    TABLES,
-    files_of,
-)
+from assessment.runtime.tasks import Outcome
 
 if TYPE_CHECKING:
+    from assessment.project.project import Project
     from assessment.results.schema import Results
 
+PLACES = (  # of the files of a run; all else in the folder is the user's
+    "results.json",
+    *(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
+    "tables/*.csv",
+    "judgement.md",
+    *(f"report.{kind}" for kind in ("html", "pdf", "docx")),
+    "attachments/*.png",
+    "attachments/*.jpg",
+)
+ENTRY = "last"  # of the record, in the store
 PRINTED = 4  # figures that the PDF takes as long as, per figure of the results: 3 to 6
 SHEETS = 3  # page, DOCX, tables: each takes about as long as a figure
+
+
+class Keys(NamedTuple):
+    """Digests of what a run depends on: its `results`, and its title `page` beside them."""
+
+    results: str
+    page: str
+
+
+def keys_of(project: Project) -> Keys:
+    """Return the keys of a run of the project; a change of comments in its file changes the page alone."""
+    content, inputs = project.content(), project.digests()
+    source = inputs.pop(project.source)
+    software = [fingerprint.program(), fingerprint.printing()]
+    settings = {key: value for key, value in content.items() if key not in {"title", "report"}}
+    results = fingerprint.digest([software, project.source, settings, inputs])
+    return Keys(results, page_key(project, source))
+
+
+def page_key(project: Project, source: str | None) -> str:
+    """Return the key of a project's title page; `source`: digest of the project file that the results are of."""
+    content = project.content()
+    attached = [file_digest(path) for path in project.attachments()]
+    return fingerprint.digest([content["title"], content["report"], attached, source])
+
+
+@dataclass(frozen=True)
+class LastRun:
+    """What a run left: its keys, the digests of its files, warnings, and whether its analyses were completed."""
+
+    results: str
+    page: str
+    files: Mapping[str, str]
+    complete: bool
+    analyses: int
+    warnings: list[str]
+
+    def outcome(self, folder: Path) -> Outcome:
+        """Return the outcome stored in the folder; none of its analyses is computed again."""
+        from assessment.results.file import read_results  # late: see run.py
+
+        return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses)
+
+    def wrote_results(self, folder: Path) -> bool:
+        """Return whether results.json is as this run wrote it."""
+        path = folder / "results.json"
+        return path.is_file() and self.files.get(path.name) == file_digest(path)
+
+    def stands(self, folder: Path, keys: Keys, report: bool) -> bool:
+        """Return whether a run with these keys, with its `report` or without, would leave the folder as it is."""
+        if (self.results, self.page) != keys or self.files != _digests(folder):
+            return False
+        if not report:
+            return True
+        return "report.html" in self.files and ("report.pdf" in self.files or not printable())
+
+
+def recall(folder: Path) -> LastRun | None:
+    """Return the record of the last run in an output folder; None if there is none that can be read."""
+    text = Store(folder / FOLDER).read(ENTRY)
+    with suppress(Exception):  # of another version, or none at all
+        found: LastRun | None = unpacked(text, LastRun) if text else None
+        return found
+    return None
+
+
+def remember(folder: Path, outcome: Outcome, keys: Keys, warnings: list[str]) -> None:
+    """Store the record of a run in its output folder, for the next run."""
+    number = outcome.computed + outcome.taken
+    left = LastRun(*keys, _digests(folder), outcome.complete, number, warnings)
+    Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    return {name: file_digest(folder / name) for name in _files(folder)}
+
+
+def _files(folder: Path) -> list[str]:
+    """Return the names of the files of a run, relative to its folder, with slashes."""
+    found = (path for place in PLACES for path in folder.glob(place))
+    return sorted(path.relative_to(folder).as_posix() for path in found if path.is_file())
 
 
 def prepare(report: bool) -> None:
@@ -47,31 +133,27 @@ def prepare(report: bool) -> None:
 def write(
     results: Results,
     folder: Path,
-    parts: Collection[str] = EVERYTHING,
-    kept: Collection[str] = (),
+    report: bool = True,
     jobs: int = 1,
     attachments: Sequence[Path] = (),
     tell: Callable[[float], object] = lambda _: None,
 ) -> list[str]:
-    """Write parts of what is made of results into `folder`, all at once; each set appears whole or not at all.
+    """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
 
-    Parts `kept` stay unchanged; all other files of earlier results are removed. A judgement.md that was edited
-    is kept and printed. Return warnings (a PDF that could not be made). `jobs`: processes, 0: one per core;
-    `attachments`: pictures that end the report; `tell`: is given the share that is made, about. Raises
-    KilledError if one of them was ended from outside, OSError that names a file; the folder is then unchanged.
+    A judgement.md that was edited is kept and printed. Return warnings (a PDF that could not be made). `jobs`:
+    processes, 0: one per core; `attachments`: pictures that end the report; `tell`: is given the share that is made,
+    about. Raises KilledError if one of them was ended from outside, OSError that names a file; the folder is then
+    unchanged.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    ours = (folder / "results.json").exists()
+    gone = _files(folder) if (folder / "results.json").exists() else []
     with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
         try:
-            for name in files_of(folder, kept):  # the report is made with them
-                _linked(folder / name, new / name)
-            warnings = _make(results, folder, new, parts, jobs, attachments, tell)
-            gone = files_of(folder, EVERYTHING - {*kept}) if ours else []
-            put_in_place(new, folder, files_of(new, parts), gone)
+            warnings = _make(results, folder, new, report, jobs, attachments, tell)
+            put_in_place(new, folder, _files(new), gone)
         except KilledError as error:
-            raise KilledError(f"{', '.join(sorted(parts))}: {error}") from None
+            raise KilledError(f"{'report' if report else 'figures and tables'}: {error}") from None
         except OSError as error:
             raise OSError(error.errno, error.strerror, _at_home(error.filename, new, folder)) from error
     return warnings
@@ -81,12 +163,12 @@ def _make(
     results: Results,
     folder: Path,
     new: Path,
-    parts: Collection[str],
+    report: bool,
     jobs: int,
     attachments: Sequence[Path],
     tell: Callable[[float], object],
 ) -> list[str]:
-    """Make the parts in the folder `new`; return warnings."""
+    """Make everything in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement_file import NAME, judgement
     from assessment.report.document import write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
@@ -97,11 +179,9 @@ def _make(
     from assessment.results.file import as_bytes
 
     opinion = judgement(results, words_of(results), folder)
-    if JUDGEMENT in parts:
-        write_atomically(new / NAME, opinion.content)
+    write_atomically(new / NAME, opinion.content)
     number, figures = processes(jobs), len(pictures(results))
-    whole = SHEETS + 2 * figures * (FIGURES in parts) + PRINTED * figures * (REPORT in parts)
-    made = 0
+    whole, made = SHEETS + (2 + PRINTED * report) * figures, 0
 
     def ended(function: Callable[..., Any]) -> None:
         nonlocal made
@@ -109,38 +189,21 @@ def _make(
         tell(min(made / whole, 1.0))
 
     with Pool(number if number > 1 else 0, results, ended) as pool:
+        write_figures(pool, new / "figures")
         begun: list[Future[Any]] = []
-        images: list[Future[None]] = []
-        printed: Future[list[str]] | None = None
-        if FIGURES in parts:
-            write_figures(pool, new / "figures")
-        if REPORT in parts:
+        if report:
             write_attachments(attachments, new)
-            printed = pool.apply(write_pdf, new, opinion.edited)  # first: it takes longest
+            begun.append(pool.apply(write_pdf, new, opinion.edited))  # first: it takes longest
             begun.append(pool.apply(write_page, new, opinion.edited))
-        if FIGURES in parts:
-            images = write_images(pool, new / "figures")
-            begun += write_animations(pool, new / "figures")
-        if TABLES in parts:
-            begun.append(pool.apply(write_tables, new / "tables"))
+        images = write_images(pool, new / "figures")
+        begun += [*write_animations(pool, new / "figures"), pool.apply(write_tables, new / "tables")]
         for work in images:
             result_of(work)
-        if REPORT in parts:  # its figures are the images
+        if report:  # its figures are the images
             begun.append(pool.apply(write_docx, new, opinion.edited))
-        if RESULTS in parts:
-            write_atomically(new / "results.json", as_bytes(results))
-        for work in begun:
-            result_of(work)
-        return [*opinion.warnings, *(result_of(printed) if printed else [])]
-
-
-def _linked(old: Path, new: Path) -> None:
-    """Link a file to a second path, or copy it where the file system has no links."""
-    new.parent.mkdir(exist_ok=True)
-    try:
-        os.link(old, new)
-    except OSError:
-        shutil.copy2(old, new)
+        write_atomically(new / "results.json", as_bytes(results))
+        done = [result_of(work) for work in begun]
+    return [*opinion.warnings, *(done[0] if report else [])]
 
 
 def _at_home(name: Any, new: Path, folder: Path) -> Any:

@@ -1,16 +1,21 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, one by one or all of a run."""
 
 from __future__ import annotations
 
 import hashlib
 import os
 import re
+import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
+from assessment.runtime.errors import ProjectError
+
+SCRATCH = ".assesto-"  # prefix of the folders where files are made before they are put in place
+LAST = "results.json"  # of a run: if it is there, all files are
 LONGEST = 3600.0  # s that writing a file takes: older temporary files are of processes that were killed
 MOST_BYTES = 250_000_000  # of a file whose content is digested: more than of any input that is not refused
 
@@ -81,6 +86,44 @@ def _is_left_over(path: Path) -> bool:
     except (OSError, OverflowError):
         return False
     return False
+
+
+def clear(folder: Path) -> None:
+    """Remove unfinished files of runs that were killed; the folder has to be locked."""
+    clear_left_over(folder)
+    for left in folder.glob(f"{SCRATCH}*"):
+        shutil.rmtree(left, ignore_errors=True)
+
+
+def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collection[str]) -> None:
+    """Put files made in `new`, a folder within `folder`, in the place of those `gone`; all else in `folder` stays.
+
+    Names are relative, with slashes. Every file is on the disk before it is renamed to its place. LAST goes first and
+    comes last: after a kill in between there are no results, and the next run writes them. Raises ProjectError that
+    names a file which cannot be replaced (on Windows one that is open elsewhere), OSError otherwise; the folder is then
+    unchanged.
+    """
+    for name in made:
+        with (new / name).open("rb+") as file:
+            os.fsync(file.fileno())
+    old = [name for name in {*gone, *made} if (folder / name).exists()]
+    moves = [(folder / name, new / ".old" / name) for name in sorted(old, key=LAST.__ne__)]
+    moves += [(new / name, folder / name) for name in sorted(made, key=LAST.__eq__)]
+    done: list[tuple[Path, Path]] = []
+    try:
+        for source, target in moves:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            source.replace(target)
+            done.append((source, target))
+    except BaseException as error:
+        for source, target in reversed(done):
+            target.replace(source)
+        if isinstance(error, PermissionError):
+            raise ProjectError(
+                f"{error.filename}: cannot be replaced ({error.strerror}); close it where it is open and run again: "
+                "nothing of the earlier result was changed, finished analyses are kept"
+            ) from error
+        raise
 
 
 def file_digest(path: Path) -> str:

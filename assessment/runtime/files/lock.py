@@ -13,21 +13,13 @@ from pathlib import Path
 
 from assessment.runtime.errors import ProjectError
 
-try:
-    import fcntl
-except ImportError:  # Windows
-    import msvcrt
-
-    fcntl = None  # type: ignore[assignment]
-
 NAME = ".assesto.lock"  # in the output folder, while a run writes there
-BEYOND = 1 << 20  # byte that Windows locks and nobody can read then: behind the text
 PATIENCE = 0.2  # s: `holder` takes the lock for an instant, to see whether it is free
 
 
 @dataclass(frozen=True)
 class Holder:
-    """The process that writes into a folder: as a sentence names it, and its number; None where it is not known yet."""
+    """The process that writes into a folder: as a sentence names it, and its number; None where it is not known."""
 
     text: str
     pid: int | None
@@ -43,22 +35,28 @@ def locked(folder: Path) -> Iterator[None]:
 
     Raises BusyError if another run writes into it, OSError if it cannot be written.
     """
-    made = not folder.exists()
+    from filelock import FileLock, Timeout  # late: most commands need none
+
+    made, path = not folder.exists(), folder / NAME
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / NAME
-    descriptor = _claimed(path)
+    lock = FileLock(path, timeout=PATIENCE)
     try:
-        os.ftruncate(descriptor, 0)
-        host = platform.node()
-        text = f"process {os.getpid()} on {host} since {time.strftime('%H:%M')}"
+        lock.acquire()
+    except Timeout:
+        raise BusyError(
+            f"{path}: another run is writing into this folder ({_read(path).text}); wait until it has ended, stop it, "
+            "or give another folder with --out DIR"
+        ) from None
+    try:
+        host, now = platform.node(), time.strftime("%H:%M")
         facts = json.dumps({"pid": os.getpid(), "host": host, "since": time.time()})
-        os.write(descriptor, f"{text}\n{facts}\n".encode())
+        with suppress(OSError):  # Windows keeps a locked file to itself, also from this
+            path.write_text(f"process {os.getpid()} on {host} since {now}\n{facts}\n", encoding="utf-8")
         yield
     finally:
-        # before the lock is released: a process that holds the removed file opens a new one
-        with suppress(OSError):
+        with suppress(OSError):  # before it is released: who waits for the removed file opens a new one
             path.unlink()
-        os.close(descriptor)
+        lock.release()
         with suppress(OSError):  # Windows does not remove an open file
             path.unlink()
         if made:
@@ -68,59 +66,23 @@ def locked(folder: Path) -> Iterator[None]:
 
 def holder(folder: Path) -> Holder | None:
     """Return the process that writes into a folder; None if there is none."""
+    path = folder / NAME
+    if not path.is_file():
+        return None
+    from filelock import FileLock, Timeout  # late: as above
+
     try:
-        descriptor = os.open(folder / NAME, os.O_RDWR)
+        with FileLock(path, timeout=0):
+            return None
+    except Timeout:
+        return _read(path)
     except OSError:
         return None
-    try:
-        return None if _lock(descriptor) else _read(descriptor)
-    finally:
-        os.close(descriptor)
 
 
-def _read(descriptor: int) -> Holder:
-    """Return who holds the lock of an open file; its text may not be written yet."""
-    text, _, facts = os.read(descriptor, 1000).decode(errors="replace").partition("\n")
-    try:
-        pid = int(json.loads(facts)["pid"])
-    except (ValueError, TypeError, KeyError, RecursionError):
-        pid = None
-    return Holder(text or "a process which has just begun", pid)
-
-
-def _claimed(path: Path) -> int:
-    """Return the descriptor of a lock that no other process holds."""
-    began = time.monotonic()
-    while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-        if not _lock(descriptor):
-            other = _read(descriptor)
-            os.close(descriptor)
-            if time.monotonic() - began < PATIENCE:
-                time.sleep(0.02)
-                continue
-            raise BusyError(
-                f"{path}: another run is writing into this folder ({other.text}); wait until it has ended, stop it, "
-                "or give another folder with --out DIR"
-            )
-        with suppress(FileNotFoundError):
-            if path.stat().st_ino == os.fstat(descriptor).st_ino:
-                return descriptor
-        os.close(descriptor)  # the file was just removed by the previous run
-
-
-def _lock(descriptor: int) -> bool:
-    """Lock an open file; return whether that succeeded. On a file system without locks it always does."""
-    try:
-        if fcntl is not None:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        else:
-            os.lseek(descriptor, BEYOND, os.SEEK_SET)
-            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
-    except (BlockingIOError, PermissionError):
-        return False
-    except OSError:  # some network drives
-        return True
-    finally:
-        os.lseek(descriptor, 0, os.SEEK_SET)
-    return True
+def _read(path: Path) -> Holder:
+    """Return who holds a lock, as far as its file tells."""
+    with suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
+        text, _, facts = path.read_text(encoding="utf-8").partition("\n")
+        return Holder(text, int(json.loads(facts)["pid"]))
+    return Holder("a process which has just begun", None)

@@ -21,7 +21,7 @@ from assessment.results.undetermined import undetermined
 from assessment.runtime.terminal.dynamic import dynamic_lines
 
 if TYPE_CHECKING:
-    from assessment.runtime.outcome import Outcome
+    from assessment.runtime.tasks import Outcome
 
 
 def model_summary(results: Results) -> str:

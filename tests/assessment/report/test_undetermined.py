@@ -12,7 +12,7 @@ from assessment.report.tables.capacity import verification
 from assessment.report.tables.indices import indices, interventions
 from assessment.report.text.language import words_of
 from assessment.results.undetermined import checks_asked, undetermined
-from assessment.runtime.outcome import Outcome
+from assessment.runtime.tasks import Outcome
 from assessment.runtime.terminal.summary import summary
 from tests.support.judgement.claims import hold
 from tests.support.results_example import SETTLED, results_example

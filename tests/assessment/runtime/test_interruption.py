@@ -147,7 +147,7 @@ def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, ca
         assert main(["run", str(project), "--jobs", "2"]) == 3
     out, err = capsys.readouterr()
     assert out == ""
-    assert err.startswith("error: pushover: " if what == "pushover" else "error: figures, judgement, report")
+    assert err.startswith("error: pushover: " if what == "pushover" else "error: report: ")
     assert "a process of the run was ended from outside" in err
     assert "finished analyses are kept: run again to go on" in err
     assert err.count("\n") == 1

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import pytest
 
-from assessment.runtime.files import lock
-from assessment.runtime.files.lock import NAME, BusyError, locked
+from assessment.runtime.files.lock import NAME, BusyError, Holder, holder, locked
 from tests.support.block_project import ROOT, run
 
 HOLD = """
@@ -66,40 +63,23 @@ def test_a_folder_that_a_run_made_and_left_empty_goes_again(tmp_path):
     assert [path.name for path in (tmp_path / "c").iterdir()] == ["result"]
 
 
-def test_a_lock_on_a_file_that_was_removed_meanwhile_is_none(tmp_path, monkeypatch):
+def test_who_waits_for_a_lock_that_is_removed_meanwhile_gets_one_that_others_see(tmp_path):
     """The run before removes its file: who has opened it just before would hold a lock that nobody else sees."""
-    claim, gone = lock._lock, []
-
-    def removed_meanwhile(descriptor):
-        if not gone:
-            gone.append((tmp_path / NAME).unlink())
-        return claim(descriptor)
-
-    monkeypatch.setattr(lock, "_lock", removed_meanwhile)
-    with locked(tmp_path), pytest.raises(BusyError), locked(tmp_path):
-        pass
+    with locked(tmp_path):
+        (tmp_path / NAME).unlink()
+        (tmp_path / NAME).touch()  # as of another run, which begins
+        with locked(tmp_path), pytest.raises(BusyError), locked(tmp_path):
+            pass
 
 
-def test_a_file_system_without_locks_has_none(tmp_path, monkeypatch):
-    def unknown(*_):
-        raise OSError(errno.ENOLCK, "No locks available")
-
-    monkeypatch.setattr(lock, "fcntl", SimpleNamespace(flock=unknown, LOCK_EX=2, LOCK_NB=4))
-    with locked(tmp_path), locked(tmp_path):
-        pass
-
-
-def test_on_windows_a_byte_is_locked_that_leaves_the_holder_readable(tmp_path, monkeypatch):
-    taken = []
-
-    def locking(descriptor, mode, count):
-        place = os.lseek(descriptor, 0, os.SEEK_CUR)
-        assert (mode, count, place > 1000) == (2, 1, True)
-        if taken:
-            raise PermissionError(errno.EACCES, "Permission denied")
-        taken.append(descriptor)
-
-    monkeypatch.setattr(lock, "fcntl", None)
-    monkeypatch.setattr(lock, "msvcrt", SimpleNamespace(locking=locking, LK_NBLCK=2), raising=False)
-    with locked(tmp_path), pytest.raises(BusyError, match=f"process {os.getpid()} "), locked(tmp_path):
-        pass
+def test_the_holder_is_told_with_its_number(tmp_path):
+    assert holder(tmp_path) is None
+    with locked(tmp_path):
+        found = holder(tmp_path)
+        assert found is not None and found.pid == os.getpid()
+        assert found.text.startswith(f"process {os.getpid()} on ") and "\n" not in found.text
+        (tmp_path / NAME).write_bytes(b"\xff\n{}")
+        assert holder(tmp_path) == Holder("a process which has just begun", None)
+    assert holder(tmp_path) is None
+    (tmp_path / NAME).write_text("left by a kill")
+    assert holder(tmp_path) is None

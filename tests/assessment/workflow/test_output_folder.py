@@ -11,7 +11,6 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.results.plain import plain
-from assessment.runtime.files import swap
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
 from tests.support.block_project import contents, edit, run
@@ -87,10 +86,6 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     ]
 
 
-def refused(*_: object) -> None:
-    raise OSError
-
-
 def test_a_file_that_is_open_elsewhere_is_told_by_name_and_all_else_is_kept(project, capsys, monkeypatch):
     """On Windows: the earlier results stay as they are, analyses are kept, and the next run writes them."""
     assert run(project) == 0
@@ -103,7 +98,6 @@ def test_a_file_that_is_open_elsewhere_is_told_by_name_and_all_else_is_kept(proj
         return replace(path, target)
 
     with monkeypatch.context() as patch:
-        patch.setattr(swap, "_exchange_names", refused)
         patch.setattr(Path, "replace", held)
         assert run(project) == 2
     path = project / "output" / "tables" / "blocks.csv"

@@ -29,7 +29,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.tables.index import inert
 from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError
-from assessment.workflow import output
+from assessment.workflow import run as workflow
 from assessment.workflow.dynamic import read_motions
 from mechanics.faults import visible
 from mechanics.messages import headed, message
@@ -266,7 +266,7 @@ def _results(folder: Path) -> Try:
 
 @contextmanager
 def _no_products() -> Iterator[None]:
-    with mock.patch.object(output, "write", lambda *_, **__: []):
+    with mock.patch.object(workflow, "write", lambda *_, **__: []):
         yield
 
 

@@ -12,7 +12,6 @@ from assessment.report.chapters.judgement_file import NAME, judgement, to_html, 
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
 from assessment.runtime.processes.pool import Pool
-from assessment.workflow.earlier import EVERYTHING, NO_REPORT, RESULTS
 from assessment.workflow.output import write
 from tests.support.block_project import edit, run
 from tests.support.results_example import results_example
@@ -136,12 +135,12 @@ def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.figures.drawings.deformed_dxf.write_deformed", lambda *_: None)
     write_figures(Pool(0, typed(results)), tmp_path / "figures")
-    write(typed(results), tmp_path, NO_REPORT - {RESULTS})
+    write(typed(results), tmp_path, report=False)
     path = tmp_path / NAME
     path.write_text(path.read_text(encoding="utf-8") + "\nStrut the right pier.\n", encoding="utf-8")
     before = path.read_bytes()
     monkeypatch.setitem(__import__("sys").modules, "weasyprint", _Printer)
-    write(typed(results), tmp_path, EVERYTHING - {RESULTS})
+    write(typed(results), tmp_path)
     assert path.read_bytes() == before
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<p>Strut the right pier.</p>" in page
