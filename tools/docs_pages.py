@@ -1,4 +1,4 @@
-"""The parts of docs/ that are made from the program: keys of results.json, validation table, floor spectra.
+"""The parts of docs/ that are made from the program: keys of results.json, validation table, templates, pictures.
 
 `python -m tools.docs_pages` makes them anew.
 
@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 
 from assessment.results.schema import Results
-from tools import floor_spectra
+from tools import floor_spectra, templates
 
 ROOT = Path(__file__).parents[1]
 NAMES = {float: "number", int: "whole number", str: "text", bool: "true or false", Any: "any value"}
@@ -101,7 +101,11 @@ def validation_table() -> str:
     return "\n".join([*lines, ""])
 
 
-PARTS: dict[str, Callable[[], str]] = {"results.md": results_keys, "validation.md": validation_table}
+PARTS: dict[str, Callable[[], str]] = {
+    "results.md": results_keys,
+    "validation.md": validation_table,
+    "howto/templates.md": templates.dimensions,
+}
 
 
 def page(name: str) -> str:
@@ -117,3 +121,4 @@ if __name__ == "__main__":
     for each in PARTS:
         (ROOT / "docs" / each).write_text(page(each), encoding="utf-8")
     floor_spectra.write()
+    templates.write()

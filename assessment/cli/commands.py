@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
 
 REPAIRABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
-TEMPLATES = ("block", "wall", "arch", "buttressed-arch", "triumphal-arch")
+TEMPLATES = (
+    "block", "wall", "wall-with-openings", "facade", "tympanum", "bell-gable", "arch", "pointed-arch",
+    "buttressed-arch", "arcade", "barrel-vault", "triumphal-arch",
+)  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -118,8 +121,7 @@ def status(options: argparse.Namespace) -> int:
 
 def new(options: argparse.Namespace) -> int:
     """Make a project folder from a template or an example, or list what there is. Raises ValueError for options."""
-    from assessment.project.catalogue.examples import new_example
-    from assessment.project.catalogue.new_project import new_project
+    from assessment.project.catalogue.new_project import new_example, new_project
     from assessment.project.formats.convert import TOML, XLSX
 
     if options.template is not None:
@@ -145,8 +147,8 @@ def new(options: argparse.Namespace) -> int:
 
 def _list(template: str | None) -> None:
     """Print the dimensions of a template, or of all, and then the examples."""
-    from assessment.project.catalogue.examples import example_title, examples
-    from assessment.project.catalogue.new_project import template_options
+    from assessment.project.catalogue.new_project import example_title, examples
+    from assessment.project.catalogue.templates import template_options
 
     for name in [template] if template else TEMPLATES:
         say(f"{name}:")

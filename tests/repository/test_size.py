@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1900,
     "assessment/cli": 650,
     "assessment/ntc": 2750,
-    "assessment/project": 5150,
+    "assessment/project": 5310,
     "assessment/report": 8850,
     "assessment/results": 4150,
     "assessment/runtime": 2650,

@@ -21,7 +21,7 @@ from assessment.benchmark.cases.structures import assembly, block_on_base, pushe
 from assessment.benchmark.measure import in_turn
 from assessment.benchmark.table import Row
 from assessment.ntc.capacity.curve_fit import SECANT_SHARE
-from assessment.project.catalogue.record import RECORD
+from assessment.project.catalogue.new_project import RECORD
 from assessment.project.schema import HistoryTable
 from assessment.project.structure.model import build_model
 from assessment.results.schema.part import known

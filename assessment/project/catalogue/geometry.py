@@ -1,7 +1,7 @@
-"""Parametric geometry of the built-in templates: closed polygons (n, 2) in m, by drawing layer.
+"""Parametric masonry of the built-in templates: closed polygons (n, 2) in m, by drawing layer.
 
-Everything is symmetric about x = 0 unless stated otherwise, z = 0 at the foot of the masonry. Edges are
-straight: a ring is bounded by chords between its radial joints, so neighbours share their boundaries exactly.
+z = 0 is at the foot of the masonry. Edges are straight: a ring is bounded by chords between its radial joints, so
+neighbours share their boundaries exactly.
 """
 
 from __future__ import annotations
@@ -21,13 +21,15 @@ Layout = dict[str, list[Array]]
 
 THINNEST = 0.06  # m; a cut block thinner than this is joined to its neighbour
 DECIMALS = 12  # of coordinates in m: shared vertices become identical
+MOST_COURSES = 100  # of a wall, whose blocks are cut one by one
 
 
 @dataclass(frozen=True)
 class Ring:
-    """Circular arch of equal voussoirs: clear span and rise of the intrados, thickness, springing level (m).
+    """Arch of equal voussoirs: clear span and rise of the intrados, thickness, springing level and centre line (m).
 
-    Raises ValueError for a rise above half the span (a horseshoe has no springing ledge here).
+    Up to half the span the intrados is one circular arc; a higher rise makes it pointed, two arcs whose centres lie on
+    the springing. Raises ValueError for one voussoir, and an odd number in a pointed arch, whose crown is a joint.
     """
 
     span: float
@@ -35,47 +37,81 @@ class Ring:
     thickness: float
     voussoirs: int
     springing: float = 0.0
+    middle: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.rise > 0.5 * self.span * (1.0 + 1e-9):
-            raise ValueError(f"rise_m: {self.rise:g} is more than half of span_m ({self.span:g}); lower it")
+        if self.voussoirs < 2:
+            raise ValueError(f"voussoirs: must be 2 or more, is {self.voussoirs}")
+        if self.pointed and self.voussoirs % 2:
+            text = "a pointed arch (rise_m above half of span_m) has a joint at its crown"
+            raise ValueError(f"voussoirs: {self.voussoirs} is odd; {text}")
+
+    @property
+    def pointed(self) -> bool:
+        """Whether the arch has two centres."""
+        return self.rise > 0.5 * self.span * (1.0 + 1e-9)
 
     @property
     def radius(self) -> float:
         """Radius of the intrados, m."""
-        return (0.25 * self.span**2 + self.rise**2) / (2.0 * self.rise)
+        return (0.25 * self.span**2 + self.rise**2) / (self.span if self.pointed else 2.0 * self.rise)
 
     @property
     def half_angle(self) -> float:
-        """Half of the angle of embrace, rad."""
+        """Angle at its centre, rad, of the half of a round arch, of one arc of a pointed one."""
+        if self.pointed:
+            return float(np.arcsin(self.rise / self.radius))
         return 2.0 * float(np.arctan2(2.0 * self.rise, self.span))
 
     def joints(self, offset: float) -> Array:
-        """Return the ends (voussoirs + 1, 2) of the radial joints at radius + offset, left to right."""
-        angle = np.linspace(-self.half_angle, self.half_angle, self.voussoirs + 1)
-        centre = self.springing + self.rise - self.radius
+        """Return the ends (voussoirs + 1, 2) of the joints at radius + offset, left to right: radial but a crown's."""
         r = self.radius + offset
-        return np.column_stack([r * np.sin(angle), centre + r * np.cos(angle)])
+        if not self.pointed:
+            angle = np.linspace(-self.half_angle, self.half_angle, self.voussoirs + 1)
+            centre = self.springing + self.rise - self.radius
+            return np.column_stack([self.middle + r * np.sin(angle), centre + r * np.cos(angle)])
+        apart = self.radius - 0.5 * self.span  # of a centre from the axis
+        angle = np.linspace(0.0, self.half_angle, self.voussoirs // 2 + 1)[:-1]
+        x, z = r * np.cos(angle) - apart, self.springing + r * np.sin(angle)
+        crown = [(self.middle, self.springing + float(np.sqrt(r**2 - apart**2)))]
+        return np.vstack(
+            [np.column_stack([self.middle - x, z]), crown, np.column_stack([self.middle + x, z])[::-1]]
+        )
 
     def blocks(self) -> list[Array]:
         """Return the voussoirs, each (4, 2) m, from left to right."""
         inner, outer = self.joints(0.0), self.joints(self.thickness)
         return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
 
+    def foot(self, width: float) -> tuple[Array, Array]:
+        """Return the inner and the outer end (2,) m of the right-hand springing joint.
+
+        Raises ValueError where it is wider than `width`, m.
+        """
+        inner, outer = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
+        if outer[0] - inner[0] > width + 1e-9:
+            raise ValueError(
+                f"thickness: the ring's foot is {outer[0] - inner[0]:.3g} m wide, its support {width:g} m"
+            )
+        return inner, outer
+
     def springer(self, width: float, bottom: float) -> Array:
         """Return the right-hand block (5, 2), m, below the ring; its inner face is flush with the intrados.
 
         `width` (m); `bottom` (m): level of its foot. Raises ValueError for a ring whose foot is wider than the block.
         """
-        (xi, zi), (xe, ze) = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
-        if xe - xi > width + 1e-9:
-            raise ValueError(f"thickness: the ring's foot is {xe - xi:.3g} m wide, its support {width:g} m")
+        (xi, zi), (xe, ze) = self.foot(width)
         return np.array([(xi, bottom), (xi + width, bottom), (xi + width, ze), (xe, ze), (xi, zi)])
 
 
 def rectangle(x0: float, x1: float, z0: float, z1: float) -> Array:
     """Return a rectangle (4, 2), m, anticlockwise."""
     return np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
+
+
+def stack(x0: float, x1: float, levels: Iterable[float]) -> list[Array]:
+    """Return blocks (4, 2) m one on the other between the levels, m."""
+    return [rectangle(x0, x1, a, b) for a, b in pairwise(levels)]
 
 
 def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: bool) -> list[Array]:
@@ -92,6 +128,14 @@ def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array
         for k, (z0, z1) in enumerate(pairwise(levels))
         for block in course(x0, x1, z0, z1, blocks=blocks, shifted=k % 2 == 1)
     ]
+
+
+def courses(z0: float, z1: float, course_height: float) -> Array:
+    """Return the levels, m, of the nearest whole number of equal courses. Raises ValueError for too many."""
+    count = max(1, round((z1 - z0) / course_height))
+    if count > MOST_COURSES:
+        raise ValueError(f"course_height_m: {course_height:g} makes {count} courses, at most {MOST_COURSES}")
+    return np.linspace(z0, z1, count + 1)
 
 
 def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
@@ -118,69 +162,13 @@ def mirrored(blocks: Iterable[Array]) -> list[Array]:
     return [(block * (-1.0, 1.0))[::-1] for block in blocks]
 
 
-def block(*, width_m: float, height_m: float) -> Layout:
-    """Return one block on a wider base."""
-    half, base = 0.5 * width_m, 0.5 * width_m
-    return tidied(
-        BASE=[rectangle(-half - base, half + base, -base, 0.0)],
-        BLOCCO=[rectangle(-half, half, 0.0, height_m)],
-    )
+def base_below(inner: float, outer: float, nearest: float = np.inf) -> Array:
+    """Return a base block (4, 2), m, a quarter of the pier wider on either side: a toe that slides stays on it.
 
-
-def wall(
-    *, block_length_m: float, block_height_m: float, blocks: int, courses: int, moving_blocks: int
-) -> Layout:
-    """Return a running-bond wall from x = 0 on two bases, the right one under the last `moving_blocks`.
-
-    Raises ValueError if no block is left on the other base.
+    `nearest` (m): room beside the pier, of which the base takes no more than 0.4.
     """
-    if moving_blocks >= blocks:
-        raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
-    length, split = blocks * block_length_m, (blocks - moving_blocks) * block_length_m
-    levels = np.linspace(0.0, courses * block_height_m, courses + 1)
-    return tidied(
-        BASE_SINISTRA=[rectangle(-block_length_m, split, -block_height_m, 0.0)],
-        BASE_DESTRA=[rectangle(split, length + block_length_m, -block_height_m, 0.0)],
-        PARETE=running_bond(0.0, length, levels, blocks),
-    )
-
-
-def arch(*, span_m: float, rise_m: float, thickness_m: float, voussoirs: int) -> Layout:
-    """Return a voussoir arch on two springer supports. Raises ValueError as Ring."""
-    ring = Ring(span_m, rise_m, thickness_m, voussoirs)
-    springer = ring.springer(thickness_m, -thickness_m)
-    return tidied(BASE_SINISTRA=mirrored([springer]), BASE_DESTRA=[springer], ARCO=ring.blocks())
-
-
-def buttressed_arch(
-    *,
-    span_m: float,
-    rise_m: float,
-    thickness_m: float,
-    voussoirs: int,
-    pier_width_m: float,
-    pier_height_m: float,
-    blocks_per_pier: int,
-) -> Layout:
-    """Return a voussoir arch on two piers, stacks of blocks on a base; the top block is cut to the arch's foot."""
-    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=pier_height_m)
-    levels = np.linspace(0.0, pier_height_m, blocks_per_pier + 1)
-    inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m
-    pier = [rectangle(inner, outer, a, b) for a, b in pairwise(levels[:-1])]
-    pier.append(ring.springer(pier_width_m, float(levels[-2])))
-    base = base_below(inner, outer)
-    return tidied(
-        BASE_SINISTRA=mirrored([base]),
-        BASE_DESTRA=[base],
-        PIEDRITTI=mirrored(pier) + pier,
-        ARCO=ring.blocks(),
-    )
-
-
-def base_below(inner: float, outer: float) -> Array:
-    """Return a base block (4, 2), m, a quarter of the pier wider on either side: a toe that slides stays on it."""
-    margin = 0.25 * (outer - inner)
-    return rectangle(inner - margin, outer + margin, -2.0 * margin, 0.0)
+    margin = min(0.25 * (outer - inner), 0.4 * nearest)
+    return rectangle(inner - margin, outer + margin, -0.5 * (outer - inner), 0.0)
 
 
 def _is_sliver(piece: Polygon) -> bool:

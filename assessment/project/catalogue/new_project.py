@@ -1,43 +1,30 @@
-"""A new project from a built-in template: its drawing and a project file that explains every key."""
+"""A new project folder: from a built-in template, with drawing and explained project file, or from an example."""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-from assessment.ntc.demand.spectrum import ElasticSpectrum
+from assessment.project.catalogue.content import DRAWING
 from assessment.project.catalogue.geometry import Layout
-from assessment.project.catalogue.record import RECORD, write_artificial_record
-from assessment.project.catalogue.templates import DRAWING, NUMBER, TEMPLATES, Option, Template
-from assessment.project.formats.convert import TOML, source_bytes
+from assessment.project.catalogue.templates import made as made_of
+from assessment.project.formats.convert import TOML, convert, source_bytes
 from assessment.project.project import CONTROL, load_project
-from assessment.project.structure.model import build_model
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files.atomic_files import left_over, naming, temporary_of
-from mechanics import DrawingError
-from mechanics.faults import visible
 
-SIZES = (1e-3, 1e3)  # m
-MOST_BLOCKS = 100  # of each kind, in a row
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
-
-
-def template_options(template: str) -> dict[str, Option]:
-    """Return the options of a template: name to (default, unit, description). Raises ProjectError if it is unknown."""
-    return dict(_template(template).options)
+RECORD = "records/artificial.csv"
+_PACKAGE = Path(__file__).parents[2]
 
 
 def template_layout(template: str, options: Mapping[str, float] | None = None) -> Layout:
     """Return the polygons of a template by layer, m. Raises ProjectError for options that do not fit."""
-    try:
-        return _template(template).layout(**_values(template, options or {}))
-    except ProjectError:
-        raise
-    except ValueError as error:
-        raise ProjectError(f"{template}: {error}") from None
+    return made_of(template, options or {})[0]
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
@@ -47,16 +34,17 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
     tells its form. Raises ProjectError where the template or an option is unknown or does not fit, or the folder
     holds something already; OSError where it cannot be written.
     """
-    layout = template_layout(template, options)
-    content = _template(template).content(_values(template, options))
-    write_project(folder, layout, content, source)
+    layout, content = made_of(template, options)
+    write_project(folder, layout, content, source, sound=not options)
 
 
-def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML) -> None:
+def write_project(
+    folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML, sound: bool = False
+) -> None:
     """Write drawing, record and commented project file into a new folder, whole or not at all.
 
-    Raises ProjectError as `new_folder`, and where the project is no structure; OSError, with the name of the file, if
-    it cannot be written.
+    `sound`: it is known to be a structure. Raises ProjectError as `new_folder`, and where it is none; OSError, with the
+    name of the file, if it cannot be written.
     """
     with new_folder(folder) as made:
         with naming(folder / DRAWING):
@@ -64,8 +52,9 @@ def write_project(folder: Path, layout: Layout, content: Mapping[str, Any], sour
         with naming(folder / source):
             (made / source).write_bytes(source_bytes(source, content))
         with naming(folder / RECORD):
-            write_artificial_record(made, _spectrum(content["assessment"]["site"]))
-        _refuse_what_is_no_structure(made)
+            write_record(made)
+        if not sound:
+            _refuse_what_is_no_structure(made)
 
 
 @contextmanager
@@ -76,6 +65,8 @@ def new_folder(folder: Path) -> Iterator[Path]:
     name, if it cannot be written.
     """
     if CONTROL.search(str(folder.absolute())):
+        from mechanics.faults import visible  # late: the mechanics take their time
+
         raise ProjectError(
             f"{visible(str(folder))}: folder: control characters in the name; give another one"
         )
@@ -98,6 +89,9 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 def _refuse_what_is_no_structure(folder: Path) -> None:
     """Raise ProjectError where a run would refuse the project: dimensions that are valid each may not go together."""
+    from assessment.project.structure.model import build_model  # late: the mechanics take their time
+    from mechanics.errors import DrawingError
+
     try:
         build_model(load_project(folder))
     except (ProjectError, DrawingError) as error:
@@ -105,11 +99,13 @@ def _refuse_what_is_no_structure(folder: Path) -> None:
         raise ProjectError(f"--set: the dimensions give no structure: {reason}; give others") from None
 
 
-def _spectrum(site: Mapping[str, Any]) -> ElasticSpectrum:
-    hazard = site["SLC"]
-    return ElasticSpectrum(
-        hazard["ag_g"], hazard["F0"], hazard["Tc_star_s"], site["soil"], site["topography"]
-    )
+def write_record(folder: Path) -> None:
+    """Write the artificial record of the example of a triumphal arch into a project folder: 15 s at 0.01 s.
+
+    It is within 10 % of the SLC spectrum of L'Aquila (soil B, T1, class II, 50 years) between 0.15 and 2 s.
+    """
+    (folder / RECORD).parent.mkdir()
+    shutil.copyfile(examples()["triumphal_arch"] / RECORD, folder / RECORD)
 
 
 def write_drawing(path: Path, layout: Layout) -> None:
@@ -120,30 +116,42 @@ def write_drawing(path: Path, layout: Layout) -> None:
     drawing = new("R2010")
     drawing.units = units.M
     space = drawing.modelspace()
-    for colour, (layer, polygons) in zip(COLOURS, layout.items(), strict=False):
+    for colour, (layer, polygons) in zip(cycle(COLOURS), layout.items(), strict=False):
         drawing.layers.add(layer, color=colour)
         for polygon in polygons:
             space.add_lwpolyline(polygon.tolist(), close=True, dxfattribs={"layer": layer})
     drawing.saveas(path)
 
 
-def _template(name: str) -> Template:
-    if name not in TEMPLATES:
-        raise ProjectError(f"--template: {name}: no such template; {nearest(name, TEMPLATES)}")
-    return TEMPLATES[name]
+def examples() -> dict[str, Path]:
+    """Return the folder of every example by its name."""
+    installed = _PACKAGE / "examples"
+    folder = installed if installed.is_dir() else _PACKAGE.parent / "projects"
+    return {path.name: path for path in sorted(folder.iterdir()) if (path / TOML).is_file()}
 
 
-def _values(template: str, options: Mapping[str, float]) -> dict[str, float]:
-    """Return the template's defaults with the given options over them, counts as int."""
-    known = _template(template).options
-    values = {name: default for name, (default, _, _) in known.items()}
-    for name, value in options.items():
-        if name not in known:
-            raise ProjectError(f"{template}: {name}: no such option; {nearest(name, known)}")
-        counts = known[name][1] == NUMBER
-        low, high = (1, MOST_BLOCKS) if counts else SIZES
-        if not (low <= value <= high) or (counts and value != int(value)):
-            unit = "a whole number" if counts else f"a number, in {known[name][1]},"
-            raise ProjectError(f"{template}: {name}: is {value:g}; must be {unit} from {low:g} to {high:g}")
-        values[name] = value
-    return {name: int(v) if known[name][1] == NUMBER else float(v) for name, v in values.items()}
+def example_title(folder: Path) -> str:
+    """Return the first heading of an example's README."""
+    first, *_ = (folder / "README.md").read_text(encoding="utf-8").split("\n", 1)
+    return first.removeprefix("# ")
+
+
+def new_example(folder: Path, name: str, source: str = TOML) -> None:
+    """Copy an example into a new folder, whole or not at all; `source`: name of the project file, which tells its form.
+
+    Raises ProjectError where there is no such example, or the folder holds something already; OSError where it cannot
+    be written.
+    """
+    known = examples()
+    name = name.lower().replace("-", "_")
+    if name not in known:
+        raise ProjectError(f"--example: {name}: no such example; {nearest(name, known)}")
+    with new_folder(folder) as made:
+        for path in sorted(known[name].rglob("*")):
+            within = path.relative_to(known[name])
+            if path.is_file() and within.parts[0] != "output":
+                (made / within).parent.mkdir(exist_ok=True)
+                shutil.copyfile(path, made / within)
+        if source != TOML:
+            _, kept = convert(made / TOML, load_project(made).content(defaults=False))
+            kept.unlink()

@@ -10,7 +10,7 @@ import pytest
 from ezdxf.filemanagement import readfile
 
 from assessment.cli.main import main
-from assessment.project.catalogue.examples import examples
+from assessment.project.catalogue.new_project import examples
 from assessment.project.project import load_project
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.journal import NAME as JOURNAL

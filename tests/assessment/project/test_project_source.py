@@ -57,7 +57,7 @@ def test_a_new_project_shows_every_key_there_is(tmp_path):
 
 
 # the first tables left out that have keys without a default, or say something by being there
-NEEDY = ("[[history]]", "[assessment.knowledge]")
+NEEDY = ("[[history]]", "[assessment.knowledge]", "[assessment.site.SLD]")
 
 
 def test_what_is_commented_out_are_the_defaults(tmp_path):
@@ -101,7 +101,7 @@ def test_a_new_spreadsheet_explains_every_key(tmp_path):
                 named = ".".join([*(part for part in below if isinstance(part, str)), key])
                 assert listed[sheet, named] == meaning
     site = {row[0].value: row[2].value for row in book["site"].iter_rows(min_row=2)}
-    assert site["SLV.F0"] == "largest amplification of the spectrum"
+    assert site["latitude"] == "latitude, degrees north"
     assert {row[0].value: row[2].value for row in book["geometry"].iter_rows(min_row=2)} == keys_at(
         ("geometry",)
     )

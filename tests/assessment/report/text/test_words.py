@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from assessment.project.catalogue.templates import TEMPLATES as CATALOGUE
+from assessment.project.catalogue.templates import made
 
 TEMPLATES = files("templates")
 PROJECTS = Path(__file__).parents[4] / "projects"
@@ -73,7 +74,5 @@ def test_italian_examples_have_italian_names(path):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_italian_templates_have_italian_names(name):
-    template = CATALOGUE[name]
-    assert not english_names(
-        template.content({key: default for key, (default, *_) in template.options.items()})
-    )
+    _, content = made(name, {})
+    assert not english_names(content)

@@ -1,0 +1,283 @@
+"""Templates of arches, vaults and arcades: masonry and project file as a function of dimensions."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated
+
+import numpy as np
+from shapely.geometry import Polygon, box
+from shapely.ops import unary_union
+
+from assessment.project.catalogue.content import (
+    TWO_SUPPORTS,
+    Made,
+    outward,
+    point,
+    project,
+    pushover,
+    stone,
+)
+from assessment.project.catalogue.geometry import (
+    THINNEST,
+    Array,
+    Ring,
+    base_below,
+    courses,
+    fitted,
+    mirrored,
+    rectangle,
+    running_bond,
+    stack,
+    tidied,
+)
+
+Span = Annotated[float, "clear span"]
+Rise = Annotated[float, "rise of the intrados; above half the span the arch is pointed"]
+Thickness = Annotated[float, "thickness of the ring"]
+Voussoirs = Annotated[int, "voussoirs of a ring"]
+PierWidth = Annotated[float, "width of a pier"]
+PierHeight = Annotated[float, "height of a pier up to the springing"]
+PierBlocks = Annotated[int, "blocks of a pier"]
+
+
+def arch(
+    span_m: Span = 3.0, rise_m: Rise = 1.5, thickness_m: Thickness = 0.3, voussoirs: Voussoirs = 21
+) -> Made:
+    """Return a voussoir arch on two springer supports."""
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs)
+    springer = ring.springer(thickness_m, -thickness_m)
+    layout = tidied(BASE_SINISTRA=mirrored([springer]), BASE_DESTRA=[springer], ARCO=ring.blocks())
+    crown = max(float(polygon[:, 1].max()) for polygons in layout.values() for polygon in polygons)
+    movement = round(0.01 * span_m, 6)
+    return layout, project(
+        "Arco acuto" if ring.pointed else "Arco",
+        1.0,
+        stone(20.0, 0.6, 1e6),
+        layers=TWO_SUPPORTS,
+        control=[point("chiave", 0.0, crown)],
+        settlements=[outward(movement, round(0.05 * movement, 7))],
+        pushover=pushover(round(0.001 * span_m, 6), "chiave"),
+    )
+
+
+def pointed_arch(
+    span_m: Span = 3.0, rise_m: Rise = 2.4, thickness_m: Thickness = 0.3, voussoirs: Voussoirs = 20
+) -> Made:
+    """Return an arch of two centres: `arch` with a higher rise."""
+    return arch(span_m, rise_m, thickness_m, voussoirs)
+
+
+def buttressed_arch(
+    span_m: Span = 0.54,
+    rise_m: Rise = 0.24,
+    thickness_m: Thickness = 0.055,
+    voussoirs: Voussoirs = 21,
+    pier_width_m: PierWidth = 0.15,
+    pier_height_m: PierHeight = 0.55,
+    blocks_per_pier: PierBlocks = 5,
+) -> Made:
+    """Return a voussoir arch on two piers, stacks of blocks on a base: the paper's model, 1:10, by default."""
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=pier_height_m)
+    inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m
+    base, pier = base_below(inner, outer, inner), _pier(ring, pier_width_m, blocks_per_pier)
+    layout = tidied(
+        BASE_SINISTRA=mirrored([base]),
+        BASE_DESTRA=[base],
+        PIEDRITTI=mirrored(pier) + pier,
+        ARCO=ring.blocks(),
+    )
+    drawn = (span_m, rise_m, thickness_m, pier_width_m, pier_height_m) == (0.54, 0.24, 0.055, 0.15, 0.55)
+    scale = span_m / 0.54
+    movement = round(0.02 * scale, 3)
+    return layout, project(
+        "Arco su piedritti, modello 1:10" if drawn else "Arco su piedritti",
+        round(0.1 * scale, 2),
+        stone(11.5, 0.6, 1.2e5),
+        layers=TWO_SUPPORTS,
+        control=[point("C1", -outer, pier_height_m), point("C2", outer, pier_height_m)],
+        settlements=[outward(movement, round(0.05 * movement, 7))],
+        pushover=pushover(round(0.0005 * scale, 7), ("C2", "C1")),
+    )
+
+
+def arcade(
+    bays: Annotated[int, "arches side by side"] = 3,
+    span_m: Span = 2.4,
+    rise_m: Rise = 1.2,
+    thickness_m: Thickness = 0.3,
+    voussoirs: Voussoirs = 15,
+    pier_width_m: PierWidth = 0.8,
+    pier_height_m: PierHeight = 2.4,
+    blocks_per_pier: PierBlocks = 5,
+) -> Made:
+    """Return equal arches side by side on piers, each pier on a support of its own."""
+    pitch = span_m + pier_width_m
+    middles = pitch * (np.arange(bays) - 0.5 * (bays - 1))
+    rings = [Ring(span_m, rise_m, thickness_m, voussoirs, pier_height_m, float(x)) for x in middles]
+    last = _pier(rings[-1], pier_width_m, blocks_per_pier)
+    levels = np.linspace(0.0, pier_height_m, blocks_per_pier + 1)
+    piers = [mirrored(last)]
+    for left, right in pairwise(rings):
+        (x0, z0), (x1, z1) = left.foot(0.5 * pier_width_m)
+        x2, x3 = 2.0 * right.middle - (x1 + pitch), 2.0 * right.middle - (x0 + pitch)  # the mirrored foot
+        top = np.array([(x0, levels[-2]), (x3, levels[-2]), (x3, z0), (x2, z1), (x1, z1), (x0, z0)])
+        piers.append([*stack(x0, x3, levels[:-1]), top])
+    piers.append(last)
+    names = ["SINISTRA", *(f"CENTRALE_{k}" for k in range(1, bays)), "DESTRA"]
+    supports = ["sinistro", *(f"centrale {k}" for k in range(1, bays)), "destro"]
+    outer = float(last[0][:, 0].max())
+    bases = {
+        f"BASE_{name}": [base_below(x, x + pier_width_m, 0.5 * span_m)]
+        for name, x in zip(names, -outer + pitch * np.arange(bays + 1), strict=True)
+    }
+    layout = tidied(
+        **bases,
+        PIEDRITTI=[block for pier in piers for block in pier],
+        ARCHI=[block for ring in rings for block in ring.blocks()],
+    )
+    movement = round(0.01 * span_m, 6)
+    return layout, project(
+        f"Arcata di {bays} campate",
+        0.6,
+        stone(20.0, 0.6, 1e6),
+        layers={f"BASE_{name}": {"support": support} for name, support in zip(names, supports, strict=True)},
+        control=[point("C1", -outer, pier_height_m), point("C2", outer, pier_height_m)],
+        settlements=[outward(movement, round(0.05 * movement, 7))],
+        pushover=pushover(round(0.001 * span_m, 6), ("C2", "C1")),
+    )
+
+
+def barrel_vault(
+    span_m: Span = 4.0,
+    rise_m: Rise = 1.2,
+    thickness_m: Thickness = 0.25,
+    voussoirs: Voussoirs = 21,
+    wall_width_m: Annotated[float, "thickness of a wall below the vault"] = 1.2,
+    wall_height_m: Annotated[float, "height of a wall up to the springing"] = 2.5,
+    blocks_per_wall: Annotated[int, "blocks of a wall, one on the other"] = 6,
+    cover_m: Annotated[float, "height of the fill above the crown's extrados"] = 0.1,
+    fill_kN_m3: Annotated[float, "unit weight of the fill"] = 16.0,
+) -> Made:
+    """Return a strip, 1 m deep, of a vault between walls with a fill up to one level, which loads what is below it.
+
+    The fill above each voussoir, and above each wall beside the ring, is a vertical load of that block.
+    """
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=wall_height_m)
+    wall = _pier(ring, wall_width_m, blocks_per_wall)
+    inner, outer = 0.5 * span_m, 0.5 * span_m + wall_width_m
+    extrados = ring.joints(thickness_m)
+    top = float(extrados[:, 1].max()) + cover_m
+    above = np.diff(extrados[:, 0]) * (top - 0.5 * (extrados[:-1, 1] + extrados[1:, 1]))
+    beside = (outer - extrados[-1, 0]) * (top - extrados[-1, 1])
+    number = np.minimum(np.arange(voussoirs), np.arange(voussoirs)[::-1]) + 1  # the same on either side
+    blocks = ring.blocks()
+    layers = {
+        f"VOLTA_{k:02d}": [block for block, own in zip(blocks, number, strict=True) if own == k]
+        for k in range(1, int(number.max()) + 1)
+    }
+    base = base_below(inner, outer, inner)
+    layout = tidied(
+        BASE_SINISTRA=mirrored([base]),
+        BASE_DESTRA=[base],
+        MURI=mirrored(wall[:-1]) + wall[:-1],
+        IMPOSTE=mirrored(wall[-1:]) + wall[-1:],
+        **layers,
+    )
+    loads = {"IMPOSTE": beside} | {f"VOLTA_{own:02d}": area for own, area in zip(number, above, strict=True)}
+    movement = round(0.005 * span_m, 6)
+    return layout, project(
+        "Volta a botte con rinfianco",
+        1.0,
+        stone(18.0, 0.6, 1e6),
+        layers=TWO_SUPPORTS
+        | {name: {"vertical_load_kN": round(fill_kN_m3 * float(area), 6)} for name, area in loads.items()},
+        control=[point("C1", -outer, wall_height_m), point("C2", outer, wall_height_m)],
+        settlements=[outward(movement, round(0.05 * movement, 7))],
+        pushover=pushover(round(0.001 * span_m, 6), ("C2", "C1")),
+    )
+
+
+def triumphal_arch(
+    span_m: Span = 9.2,
+    rise_m: Rise = 3.48,
+    thickness_m: Thickness = 0.2,
+    voussoirs: Voussoirs = 27,
+    springing_m: Annotated[float, "height of the springing above the bases"] = 5.4,
+    height_m: Annotated[float, "height of the nave walls"] = 9.3,
+    wall_thickness_m: Annotated[float, "thickness of the nave walls below the springing"] = 1.215,
+    course_height_m: Annotated[float, "height of the courses, adapted to whole numbers of them"] = 0.3,
+    wall_blocks: Annotated[int, "blocks across a nave wall"] = 3,
+    spandrel_blocks: Annotated[int, "blocks along a course of the arch wall between the nave walls"] = 24,
+    beams: Annotated[int, "roof beams on the top course"] = 8,
+    beam_side_m: Annotated[float, "side of a roof beam"] = 0.2,
+) -> Made:
+    """Return the triumphal arch between two nave walls seen in section (paper, §7), roof beams on top.
+
+    The ring stands on a ledge: above the springing the nave walls are set back by the width of its foot. Spandrels are
+    running bond between the walls, cut to the ring's extrados; courses run through. By default α0 and d_0 as drawn are
+    near the paper's: the dimensions were found by search. Raises ValueError for a ring higher than the walls.
+    """
+    crown = springing_m + rise_m + thickness_m
+    if crown + THINNEST > height_m:
+        raise ValueError(f"height_m: must be above the ring's crown at {crown:.3g} m, is {height_m:g}")
+    ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing_m)
+    inner, outer = 0.5 * span_m, 0.5 * span_m + wall_thickness_m
+    lower, upper = courses(0.0, springing_m, course_height_m), courses(springing_m, height_m, course_height_m)
+    foot = ring.springer(wall_thickness_m, 0.0)
+    face, ledge = float(foot[3, 0]), foot[3, 1]
+    skewback = int((upper < ledge - 1e-9).sum())
+    below = running_bond(inner, outer, np.append(lower, upper[1 : skewback + 1]), wall_blocks)
+    cut = fitted(below, unary_union([Polygon(foot), box(face, 0.0, outer, height_m)]))
+    across = max(1, round(wall_blocks * (outer - face) / wall_thickness_m))
+    nave = cut + running_bond(face, outer, upper[skewback:], across)
+    under = Polygon(np.vstack([[(-face, 0.0)], ring.joints(thickness_m), [(face, 0.0)]]))
+    spandrels = fitted(
+        running_bond(-face, face, upper, spandrel_blocks),
+        box(-face, springing_m, face, height_m).difference(under),
+    )
+    nave, masonry = mirrored(nave) + nave, ring.blocks() + spandrels
+    base = base_below(inner, outer, inner)
+    layout = tidied(
+        BASE_SINISTRA=mirrored([base]),
+        BASE_DESTRA=[base],
+        NAVATA=nave,
+        ARCO=masonry,
+        COPERTURA=_beams(nave + masonry, outer, height_m, beams, beam_side_m),
+    )
+    return layout, project(
+        "Arco trionfale",
+        0.6,
+        stone(16.0, 0.65, 5.33e6),
+        layers={
+            "BASE_SINISTRA": {"depth_m": 5.5, "support": "sinistro"},
+            "BASE_DESTRA": {"depth_m": 5.5, "support": "destro"},
+            "NAVATA": {"depth_m": 5.5},
+            "COPERTURA": {"vertical_load_kN": 9.1},
+        },
+        control=[point("C1", outer, height_m), point("C2", -outer, height_m)],
+        settlements=[outward(0.15, 0.01)],
+        pushover=pushover(0.01, ("C1", "C2")),
+    )
+
+
+def _pier(ring: Ring, width: float, blocks: int) -> list[Array]:
+    """Return the blocks of the right-hand pier of a ring, the top one cut to the ring's foot."""
+    inner = ring.middle + 0.5 * ring.span
+    levels = np.linspace(0.0, ring.springing, blocks + 1)
+    return [*stack(inner, inner + width, levels[:-1]), ring.springer(width, float(levels[-2]))]
+
+
+def _beams(masonry: list[Array], outer: float, height: float, beams: int, side: float) -> list[Array]:
+    """Return square beams (4, 2), m, at about equal distances, each over the middle of a block of the top course.
+
+    `outer`: half the length of that course, m. Raises ValueError if they do not fit side by side.
+    """
+    top = [block for block in masonry if block[:, 1].max() > height - 1e-9]
+    middles = np.array([0.5 * (block[:, 0].min() + block[:, 0].max()) for block in top])
+    spots = outer * (np.arange(1, 2 * beams, 2) / beams - 1.0)
+    # of two blocks equally near, the one nearer the axis: the roof stays symmetric
+    nearest = [middles[np.argmin(np.abs(middles - x) + 1e-6 * np.abs(middles))] for x in spots]
+    if min(np.diff(nearest), default=np.inf) < side:
+        raise ValueError(f"beams: {beams} beams of {side:g} m do not fit side by side on the top course")
+    return [rectangle(x - 0.5 * side, x + 0.5 * side, height, height + side) for x in nearest]

@@ -1,0 +1,329 @@
+"""Templates of walls, façades and gables: masonry and project file as a function of dimensions."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from shapely.geometry import Polygon, box
+from shapely.ops import unary_union
+
+from assessment.project.catalogue.content import (
+    TWO_SUPPORTS,
+    Made,
+    point,
+    project,
+    pushover,
+    sinking,
+    stone,
+)
+from assessment.project.catalogue.geometry import (
+    Array,
+    course,
+    courses,
+    fitted,
+    rectangle,
+    running_bond,
+    stack,
+    tidied,
+)
+
+BlockLength = Annotated[float, "length of a block"]
+CourseHeight = Annotated[float, "height of the courses, adapted to whole numbers of them"]
+FootHeight = Annotated[float, "height of its foot above the foundation, for the floor spectrum"]
+MOST_LEAN = 60.0  # degrees of the crack of a side wall, from vertical
+TIE = 1000.0  # E/f_y of steel of 210 N/mm²: E A/L of a tie is that of its yield force
+RAFTER = 0.2  # m, height of a rafter
+CRACK = 0.02  # m between a façade and its side walls: in simple overturning they do not rub
+
+
+def block(
+    width_m: Annotated[float, "width of the block"] = 0.6,
+    height_m: Annotated[float, "height of the block"] = 4.2,
+) -> Made:
+    """Return one block on a wider base."""
+    half, base = 0.5 * width_m, 0.5 * width_m
+    layout = tidied(
+        BASE=[rectangle(-half - base, half + base, -base, 0.0)],
+        BLOCCO=[rectangle(-half, half, 0.0, height_m)],
+    )
+    turned = {
+        "name": "base ruotata 20 mrad",
+        "support": "base",
+        "rotation_rad": -0.02,
+        "increment_rad": 0.001,
+    }
+    return layout, project(
+        "Blocco oscillante",
+        1.0,
+        stone(18.0, 0.7, 5e8),
+        layers={"BASE": {"support": "base"}},
+        control=[point("in alto a destra", half, height_m), point("in alto a sinistra", -half, height_m)],
+        settlements=[turned | {"to_collapse": True}],
+        pushover=pushover(round(0.01 * width_m, 6), ("in alto a destra", "in alto a sinistra")),
+    )
+
+
+def wall(
+    block_length_m: BlockLength = 0.5,
+    block_height_m: Annotated[float, "height of a course"] = 0.3,
+    blocks: Annotated[int, "blocks along the wall"] = 6,
+    courses: Annotated[int, "courses"] = 8,
+    moving_blocks: Annotated[int, "blocks at the right end that stand on the support 'destro'"] = 2,
+) -> Made:
+    """Return a running-bond wall from x = 0 on two bases, the right one under the last blocks.
+
+    Raises ValueError if no block is left on the other base.
+    """
+    if moving_blocks >= blocks:
+        raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
+    length, height = blocks * block_length_m, courses * block_height_m
+    layout = tidied(
+        **_two_bases((blocks - moving_blocks) * block_length_m, length, block_length_m, block_height_m),
+        PARETE=running_bond(0.0, length, np.linspace(0.0, height, courses + 1), blocks),
+    )
+    return layout, _wall("Parete a corsi sfalsati", length, height, block_length_m, block_height_m)
+
+
+def wall_with_openings(
+    length_m: Annotated[float, "length of the wall"] = 7.0,
+    storeys: Annotated[int, "storeys, each with a row of openings"] = 2,
+    storey_height_m: Annotated[float, "height of a storey"] = 3.0,
+    openings: Annotated[int, "openings of a storey, at equal distances"] = 2,
+    opening_width_m: Annotated[float, "width of an opening"] = 1.0,
+    opening_height_m: Annotated[float, "height of an opening, adapted to the courses"] = 1.5,
+    sill_m: Annotated[float, "height of a sill above the floor, adapted to the courses"] = 0.9,
+    lintel_bearing_m: Annotated[float, "length of a lintel on either side of its opening"] = 0.25,
+    block_length_m: BlockLength = 0.5,
+    course_height_m: CourseHeight = 0.3,
+) -> Made:
+    """Return a running-bond wall with rows of openings below lintels of one course, on two bases.
+
+    Raises ValueError for openings that do not fit.
+    """
+    levels = courses(0.0, storey_height_m, course_height_m)
+    per_storey, step = len(levels) - 1, float(levels[1])
+    sill, rows = round(sill_m / step), max(1, round(opening_height_m / step))
+    apart = length_m / max(openings, 1)
+    if openings and sill + rows + 1 > per_storey:
+        raise ValueError(
+            f"opening_height_m: sill, opening and lintel take {sill + rows + 1} of {per_storey} courses; lower it"
+        )
+    if openings and opening_width_m + 2.0 * lintel_bearing_m > apart - 1e-9:
+        raise ValueError(f"opening_width_m: with its lintel wider than the {apart:g} m that it has; lower it")
+    holes, lintels = [], []
+    for storey in range(storeys):
+        floor = storey * storey_height_m
+        bottom, top = floor + sill * step, floor + (sill + rows) * step
+        for middle in apart * (np.arange(openings) + 0.5):
+            low, high = middle - 0.5 * opening_width_m, middle + 0.5 * opening_width_m
+            holes.append(box(low, bottom, high, top))
+            lintels.append(rectangle(low - lintel_bearing_m, high + lintel_bearing_m, top, top + step))
+    height = storeys * storey_height_m
+    region = box(0.0, 0.0, length_m, height).difference(unary_union([*holes, *map(Polygon, lintels)]))
+    along = max(1, round(length_m / block_length_m))
+    cells = running_bond(0.0, length_m, np.linspace(0.0, height, storeys * per_storey + 1), along)
+    layout = tidied(
+        **_two_bases(length_m * (1.0 - max(1, along // 3) / along), length_m, block_length_m, step),
+        PARETE=fitted(cells, region),
+        **({"ARCHITRAVI": lintels} if lintels else {}),
+    )
+    return layout, _wall("Parete con aperture", length_m, height, block_length_m, step)
+
+
+def facade(
+    storeys: Annotated[int, "storeys"] = 2,
+    storey_height_m: Annotated[float, "height of a storey"] = 3.5,
+    thickness_m: Annotated[float, "thickness of the façade"] = 0.6,
+    course_height_m: CourseHeight = 0.35,
+    bearing_m: Annotated[float, "length on which floors and roof bear, from the inner face"] = 0.2,
+    floor_load_kN: Annotated[float, "load of each floor, per metre of façade"] = 8.0,
+    roof_load_kN: Annotated[float, "load of the roof, per metre of façade"] = 5.0,
+    roof_span_m: Annotated[float, "horizontal length of a rafter that thrusts"] = 4.0,
+    roof_rise_m: Annotated[float, "rise of a rafter that thrusts; 0: trusses, which do not thrust"] = 0.0,
+    tie_kN: Annotated[float, "yield force of a tie at each floor and the roof, per metre; 0: no ties"] = 10.0,
+    side_wall_m: Annotated[float, "thickness of the side walls, per metre of façade"] = 0.2,
+    crack_deg: Annotated[float, "angle of the crack of the side walls, from vertical; 0: no bond"] = 30.0,
+) -> Made:
+    """Return a section of a façade, 1 m deep, that overturns outward, towards +x, about its outer edge x = thickness.
+
+    Floors bear on blocks in pockets of the inner face, the roof on the top course. Thrusting rafters lean on a ridge
+    and on an upstand of the top course, without friction. The side walls above the crack, course by course, turn with
+    the façade in the compound mechanism (Circolare 7/2019, C8.7.1.2) and lie still in the simple one. Ties are a
+    strengthened state. Raises ValueError for dimensions that do not go together.
+    """
+    if crack_deg > MOST_LEAN:
+        raise ValueError(f"crack_deg: must be {MOST_LEAN:g} at most, is {crack_deg:g}")
+    if bearing_m >= thickness_m:
+        raise ValueError(f"bearing_m: must be less than thickness_m ({thickness_m:g}), is {bearing_m:g}")
+    per_storey = len(courses(0.0, storey_height_m, course_height_m)) - 1
+    if per_storey < 2:
+        raise ValueError(f"course_height_m: must be half of storey_height_m at most, is {course_height_m:g}")
+    if roof_span_m < thickness_m:
+        raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof_span_m:g}")
+    top = storeys * storey_height_m
+    levels = np.linspace(0.0, top, storeys * per_storey + 1)
+    step, t, b = float(levels[1]), thickness_m, bearing_m
+    floors = levels[per_storey:-1:per_storey]
+    # the top course holds the roof's bearing, and with it the thrust, behind an upstand
+    notched = np.array(
+        [(0, top - step), (t, top - step), (t, top + step), (b, top + step), (b, top), (0, top)]
+    )
+    masonry = [rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
+    lean = np.tan(np.radians(crack_deg))
+    room = -top * lean - 1.5  # of the inner walls, which are a support
+    apart = -CRACK
+    steps = apart - levels[1:] * lean if crack_deg else np.full(len(levels) - 1, room + 0.5)
+    inner = [(room, top), (room, 0.0), (steps[0], 0.0)]
+    for x, after, z in zip(steps[:-1], steps[1:], levels[1:-1], strict=True):
+        inner += [(x, z), (after, z)]
+    inner.append((steps[-1], top))
+    layers: dict[str, list[Array]] = {"FACCIATA": masonry}
+    if crack_deg:
+        layers["CUNEO"] = [rectangle(x, apart, z, z + step) for x, z in zip(steps, levels, strict=False)]
+    if len(floors):
+        layers["SOLAI"] = [rectangle(0.0, b, z, z + step) for z in floors]
+    thrusts = roof_rise_m > 0.0
+    ridge, high = 0.5 * b - roof_span_m, top + roof_rise_m
+    if thrusts:
+        rafter = [(0, top), (b, top), (b, top + RAFTER), (ridge, high + RAFTER), (ridge, high)]
+        layers["PUNTONI"] = [np.array(rafter)]
+    else:
+        layers["TETTO"] = [rectangle(0.0, b, top, top + step)]
+    supports = {
+        "BASE": [rectangle(room, 1.5 * t, -0.5, 0.0)],
+        "MURI": [np.array(inner)],
+    }
+    if thrusts:
+        supports["COLMO"] = [rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)]
+    loads: dict[str, dict[str, Any]] = {
+        "SOLAI": {"vertical_load_kN": floor_load_kN},
+        "TETTO": {"vertical_load_kN": roof_load_kN},
+        "PUNTONI": {"unit_weight_kN_m3": 5.0, "friction": 0.0, "vertical_load_kN": roof_load_kN},
+        "CUNEO": {"depth_m": side_wall_m},
+        "BASE": {"support": "base"},
+        "MURI": {"support": "muri", "depth_m": side_wall_m},
+        "COLMO": {"support": "colmo"},
+    }
+    layout = tidied(**supports, **layers)
+    turning = [name for name in layers if name != "CUNEO"]
+    names = {"ribaltamento semplice": turning, "ribaltamento composto": [*turning, "CUNEO"]}
+    tables: dict[str, Any] = {}
+    if crack_deg and not thrusts:  # a rafter turns by itself
+        tables["mechanism"] = [
+            {"name": name, "about_m": [t, 0.0], "layers": own} for name, own in names.items()
+        ]
+    if tie_kN:
+        tables["tie"] = [
+            {
+                "name": f"catena {k}",
+                "from_m": [0.5 * t, round(z - 0.5 * step, 9)],
+                "to_m": [round(room + 0.25, 9), round(z - 0.5 * step, 9)],
+                "yield_force_kN": tie_kN,
+                "stiffness_kN_m": round(TIE * tie_kN / (0.5 * t - room - 0.25), 3),
+                "states": ["con catene"],
+            }
+            for k, z in enumerate((*floors.tolist(), top), 1)
+        ]
+        tables["strengthening"] = [{"name": "con catene", "of": "original"}]
+    return layout, project(
+        "Facciata, ribaltamento fuori piano",
+        1.0,
+        stone(18.0, 0.6, 5e5),
+        layers={name: loads[name] for name in layout if name in loads},
+        **tables,
+        control=[point("in alto", t, top)],
+        pushover=pushover(round(0.01 * t, 6), "in alto") | {"directions": ["+x"]},
+    )
+
+
+def tympanum(
+    width_m: Annotated[float, "width of the base"] = 8.0,
+    height_m: Annotated[float, "height above the base"] = 3.0,
+    thickness_m: Annotated[float, "thickness"] = 0.4,
+    course_height_m: CourseHeight = 0.3,
+    foot_height_m: FootHeight = 9.0,
+) -> Made:
+    """Return a section of a triangular gable that overturns out of its plane, each course as deep as it is wide."""
+    levels = courses(0.0, height_m, course_height_m)
+    widths = width_m * (1.0 - 0.5 * (levels[:-1] + levels[1:]) / height_m)
+    names = [f"TIMPANO_{k:02d}" for k in range(1, len(widths) + 1)]
+    half = 0.5 * thickness_m
+    blocks = stack(-half, half, levels)
+    layout = tidied(
+        BASE=[rectangle(-2.0 * half, 2.0 * half, -half, 0.0)],
+        **{name: [each] for name, each in zip(names, blocks, strict=True)},
+    )
+    depths = {name: {"depth_m": round(float(w), 9)} for name, w in zip(names, widths, strict=True)}
+    return layout, project(
+        "Timpano, ribaltamento fuori piano",
+        width_m,
+        stone(18.0, 0.6, 5e5),
+        layers={"BASE": {"support": "base"}} | depths,
+        control=[point("in alto a destra", half, height_m), point("in alto a sinistra", -half, height_m)],
+        pushover=pushover(round(0.01 * thickness_m, 6), ("in alto a destra", "in alto a sinistra")),
+        assessment=_at(foot_height_m, foot_height_m + height_m),
+    )
+
+
+def bell_gable(
+    openings: Annotated[int, "openings for bells"] = 2,
+    opening_width_m: Annotated[float, "width of an opening"] = 0.8,
+    pier_width_m: Annotated[float, "width of a pier"] = 0.5,
+    pier_height_m: Annotated[float, "height of the piers"] = 1.6,
+    gable_height_m: Annotated[float, "height of the gable above the lintel"] = 1.2,
+    thickness_m: Annotated[float, "thickness"] = 0.6,
+    course_height_m: CourseHeight = 0.4,
+    bells_kN: Annotated[float, "weight of the bells, on the lintel"] = 3.0,
+    foot_height_m: FootHeight = 12.0,
+) -> Made:
+    """Return a bell-gable in its plane: piers of one block a course, one lintel over all openings, a gable on it."""
+    half = 0.5 * (openings * opening_width_m + (openings + 1) * pier_width_m)
+    levels = courses(0.0, pier_height_m, course_height_m)
+    top = pier_height_m + float(levels[1])
+    starts = -half + (pier_width_m + opening_width_m) * np.arange(openings + 1)
+    along = max(1, round(2.0 * half / (2.0 * course_height_m)))
+    rows = courses(top, top + gable_height_m, course_height_m)
+    gable = Polygon([(-half, top), (half, top), (0.0, top + gable_height_m)])
+    layout = tidied(
+        BASE=[rectangle(-1.25 * half, 1.25 * half, -0.5 * half, 0.0)],
+        PIEDRITTI=[each for x in starts for each in stack(x, x + pier_width_m, levels)],
+        ARCHITRAVE=course(-half, half, pier_height_m, top, blocks=1, shifted=False),
+        VELA=fitted(running_bond(-half, half, rows, along), gable),
+    )
+    return layout, project(
+        "Vela campanaria, nel piano",
+        thickness_m,
+        stone(18.0, 0.65, 1e6),
+        layers={"BASE": {"support": "base"}, "ARCHITRAVE": {"vertical_load_kN": bells_kN}},
+        control=[point("in alto", 0.0, round(top + gable_height_m, 9))],
+        pushover=pushover(round(0.01 * pier_width_m, 6), "in alto"),
+        assessment=_at(foot_height_m, foot_height_m + top + gable_height_m),
+    )
+
+
+def _two_bases(split: float, length: float, margin: float, depth: float) -> dict[str, list[Array]]:
+    """Return two bases below a wall from x = 0 to its length, the right one from `split` on, m."""
+    return {
+        "BASE_SINISTRA": [rectangle(-margin, split, -depth, 0.0)],
+        "BASE_DESTRA": [rectangle(split, length + margin, -depth, 0.0)],
+    }
+
+
+def _wall(title: str, length: float, height: float, block: float, step: float) -> dict[str, Any]:
+    """Return the project file of a wall on two bases, of blocks of a length in courses of a height `step`, m."""
+    return project(
+        title,
+        0.3,
+        stone(18.0, 0.65, 1e6),
+        layers=TWO_SUPPORTS,
+        control=[point("in alto a destra", length, height), point("in alto a sinistra", 0.0, height)],
+        settlements=[sinking(round(0.1 * step, 6))],
+        pushover=pushover(round(0.02 * block, 6), ("in alto a destra", "in alto a sinistra")),
+    )
+
+
+def _at(height: float, building: float) -> dict[str, Any]:
+    """Return what [assessment] has of its own for a mechanism at a height (m) of a building (m) of one storey."""
+    floor = {"height_m": height, "building_height_m": round(building, 6), "storeys": 1}
+    return {"floor": floor} if height else {}
