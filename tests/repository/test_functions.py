@@ -11,10 +11,10 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 MOST_ARGUMENTS = 8
-KERNELS = (
-CATALOGUE = ROOT / "assessment" / "project" / "catalogue"  # templates: functions of the dimensions of a structure
-    ROOT / "mechanics" / "kernels"
-)  # compiled loops, for which mechanics/kernels/__init__.py has the reason
+KERNELS = ROOT / "mechanics" / "kernels"  # compiled loops; mechanics/kernels/__init__.py has the reason
+CATALOGUE = (
+    ROOT / "assessment" / "project" / "catalogue"
+)  # templates: functions of the dimensions of a structure
 REASON = "arguments: "
 
 
