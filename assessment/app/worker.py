@@ -85,8 +85,7 @@ def _work(connection: Connection) -> None:
     """Answer questions until there is nobody who asks any."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends this process
     from assessment.app import pictures
-    from assessment.project.catalogue.examples import example_title, examples, new_example
-    from assessment.project.catalogue.new_project import new_project
+    from assessment.project.catalogue.new_project import example_title, examples, new_example, new_project
     from assessment.report.chapters.judgement_file import read_judgement
 
     live = Live()

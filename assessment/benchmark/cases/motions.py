@@ -21,7 +21,7 @@ from assessment.benchmark.cases.structures import (
 )
 from assessment.benchmark.measure import FAILURES, Case, exponent, history_baseline, rows_of
 from assessment.benchmark.table import Row, percent
-from assessment.project.catalogue.record import RECORD
+from assessment.project.catalogue.new_project import RECORD
 from mechanics import (
     Assembly,
     Block,
