@@ -261,7 +261,7 @@ const reportPanel = () => {
       oninput: (event) => { event.target.dataset.typed = "1"; } }),
     el("details", { "data-at": "preview" }, el("summary", {}, w("preview_text")), ...marked(opinion.text)),
     el("p", { className: "row" }, button(w("print"), print, { id: "print", disabled: !results || run.running }),
-      ...links.map((name) => el("a", { href: `/output/${name}`, target: "_blank", rel: "noopener" }, name)))];
+      ...links.map((name) => el("a", { href: `/output/${name}`, download: name }, name)))];
 };
 const marked = (text) => text.replace(/<!--[\s\S]*?-->/g, "").split("\n").filter((line) => line.trim()).map((line) => {
   const [, sign, rest] = /^(#+|[-*]|)\s*(.*)$/.exec(line), parts = rest.split(/\*\*(.+?)\*\*/);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -197,6 +198,15 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     # the title page, and what is stale then
     page.click("[data-step=report]")
     fill(page, "report.client", "Comune di Prova")
+    page.click("#print")
+    page.wait_for_selector("#print[disabled]")
+    page.wait_for_selector("#print:not([disabled])")
+    with page.expect_download() as kept:
+        page.click("#panel a:has-text('results.json')")
+    assert (
+        json.loads(kept.value.path().read_text(encoding="utf-8"))["echo"]["report"]["client"]
+        == "Comune di Prova"
+    )
     page.click("[data-step=materials]")
     fill(page, "material.friction", "0,5")
     page.click("[data-step=results]")
