@@ -6,16 +6,17 @@ reported, with the error estimated from the differences between the last ones.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order
 from assessment.analyses.checks.capacity import assess, capacities
+from assessment.analyses.static.increments import refined
 from assessment.analyses.static.states import curves
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.table import cells
-from assessment.studies.increments import refined
 from assessment.studies.variants import capacities_of
 from mechanics.messages import Message, headed, linked, message
 
@@ -242,7 +243,7 @@ def measure(
         pushovers = curves(own)
         checked: Mapping[Direction, Capacity] = {}
         if project.assessment:
-            checked = capacities(assess(project, models[state].assembly, pushovers, demands, []))
+            checked = capacities(assess(project, models[state].assembly, pushovers, demands))
         found[state] = {
             direction: cells(each, quantities)
             for direction, each in capacities_of(project, own, pushovers, checked).items()
@@ -265,9 +266,8 @@ def _finest(coarse: StateResult, stages: Sequence[StateResult], failed: Collecti
     fine = next(same, None)
     if fine is None:
         return coarse
-    kept = coarse if coarse.state in failed else fine
-    kept.seconds = {
-        name: coarse.seconds.get(name, 0.0) + fine.seconds.get(name, 0.0)
-        for name in {**coarse.seconds, **fine.seconds}
-    }
+    kept, other = (coarse, fine) if coarse.state in failed else (fine, coarse)
+    before = Counter(kept.coarser_seconds)
+    before.update(other.seconds)
+    kept.coarser_seconds = dict(before)
     return kept

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from assessment.analyses.static.increments import finest
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema.studies import Capacities, ScenarioPoint, Scenarios
 from assessment.results.table import compared, reduction
-from assessment.studies.increments import finest
 from assessment.studies.variants import (
     Statics,
     Study,

@@ -7,10 +7,10 @@ from itertools import product
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
+from assessment.analyses.static.increments import refined
 from assessment.project.schema import Table
 from assessment.project.structure.model import build_model
 from assessment.results.schema.studies import Sensitivity, SensitivityRun
-from assessment.studies.increments import refined
 from assessment.studies.variants import Study, Variant, analyse, quoted_limit_state
 from mechanics.messages import Message, message
 

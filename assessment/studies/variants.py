@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from assessment.analyses.checks.capacity import assess, capacities
+from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.limit_states import QUOTED
 from assessment.results.schema.studies import Capacities
@@ -95,9 +95,9 @@ def analyse(
         pushovers = curves(stages)
         checked: dict[Direction, Capacity] = {}
         if variant.project.assessment:
-            notes: list[Message] = []
-            checked = capacities(assess(variant.project, variant.model.assembly, pushovers, demands, notes))
-            study.warnings += [headed(variant.title, note) for note in notes]
+            found = assess(variant.project, variant.model.assembly, pushovers, demands)
+            checked = capacities(found)
+            study.warnings += [headed(variant.title, note) for note in told(found)]
         yield capacities_of(variant.project, stages, pushovers, checked)
 
 

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from assessment.analyses.checks.capacity import (
-    Assessed,
-    assess,
-    capacities,
-    governing,
-    safety_index,
-)
+from assessment.analyses.checks.capacity import Assessed, assess
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
 from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
-from assessment.analyses.checks.governing import Paths, governed
-from assessment.analyses.checks.indices import knowledge_of, state_indices
-from assessment.analyses.checks.refusals import joined
+from assessment.analyses.checks.governing import Governed, Run, governed
+from assessment.analyses.checks.indices import governing, knowledge_of, safety_index, state_indices
+from assessment.analyses.found import Found
 from assessment.analyses.static.ensemble import members
+from assessment.analyses.static.increments import refined
 from assessment.analyses.static.lateral import second_solver, with_control
 from assessment.analyses.static.paths import stand
-from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
+from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema.part import known, present
@@ -30,14 +25,12 @@ from assessment.runtime.show import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies.campaign.scans import Scans
 from assessment.studies.convergence import Convergence, converge
-from assessment.studies.increments import refined
 from assessment.studies.variants import Statics
 from assessment.workflow.comparison import comparison, strengthened
 from assessment.workflow.draft import Draft
 from assessment.workflow.dynamic import add_dynamics, read_motions
 from assessment.workflow.skeleton import describe
 from assessment.workflow.studies import add_studies
-from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -45,15 +38,14 @@ if TYPE_CHECKING:
     from assessment.project.structure.state_models import StateModel
     from assessment.results.schema import Results
     from assessment.results.schema.checks import Direction
-    from assessment.results.schema.part import Configuration
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.cache import Store
     from mechanics import Assembly
 
     States = Mapping[str, StateModel]
 
-Ensemble = Sequence[Sequence[StateResult]]
-"""The further runs of a state: of each member, the results of its contact behaviours."""
+Ensemble = Sequence[Run]
+"""The further runs of a state."""
 
 
 def run(
@@ -96,8 +88,8 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
     converged = _converged(project, states, demands, workers)
     ensembles = _ensembles(project, states, converged, workers)
     _add_states(draft, converged)
-    assessed = _add_capacities(draft, project, states, demands, ensembles)
-    _add_second_solver(draft, converged, ensembles, workers)
+    assessed, reported = _add_capacities(draft, project, states, demands, converged, ensembles)
+    _add_second_solver(draft, reported, workers)
 
     statics = Statics(draft.states, converged.stages, converged.halvings)
     scans = Scans(project, workers)
@@ -142,30 +134,18 @@ def _ensembles(
 
 
 def _add_states(draft: Draft, converged: Convergence) -> None:
-    """Add settlement, curves and configuration of every state, their certificates, times and estimated errors."""
+    """Add configuration of every state, certificates, times, failures and estimated errors of its analyses."""
     draft.warnings += converged.warnings
     draft.errors += converged.rows
     for stage in converged.stages:
-        draft.take(stage.warnings, stage.failures, stage.quality)
+        draft.take([], stage.failures, stage.quality)
         for name, seconds in stage.seconds.items():
             draft.took(name, seconds)
     for name in dict.fromkeys(stage.state for stage in converged.stages):
         own = [stage for stage in converged.stages if stage.state == name]
-        paths = _paths(own)
-        draft.put_state(name, pushdown=paths.pushdown, pushover=paths.pushover)
-        if (reached := _configuration(own)) is not None:
-            draft.put_state(name, configuration=reached)
-
-
-def _paths(stages: Sequence[StateResult]) -> Paths:
-    """Return the paths of a state: its settlement by behaviour, its curves by direction."""
-    return Paths(present({stage.behaviour: stage.pushdown for stage in stages}), curves(stages))
-
-
-def _configuration(stages: Sequence[StateResult]) -> Configuration | None:
-    """Return the configuration that a state reached, that under rigid contacts before that under elastic ones."""
-    reached = present({stage.behaviour: stage.configuration for stage in stages})
-    return reached.get("rigid") or reached.get("elastic")
+        reached = present({stage.behaviour: stage.configuration for stage in own})
+        if configuration := reached.get("rigid") or reached.get("elastic"):
+            draft.put_state(name, configuration=configuration)
 
 
 def _add_capacities(
@@ -173,17 +153,23 @@ def _add_capacities(
     project: Project,
     states: States,
     demands: Demands,
+    converged: Convergence,
     ensembles: Mapping[str, Ensemble],
-) -> bool:
-    """Add the ranges of every state and, where asked for, its checks, the demand and the chosen mechanisms.
+) -> tuple[bool, list[Governed]]:
+    """Add what every state comes to: movement, curves, ranges and, where asked for, checks, demand, chosen mechanisms.
 
-    Return whether every capacity was found: each pushover has one, and no mechanism of the project was refused.
+    Return whether every capacity was found, each pushover having one and no mechanism of the project being refused, and
+    the runs that the curves of each state are of.
     """
     began = time.perf_counter()
-    complete = True
+    complete, reported = True, []
     for name in draft.states:
-        found = _add_capacity(draft, name, project, states[name].assembly, demands, ensembles.get(name))
-        complete = complete and found
+        own = [stage for stage in converged.stages if stage.state == name]
+        if own:
+            runs = [own, *ensembles.get(name, ())]
+            reported.append(_add_capacity(draft, name, project, states[name].assembly, demands, runs))
+        state = draft.states[name]
+        complete = complete and not (project.assessment and without(state.capacity, state.pushover))
     if project.assessment:
         if project.assessment.knowledge:
             draft.put(knowledge=knowledge_of(project.assessment.knowledge))
@@ -193,67 +179,46 @@ def _add_capacities(
         chosen = assess_chosen(project, states, draft.states, demands, draft.warnings)
         draft.put(mechanisms=chosen)
         complete = complete and not any(given.refused for given in chosen)
-    return complete
+    return complete, reported
 
 
 def _add_capacity(
-    draft: Draft,
-    name: str,
-    project: Project,
-    assembly: Assembly,
-    demands: Demands,
-    ensemble: Ensemble | None,
-) -> bool:
-    """Add ranges and checks of one state, and the indices that follow from them; return whether all were found.
+    draft: Draft, name: str, project: Project, assembly: Assembly, demands: Demands, runs: Sequence[Run]
+) -> Governed:
+    """Add curves and checks of one state, and the indices that follow from them; return the runs that they are of.
 
     A state without capacity in a direction that was asked for has no index: the least of its directions is not known.
     """
-    notes: list[Message] = []
 
-    def checked(pushovers: Mapping[Direction, Pushovers]) -> Mapping[Direction, Assessed]:
-        return assess(project, assembly, pushovers, demands, notes) if project.assessment else {}
+    def checked(pushovers: Mapping[Direction, Pushovers]) -> Mapping[Direction, Found[Assessed]]:
+        return assess(project, assembly, pushovers, demands) if project.assessment else {}
 
-    state = draft.states[name]
-    if ensemble is not None:
-        state = governed(state, [_paths(member) for member in ensemble], checked)
-    else:
-        found = checked(state.pushover)
-        curves_of = {direction: each.curves for direction, each in found.items()}
-        state = state.replace(pushover=state.pushover | curves_of, capacity=capacities(found))
-    runs = 1 if ensemble is None else len(ensemble) + 1
-    draft.warnings += [message("{state}: {text}", state=name, text=note) for note in joined(notes, runs)]
-    if ensemble is not None:
-        draft.warnings += [headed(message("{state}", state=name), note) for note in told_of(ensemble)]
+    found = governed(name, draft.states[name], runs, checked)
+    state = found.state
+    draft.warnings += found.warnings
     draft.put_state(name, pushdown=state.pushdown, pushover=state.pushover, capacity=state.capacity)
-    if not project.assessment:
-        return True
-    asked = project.pushover.directions if project.pushover else ()
-    determined = {} if without(state.capacity, asked) else state.capacity
-    made = state.strengthening
-    draft.put_state(
-        name,
-        governing=governing(determined),
-        safety_index=safety_index(determined),
-        indices=state_indices(project, determined, draft.states.get(made.of) if made else None),
-    )
-    return not without(state.capacity, state.pushover)
+    if project.assessment:
+        asked = project.pushover.directions if project.pushover else ()
+        determined = {} if without(state.capacity, asked) else state.capacity
+        made = state.strengthening
+        draft.put_state(
+            name,
+            governing=governing(determined),
+            safety_index=safety_index(determined),
+            indices=state_indices(project, determined, draft.states.get(made.of) if made else None),
+        )
+    return found
 
 
-def _add_second_solver(
-    draft: Draft, converged: Convergence, ensembles: Mapping[str, Ensemble], workers: Workers
-) -> None:
-    """Add to every rigid curve that is reported the multiplier of limit analysis by a second program."""
-    runs = [
-        *converged.stages,
-        *(each for members in ensembles.values() for member in members for each in member),
-    ]
+def _add_second_solver(draft: Draft, reported: Iterable[Governed], workers: Workers) -> None:
+    """Add to every rigid curve the multiplier of limit analysis by a second program."""
     found = [
-        (known(stage.model), stage.state, direction, activated, rigid.alpha_0)
-        for stage in runs
-        for direction, activated in stage.activated.items()
-        if (reported := draft.states[stage.state].pushover.get(direction))
-        and (rigid := reported.rigid)
-        and reported.run == stage.pushover[direction].run
+        (known(stage.model), stage.state, direction, pushed.activated, rigid.alpha_0)
+        for each in reported
+        for direction, run in each.runs.items()
+        for stage in run
+        if direction in stage.pushed and (pushed := stage.pushed[direction].value)
+        if pushed.activated is not None and (rigid := pushed.curves.rigid)
     ]
     compared = workers.each(
         "second solver",
@@ -263,10 +228,10 @@ def _add_second_solver(
         large(*(model for model, *_ in found)),
     )
     for (_, name, direction, *_), result in zip(found, compared, strict=True):
-        pushed = draft.states[name].pushover
-        if rigid := pushed[direction].rigid:
-            reported = pushed[direction].replace(rigid=rigid.replace(second_solver=result.found))
-            draft.put_state(name, pushover=pushed | {direction: reported})
+        curves = draft.states[name].pushover
+        if rigid := curves[direction].rigid:
+            with_second = curves[direction].replace(rigid=rigid.replace(second_solver=result.value))
+            draft.put_state(name, pushover=curves | {direction: with_second})
         draft.warnings += result.warnings
     if compared:
         draft.took("second solver", sum(result.seconds for result in compared))
@@ -281,17 +246,3 @@ def _requests(project: Project, states: States) -> list[Request]:
         for name in project.states
         for behaviour in (pushed if name == ORIGINAL else settled)
     ]
-
-
-def told_of(ensemble: Ensemble) -> Iterator[Message]:
-    """Yield warnings about an ensemble: how large it is, and which members have no result."""
-    yield message(
-        "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
-        "ten-millionth of their block give the ranges; all numbers are those of the run with the least capacity",
-        count=len(ensemble) + 1,
-    )
-    failed = [each for member in ensemble for each in member if each.failures]
-    if failed:
-        yield message(
-            "in {count} of the runs of the ensemble: {text}", count=len(failed), text=failed[0].failures[0]
-        )

@@ -12,7 +12,7 @@ import numpy as np
 
 from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
 from assessment.analyses.checks.indices import confidence_source
-from assessment.analyses.checks.refusals import other_mechanism, refused, towards
+from assessment.analyses.found import Found
 from assessment.analyses.static.lateral import FRICTION
 from assessment.analyses.static.paths import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
@@ -37,7 +37,7 @@ from assessment.results.schema import static
 from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.part import known
 from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
-from assessment.results.table import indices, sense
+from assessment.results.table import sense
 from mechanics.messages import Message, linked, message
 
 if TYPE_CHECKING:
@@ -61,31 +61,53 @@ class Assessed(NamedTuple):
 
 
 def assess(
-    project: Project,
-    model: Assembly,
-    pushovers: Mapping[Direction, Pushovers],
-    demands: Demands,
-    warnings: list[Message],
-) -> dict[Direction, Assessed]:
+    project: Project, model: Assembly, pushovers: Mapping[Direction, Pushovers], demands: Demands
+) -> dict[Direction, Found[Assessed]]:
     """Return capacity and checks of one state by direction, from its curves (Circolare 7/2019, C8.7.1.2).
 
-    A direction whose capacity is not defined is left out. What is missing or refused is added to `warnings`.
+    The failures of a direction say why its capacity is not defined.
     """
-    found = {}
+    found: dict[Direction, Found[Assessed]] = {}
     for direction, curves in pushovers.items():
-        if curves.rigid is None:
-            warnings.append(towards(direction, message("no capacity without the rigid pushover curve")))
-            continue
         try:
-            found[direction] = _assessed(project, model, direction, curves, demands, warnings)
+            found[direction] = _assessed(project, model, direction, curves, demands)
         except CapacityError as refusal:
-            warnings.append(towards(direction, refused(refusal.message)))
+            found[direction] = Found(failures=[refusal.message])
     return found
 
 
-def capacities(assessed: Mapping[Direction, Assessed]) -> dict[Direction, Capacity]:
+def capacities(assessed: Mapping[Direction, Found[Assessed]]) -> dict[Direction, Capacity]:
     """Return the capacities alone."""
-    return {direction: each.capacity for direction, each in assessed.items()}
+    return {direction: each.value.capacity for direction, each in assessed.items() if each.value}
+
+
+def told(assessed: Mapping[Direction, Found[Assessed]]) -> list[Message]:
+    """Return what is to be told of each direction: why it has no capacity, or what to know about it."""
+    return [
+        towards(direction, text)
+        for direction, each in assessed.items()
+        for text in (*map(refused, each.failures), *each.warnings)
+    ]
+
+
+def other_mechanism(work: float, alpha: float) -> Message:
+    """Return that virtual work gives another multiplier than the curve."""
+    return message(
+        "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
+        "slide or move by themselves there, and e*, Γ* are not those of a mechanism",
+        work=work,
+        alpha=alpha,
+    )
+
+
+def towards(direction: str, text: str) -> Message:
+    """Return a note on a direction."""
+    return message("{direction}: {text}", direction=direction, text=text)
+
+
+def refused(reason: str) -> Message:
+    """Return why there is no capacity."""
+    return message("no capacity: {reason}", reason=reason)
 
 
 def _assessed(
@@ -94,10 +116,11 @@ def _assessed(
     direction: Direction,
     curves: Pushovers,
     demands: Demands,
-    warnings: list[Message],
-) -> Assessed:
+) -> Found[Assessed]:
     """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
-    assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
+    assessment, rigid, elastic = known(project.assessment), curves.rigid, curves.elastic
+    if rigid is None:
+        raise CapacityError(message("it needs the rigid pushover curve"))
     _refuse_other_mechanism(rigid)
     if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
         raise CapacityError(
@@ -117,8 +140,7 @@ def _assessed(
     used, apart = (other, own) if other is not None and counts else (own, other)
     capacity, checks, method = used.capacity, used.checks, used.method
     beyond = _beyond_loss(assessment, rigid.local_loss)
-    notes = dict.fromkeys(note for check in checks.values() for note in check.notes)
-    warnings += [towards(direction, note) for note in (*beyond, *notes)]
+    notes = [*beyond, *dict.fromkeys(note for check in checks.values() for note in check.notes)]
 
     made = _capacity(used)
     if curves.run is not None:
@@ -126,9 +148,9 @@ def _assessed(
     if apart is not None:
         beside = OtherLaw(sliding=apart.law.sliding, alpha_0=apart.law.mechanism.alpha)
         if ratios := _apart(checks, apart.checks):
-            of_law = {name: check.zeta_E for name, check in apart.checks.items() if check.zeta_E is not None}
-            beside = beside.replace(zeta_E=of_law)
-            warnings.append(towards(direction, _told(apart.law.sliding, ratios, counts)))
+            ratio = {name: check.zeta_E for name, check in apart.checks.items() if check.zeta_E is not None}
+            beside = beside.replace(zeta_E=ratio)
+            notes.append(_of_law(apart.law.sliding, ratios, counts))
         made = made.replace(other_law=beside)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
@@ -142,7 +164,7 @@ def _assessed(
         d_star = (capacity.gamma_star * fit.way.blocks(along_push(elastic.curve, direction)[0])).tolist()
         fitted = elastic.replace(alpha_y=fit.alpha_y, d_y_m=d_y, d_star_m=d_star)
         curves = curves.replace(elastic=fitted)
-    return Assessed(curves, made)
+    return Found(Assessed(curves, made), warnings=notes)
 
 
 class _Law(NamedTuple):
@@ -207,7 +229,7 @@ def _apart(checks: Mapping[str, Check], others: Mapping[str, Check]) -> list[Mes
     ]
 
 
-def _told(sliding: static.Sliding, ratios: Sequence[Message], counts: bool) -> Message:
+def _of_law(sliding: static.Sliding, ratios: Sequence[Message], counts: bool) -> Message:
     """Return what the law that does not count gives; `counts`: whether the lower α0 does, as none was asked for."""
     law, listed = FRICTION[sliding], linked(ratios)
     if counts:
@@ -369,36 +391,6 @@ def _beyond_loss(assessment: AssessmentTable, loss: LocalLoss | None) -> Iterato
             given=given,
             reason=loss_sentence(loss),
         )
-
-
-def governing(capacities: Mapping[Direction, Capacity]) -> parts.Governing | None:
-    """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
-    least = _least({direction: each.ratios for direction, each in capacities.items()})
-    if least is None:
-        return None
-    ratio, direction, name = least
-    return parts.Governing(direction=direction, limit_state=name, ratio=ratio)
-
-
-def safety_index(capacities: Mapping[Direction, Capacity]) -> parts.SafetyIndex | None:
-    """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
-    least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
-    if least is None:
-        return None
-    zeta, direction, name = least
-    return parts.SafetyIndex(direction=direction, limit_state=name, zeta_E=zeta)
-
-
-def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> tuple[float, Direction, str] | None:
-    """Return the least of the ratios by direction and check, with these; None where there is none."""
-    return min(
-        (
-            (value, direction, name)
-            for direction, of_direction in ratios.items()
-            for name, value in of_direction.items()
-        ),
-        default=None,
-    )
 
 
 def _capacity(by: _ByLaw) -> Capacity:

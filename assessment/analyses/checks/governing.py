@@ -5,65 +5,88 @@ Everything that is told of a state and direction comes from that run; the range 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any, TypeVar
 
-from assessment.analyses.checks.capacity import Assessed
+from assessment.analyses.checks.capacity import Assessed, other_mechanism, refused, towards
+from assessment.analyses.found import Found
 from assessment.analyses.static.ensemble import ENSEMBLE, QUANTITIES
+from assessment.analyses.static.settlement import Settled
+from assessment.analyses.static.states import StateResult, curves
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.part import Part
-from assessment.results.schema.static import Contacts, ElasticPush, PushdownPath, Pushovers, RigidPush
+from assessment.results.schema.part import Part, known
+from assessment.results.schema.static import Contacts, ElasticPush, Pushovers, RigidPush
 from assessment.results.table import indices
+from mechanics.messages import Message, headed, message
 
-Assess = Callable[[Mapping[Direction, Pushovers]], Mapping[Direction, Assessed]]
+Run = Sequence[StateResult]
+"""One run of a state: its results by contact behaviour."""
+Assess = Callable[[Mapping[Direction, Pushovers]], Mapping[Direction, Found[Assessed]]]
 Ranged = TypeVar("Ranged", bound=Part)
 CHECKED = ("a_g_g", "zeta_E")
 
 
 @dataclass(frozen=True)
-class Paths:
-    """What a run of a state found: its settlement by behaviour, its curves by direction."""
+class Governed:
+    """A state as it is reported, what is to be told of it, and by direction the run that its curves are of."""
 
-    pushdown: Mapping[Contacts, PushdownPath]
-    pushover: Mapping[Direction, Pushovers]
+    state: State
+    warnings: list[Message]
+    runs: dict[Direction, Run]
 
 
-def governed(state: State, members: Sequence[Paths], assess: Assess) -> State:
+def governed(name: str, state: State, runs: Sequence[Run], assess: Assess) -> Governed:
     """Return a state with, in each direction, curves, mechanism and capacity of its governing run, and their ranges.
 
-    `members`: paths of each further run. `members` of a curve: the curves of the other runs. A movement is that of the
-    run with the least ultimate one.
+    `runs`: that of the project, then those of its ensemble. `members` of a curve: the curves of the other runs. A
+    movement is that of the run with the least ultimate one.
     """
-    pushdown = {
-        behaviour: _least_movement(
-            [path, *(each.pushdown[behaviour] for each in members if behaviour in each.pushdown)]
-        )
-        for behaviour, path in state.pushdown.items()
-    }
+    found = Governed(state, [], {})
+    pushdown = {}
+    for own in runs[0]:
+        same = (stage.moved for run in runs for stage in run if stage.behaviour == own.behaviour)
+        moves = [moved for moved in same if moved is not None and moved.value is not None]
+        if moves:
+            least, paths = _least_movement(moves), [known(each.value).path for each in moves]
+            path = known(least.value).path
+            pushdown[own.behaviour] = _ranged(path, ("ultimate_movement_m",), paths)
+            found.warnings.extend(least.warnings)
     pushover, capacity = {}, {}
-    for direction, own in state.pushover.items():
-        runs = [own, *(each.pushover[direction] for each in members if direction in each.pushover)]
-        checked = [assess({direction: each}).get(direction) for each in runs]
-        number = _least_capacity(runs, [each.capacity if each else None for each in checked])
-        governing = checked[number]
-        curves = governing.curves if governing else runs[number]
-        pushover[direction] = _with_curves(curves, number, runs)
-        if governing is not None:
-            capacity[direction] = _with_ranges(
-                governing.capacity, [each.capacity for each in checked if each is not None]
-            )
-    return state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
+    by_run = [curves(run) for run in runs]
+    for direction in dict.fromkeys(way for stage in runs[0] for way in stage.pushed):
+        pushed = [k for k, each in enumerate(by_run) if direction in each] if direction in by_run[0] else []
+        followed = [by_run[k][direction] for k in pushed]
+        checked = [assess({direction: each}).get(direction, Found[Assessed]()) for each in followed]
+        number = _least_capacity(followed, checked) if pushed else 0
+        run = found.runs[direction] = runs[pushed[number]] if pushed else runs[0]
+        pushes = [stage.pushed[direction] for stage in run if direction in stage.pushed]
+        found.warnings.extend(text for each in pushes for text in each.warnings)
+        if not pushed:
+            continue
+        value = checked[number].value
+        pushover[direction] = _with_curves(value.curves if value else followed[number], number, followed)
+        if value is not None:
+            others = [each.value.capacity for each in checked if each.value]
+            capacity[direction] = _with_ranges(value.capacity, others)
+        notes = [
+            towards(direction, each) for each in (*_refusals(checked, len(runs)), *checked[number].warnings)
+        ]
+        found.warnings.extend(message("{state}: {text}", state=name, text=note) for note in notes)
+    if len(runs) > 1:
+        found.warnings.extend(headed(message("{state}", state=name), note) for note in _told_of(runs))
+    made = state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
+    return Governed(made, found.warnings, found.runs)
 
 
-def _least_capacity(runs: Sequence[Pushovers], capacities: Sequence[Capacity | None]) -> int:
+def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]]) -> int:
     """Return the number of the run with the least index ζ_E at SLV and SLC, or ratio where neither was checked.
 
     Without any, that with the least α0 (of elastic joints alone α_u); where several agree in it, the least d_0 of them.
     """
-    ratios = [each.ratios if each else {} for each in capacities]
+    ratios = [each.value.capacity.ratios if each.value else {} for each in checked]
     least = [min((indices(each) or each).values(), default=inf) for each in ratios]
     if min(least) < inf:
         return least.index(min(least))
@@ -77,16 +100,16 @@ def _least_capacity(runs: Sequence[Pushovers], capacities: Sequence[Capacity | N
     return min(agreeing, key=lambda k: d_0[k])
 
 
-def _least_movement(runs: Sequence[PushdownPath]) -> PushdownPath:
-    """Return the path of the run with the least ultimate movement, and its range; the first where none has one."""
-    ultimate = [each.ultimate_movement_m for each in runs]
-    known = [each for each in ultimate if each is not None]
-    least = runs[ultimate.index(min(known))] if known else runs[0]
-    return _ranged(least, ("ultimate_movement_m",), runs)
+def _least_movement(moves: Sequence[Found[Settled]]) -> Found[Settled]:
+    """Return the movement of the run with the least ultimate one; the first where none has one."""
+    ultimate = [known(each.value).path.ultimate_movement_m for each in moves]
+    return min(zip(moves, ultimate, strict=True), key=lambda each: inf if each[1] is None else each[1])[0]
 
 
 def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> Pushovers:
     """Return the curves of the run of that number, with the ranges of all and the curves of the others."""
+    if len(runs) == 1:
+        return chosen
     found: dict[Contacts, RigidPush | ElasticPush] = {}
     for behaviour, curve in chosen.by_contacts.items():
         numbered = [
@@ -110,8 +133,10 @@ def _with_ranges(governing: Capacity, runs: Sequence[Capacity]) -> Capacity:
 def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part]) -> Ranged:
     """Return the part with the range of each of its quantities, in which another choice of increments is expected.
 
-    It is wider than the span of the runs, not below zero, and open above where a run has no value.
+    It is wider than the span of the runs, not below zero, and open above where a run has no value. One run has none.
     """
+    if len(runs) == 1:
+        return part
     ranges: dict[str, Any] = {}
     for name in names:
         values = [getattr(each, name) for each in runs if name in each.model_fields_set]
@@ -121,3 +146,41 @@ def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part]) -> Ranged:
             above = max(known) + more if len(known) == len(values) else None
             ranges[f"{name}_range"] = [max(0.0, min(known) - more), above]
     return part.replace(**ranges)
+
+
+def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message]:
+    """Yield why a direction has no capacity: of an ensemble once for each kind of reason, with how many runs it has."""
+    reasons: dict[str, list[Message]] = {}
+    for reason in (reason for each in checked for reason in each.failures):
+        reasons.setdefault(reason.template, []).append(reason)
+    for template, same in reasons.items():
+        reason = same[0]
+        if len(same) > 1 and template == other_mechanism(0.0, 0.0).template:
+            work, alpha = ([float(str(each.fields[name])) for each in same] for name in ("work", "alpha"))
+            reason = message(
+                "virtual work on the mechanism gives α = {least:.3g} to {most:.3g}, the curve {lowest:.3g} to "
+                "{highest:.3g}: blocks slide or move by themselves there, and e*, Γ* are not those of a mechanism",
+                least=min(work),
+                most=max(work),
+                lowest=min(alpha),
+                highest=max(alpha),
+            )
+        if runs == 1:
+            yield refused(reason)
+        else:
+            yield message(
+                "no capacity in {count} of {runs} runs: {reason}", count=len(same), runs=runs, reason=reason
+            )
+
+
+def _told_of(runs: Sequence[Run]) -> Iterator[Message]:
+    """Yield warnings about an ensemble: how large it is, and which runs have no result."""
+    yield message(
+        "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
+        "ten-millionth of their block give the ranges; all numbers are those of the run with the least capacity",
+        count=len(runs),
+    )
+    if failed := [stage for run in runs[1:] for stage in run if stage.failures]:
+        yield message(
+            "in {count} of the runs of the ensemble: {text}", count=len(failed), text=failed[0].failures[0]
+        )

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from assessment.analyses.checks.demand import demand_return_periods
 from assessment.ntc.confidence import CONFIDENCE_FACTOR, confidence_factor
 from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
 from assessment.results.lines import lines
-from assessment.results.schema.checks import Capacity, Check, Direction
+from assessment.results.schema.checks import Capacity, Direction, Governing, SafetyIndex
 from assessment.results.schema.indices import Indices, Knowledge
 from assessment.results.schema.part import known
+from assessment.results.table import indices
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -30,11 +31,14 @@ def state_indices(
     assessment = project.assessment
     if assessment is None or assessment.site is None or assessment.spectrum == "record":
         return None
-    life = _at_life(capacities)
-    if life is None:
+    # at SLV the linear check stands in for a nonlinear one without a number; None if a direction has neither
+    at_life = {direction: indices(each) for direction, each in _at(capacities, "SLV", "SLV linear").items()}
+    if (life := _least(at_life)) is None or not all(at_life.values()):
         return None
-    direction, limit, check, zeta = life
-    damage, collapse = _least(capacities, ["SLD", "SLD elastic"]), _least(capacities, ["SLC"])
+    zeta, direction, limit = life
+    check = capacities[direction].checks[limit]
+    damage, collapse = _least(_at(capacities, "SLD", "SLD elastic")), _least(_at(capacities, "SLC"))
+    T_SLD = capacities[damage.direction].checks[damage.check].return_period_years if damage else None
     use_class, T_R = assessment.site.use_class, demand_return_periods(project).get("SLV")
     found = heritage_and_risk_indices(
         known(check.a_g_g),
@@ -43,7 +47,7 @@ def state_indices(
         use_class,
         check.return_period_years,
         T_R,
-        damage.check.return_period_years if damage else None,
+        T_SLD,
     )
     made = Indices(
         direction=direction,
@@ -98,31 +102,45 @@ def confidence_source(assessment: AssessmentTable | None) -> str:
     return confidence_factor(knowledge.level, knowledge.components).trace[-1].paragraph
 
 
+def governing(capacities: Mapping[Direction, Capacity]) -> Governing | None:
+    """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
+    least = _least({direction: each.ratios for direction, each in capacities.items()})
+    if least is None:
+        return None
+    return Governing(direction=least.direction, limit_state=least.check, ratio=least.ratio)
+
+
+def safety_index(capacities: Mapping[Direction, Capacity]) -> SafetyIndex | None:
+    """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
+    least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
+    if least is None:
+        return None
+    return SafetyIndex(direction=least.direction, limit_state=least.check, zeta_E=least.ratio)
+
+
 class _Least(NamedTuple):
-    """The check with the least `ratio` of a_g borne to a_g demanded, by direction and limit state."""
+    """The least `ratio` of a_g borne to a_g demanded, by direction and name of the check."""
 
-    direction: Direction
-    limit_state: str
-    check: Check
     ratio: float
+    direction: Direction
+    check: str
 
 
-def _at_life(capacities: Mapping[Direction, Capacity]) -> _Least | None:
-    """Return the least ratio at SLV, linear where a direction has no nonlinear one; None if a direction has neither."""
-    found = [
-        _least({direction: capacity}, ["SLV"]) or _least({direction: capacity}, ["SLV linear"])
-        for direction, capacity in capacities.items()
-    ]
-    known = [each for each in found if each is not None]
-    return min(known, key=lambda each: each.ratio, default=None) if len(known) == len(found) else None
+def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> _Least | None:
+    """Return the least of the ratios by direction and check; None where there is none."""
+    return min(
+        (
+            _Least(ratio, direction, check)
+            for direction, each in ratios.items()
+            for check, ratio in each.items()
+        ),
+        default=None,
+    )
 
 
-def _least(capacities: Mapping[Direction, Capacity], limit_states: Iterable[str]) -> _Least | None:
-    """Return the check with the least ratio at some limit states; None if no check has a ratio."""
-    made = [
-        _Least(direction, name, capacity.checks[name], capacity.ratios[name])
-        for direction, capacity in capacities.items()
-        for name in limit_states
-        if name in capacity.ratios
-    ]
-    return min(made, key=lambda found: found.ratio, default=None)
+def _at(capacities: Mapping[Direction, Capacity], *limit_states: str) -> dict[Direction, dict[str, float]]:
+    """Return the ratios of the checks of these names."""
+    return {
+        direction: {name: ratio for name, ratio in each.ratios.items() if name in limit_states}
+        for direction, each in capacities.items()
+    }

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.analyses.static.increments import in_increments
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.results.table import cells
 from assessment.runtime.tasks import Workers
 
 if TYPE_CHECKING:
-    from assessment.project.project import Project
     from mechanics import Assembly
 
 QUANTITIES = ("alpha_0", "d_0_m", "alpha_u")  # of a curve
@@ -122,28 +122,6 @@ def _follow(
         for state, each in member.items():
             found.setdefault(state, []).append(each)
     return found
-
-
-def in_increments(project: Project, factor: float) -> Project:
-    """Return the project with increments of settlements and pushover `factor` times as large."""
-    pushover = project.pushover
-    settlements = tuple(
-        table.model_copy(
-            update={
-                key: value * factor
-                for key in ("increment_m", "increment_rad")
-                if (value := getattr(table, key)) is not None
-            }
-        )
-        for table in project.settlements
-    )
-    return project.model_copy(
-        update={
-            "settlements": settlements,
-            "pushover": pushover
-            and pushover.model_copy(update={"increment_m": pushover.increment_m * factor}),
-        }
-    )
 
 
 def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:

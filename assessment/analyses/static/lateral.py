@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.analyses.found import Found
 from assessment.analyses.static.curve_numbers import elastic_push, rigid_push
-from assessment.analyses.static.paths import PathResult, Quality, crossings, loss_sentence, turns_on_rounding
+from assessment.analyses.static.paths import crossings, loss_sentence, quality_row, turns_on_rounding
 from assessment.project.schema import ControlTable
 from assessment.results.schema.static import Pushovers, RigidPush, SecondSolver
 from mechanics import (
@@ -58,6 +59,14 @@ class PushSetting:
     until: float = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """A curve in plain numbers, and where a rigid one has its largest multiplier (`activated`)."""
+
+    curves: Pushovers
+    activated: State | None = None
+
+
 def push(
     model: Assembly,
     name: str,
@@ -65,27 +74,27 @@ def push(
     setting: PushSetting,
     directions: tuple[Direction, ...],
     controls: tuple[ControlTable, ...],
-) -> list[PathResult[Pushovers]]:
+) -> list[Found[Pushed]]:
     """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
 
     A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
     """
-    behaviour = setting.behaviour
-    parts = []
-    found: tuple[ControlTable, Pushover] | None = None
+    behaviour, parts = setting.behaviour, []
+    followed: tuple[ControlTable, Pushover] | None = None
     for direction, control in zip(directions, controls, strict=True):
         began = time.perf_counter()
-        result, quality = PathResult[Pushovers](), Quality(name, f"pushover, {behaviour}")
+        found = Found[Pushed]()
         title = pushover_title(name, direction, behaviour)
         # where the control point of the first direction does not move, that of the other has its own curve
         image = None
-        if found is not None and found[0] == controls[0]:
-            image = mirror_of(model, behaviour).pushover(found[1])
+        if followed is not None and followed[0] == controls[0]:
+            image = mirror_of(model, behaviour).pushover(followed[1])
         if image is not None:
-            found = control, image
+            followed = control, image
         else:
-            followed = partial(
+            follow = partial(
                 pushover,
+                model,
                 direction=direction,
                 contacts=behaviour,
                 increment=setting.increment,
@@ -93,14 +102,13 @@ def push(
                 until=setting.until,
                 sliding=setting.sliding,
             )
-            found = _path(title, model, control, followed, result)
-            if found is not None:
-                quality.add(found[1])
-        if found is not None:
-            add_curve(title, model, setting, direction, *found, result)
-        result.quality.append(quality.row)
-        result.seconds = time.perf_counter() - began
-        parts.append(result)
+            followed = _path(title, control, follow, found)
+        if followed is not None:
+            add_curve(title, model, setting, direction, *followed, found)
+        path = followed[1] if followed and image is None else None
+        found.quality.append(quality_row(name, f"pushover, {behaviour}", path))
+        found.seconds = time.perf_counter() - began
+        parts.append(found)
     return parts
 
 
@@ -122,20 +130,16 @@ def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
 
 
 def _path(
-    title: str,
-    model: Assembly,
-    control: ControlTable,
-    followed: Callable[..., Pushover],
-    result: PathResult[Pushovers],
+    title: str, control: ControlTable, follow: Callable[..., Pushover], found: Found[Pushed]
 ) -> tuple[ControlTable, Pushover] | None:
-    """Return the control point, or one that takes part where it does not, and its curve; the reason is in `result`."""
+    """Return the control point, or one that takes part where it does not, and its curve; the reason is in `found`."""
     try:
         try:
-            return control, followed(model, control.point_m)
+            return control, follow(control.point_m)
         except ControlError:
-            path = followed(model)
+            path = follow()
     except (UnstableError, ConvergenceError, NoEquilibriumError, ControlError) as error:
-        result.failures.append(headed(title, error.message))
+        found.failures.append(headed(title, error.message))
         return None
     x, z = path.control.tolist()
     other = ControlTable(name=f"({x:.4g}, {z:.4g}) m", point_m=(x, z))
@@ -146,7 +150,7 @@ def _path(
         block=path.block,
         point=other.name,
     )
-    result.warnings.append(headed(title, reason))
+    found.warnings.append(headed(title, reason))
     return other, path
 
 
@@ -157,20 +161,21 @@ def add_curve(
     direction: Direction,
     control: ControlTable,
     path: Pushover,
-    result: PathResult[Pushovers],
+    found: Found[Pushed],
 ) -> None:
-    """Add a curve to the result, and the warnings about it; `title` begins each of them."""
-    result.warnings += crossings(title, path.crossed, setting.increment)
-    result.scatters = turns_on_rounding(model, path)
-    rigid = setting.behaviour == "rigid"
+    """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
+    found.warnings += crossings(title, path.crossed, setting.increment)
+    found.scatters = turns_on_rounding(model, path)
+    rigid, curves = (
+        setting.behaviour == "rigid",
+        Pushovers(control=control.name, control_m=list(control.point_m)),
+    )
     if rigid:
-        result.activated = path.states[path.peak]
         curve = rigid_push(model, control, setting.sliding, direction, path)
-        result.found = Pushovers(control=control.name, control_m=list(control.point_m), rigid=curve)
-        result.warnings += [headed(title, note) for note in _rigid_notes(model, curve, path)]
+        found.value = Pushed(curves.replace(rigid=curve), path.states[path.peak])
+        found.warnings += [headed(title, note) for note in _rigid_notes(model, curve, path)]
     else:
-        elastic = elastic_push(model, setting.sliding, direction, path)
-        result.found = Pushovers(control=control.name, control_m=list(control.point_m), elastic=elastic)
+        found.value = Pushed(curves.replace(elastic=elastic_push(model, setting.sliding, direction, path)))
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
         end = message(
@@ -179,7 +184,7 @@ def add_curve(
             multiplier=float(path.multiplier[-1]),
             reason=path.end,
         )
-        result.warnings.append(headed(title, end))
+        found.warnings.append(headed(title, end))
 
 
 def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[Message]:
@@ -213,7 +218,7 @@ def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[
 
 def second_solver(
     model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float
-) -> PathResult[SecondSolver]:
+) -> Found[SecondSolver]:
     """Compare the associative multipliers of two programs in the state `activated` of the state of that name.
 
     `alpha_0`: multiplier of the curve that has its peak there, a third number beside them.
@@ -221,21 +226,21 @@ def second_solver(
     program has it. Nothing is `found` where joints crush.
     """
     began = time.perf_counter()
-    result = PathResult[SecondSolver]()
+    found = Found[SecondSolver]()
     title = pushover_title(name, direction, "rigid")
     try:
         linear = static_theorem(model, direction, activated)
     except ArgumentError:
-        return result
+        return found
     own: float | None = None
     try:
         own = limit_in(model, direction, activated, "associative").alpha
     except (NoEquilibriumError, ConvergenceError) as error:
         note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
-        result.warnings.append(headed(title, note))
+        found.warnings.append(headed(title, note))
     if linear is None:
         note = message("the linear program of limit analysis has no optimum by HiGHS")
-        result.warnings.append(headed(title, note))
+        found.warnings.append(headed(title, note))
     difference = None
     if own is not None and linear is not None:
         difference = (linear - own) / max(abs(own), LEAST)
@@ -247,15 +252,15 @@ def second_solver(
                 linear=linear,
                 difference=difference,
             )
-            result.warnings.append(headed(title, note))
-    result.found = SecondSolver(
+            found.warnings.append(headed(title, note))
+    found.value = SecondSolver(
         alpha_0=alpha_0,
         alpha_program=own,
         alpha_linear_program=linear,
         relative_difference=difference,
     )
-    result.seconds = time.perf_counter() - began
-    return result
+    found.seconds = time.perf_counter() - began
+    return found
 
 
 def with_control(project: Project, model: Assembly) -> tuple[Project, list[Message]]:

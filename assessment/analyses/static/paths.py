@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, TypeVar
+from functools import reduce
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import Part
 from assessment.results.schema.static import LocalLoss
 from mechanics import Assembly, State, UnstableError
 from mechanics.messages import Message, headed, message
@@ -24,63 +23,25 @@ if TYPE_CHECKING:
 
     from mechanics.types import Array
 
-Found = TypeVar("Found", bound=Part)
-
 AT_LIMIT = 1e-5  # of the friction limit: a joint whose T is closer to it slides
 PARTING = 0.02  # of the overlap at the start: most that a joint has left where its loss fells the structure
 BEARS = 1e-3  # of the weight of the model: least force of a joint that carries
 SLIDING_CARRIES = 1e-3  # of the weight of the model: the slide of a joint that carries less has no effect
 
 
-@dataclass
-class Quality:
-    """The worst certificate of the programs solved in a stage."""
-
-    state: str
-    stage: str
-    solves: int = 0
-    worst: Certificate | None = None
-    penetration: float = 0.0
-
-    def add(self, path: Pushdown | Pushover) -> None:
-        """Add the certificates of all steps of a path."""
-        for certificate in path.certificates:
-            self.worst = certificate if self.worst is None else self.worst.joined(certificate)
-        self.solves += sum(step.solves for step in path.steps) + len(path.certificates) - len(path.steps)
-        self.penetration = max([self.penetration, *(step.penetration for step in path.steps)])
-
-    @property
-    def row(self) -> QualityRow:
-        """The row of the table of certificates."""
-        worst = self.worst or Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
-        return QualityRow(
-            state=self.state,
-            stage=self.stage,
-            solves=self.solves,
-            worst_equilibrium_residual=worst.equilibrium,
-            worst_penetration_m=max(worst.penetration, self.penetration),
-            worst_complementarity=worst.complementarity,
-            worst_cone_violation=worst.cone,
-        )
-
-
-@dataclass
-class PathResult(Generic[Found]):
-    """Result of one static analysis: what it `found`, as a part of the results; None if nothing.
-
-    `reached`: the settled state, at rest; None where the structure collapses before. `activated`: where a rigid curve
-    has its largest multiplier. `failures`: what could not be completed. `scatters`: whether the path amplifies the last
-    digits of its input.
-    """
-
-    found: Found | None = None
-    reached: State | None = None
-    activated: State | None = None
-    quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[Message] = field(default_factory=list)
-    failures: list[Message] = field(default_factory=list)
-    seconds: float = 0.0
-    scatters: bool = False
+def quality_row(state: str, stage: str, path: Pushdown | Pushover | None) -> QualityRow:
+    """Return the worst certificate of the programs of a path; None: there is no path."""
+    certificates, steps = (path.certificates, path.steps) if path is not None else ((), ())
+    worst = reduce(Certificate.joined, certificates, Certificate(0.0, 0.0, 0.0, 0.0, 0.0))
+    return QualityRow(
+        state=state,
+        stage=stage,
+        solves=sum(step.solves for step in steps) + len(certificates) - len(steps),
+        worst_equilibrium_residual=worst.equilibrium,
+        worst_penetration_m=max([worst.penetration, *(step.penetration for step in steps)]),
+        worst_complementarity=worst.complementarity,
+        worst_cone_violation=worst.cone,
+    )
 
 
 def stand(model: Assembly) -> Message | None:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from assessment.analyses.found import Found
 from assessment.analyses.static.paths import (
-    PathResult,
-    Quality,
     configuration,
     crossings,
     local_loss,
     loss_sentence,
+    quality_row,
     turns_on_rounding,
 )
 from assessment.results.configurations.frames import pushdown_frames
@@ -39,6 +40,14 @@ if TYPE_CHECKING:
     from assessment.project.schema import ControlTable, SettlementTable
 
 
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """A movement in plain numbers, and the state that it `reached`, at rest; None: the structure falls before."""
+
+    path: PushdownPath
+    reached: State | None
+
+
 def settle(
     model: Assembly,
     settlement: SettlementTable,
@@ -46,16 +55,48 @@ def settle(
     sliding: Sliding,
     control: ControlTable | None,
     start: State | None = None,
-) -> PathResult[PushdownPath]:
+) -> Found[Settled]:
     """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
-    result = PathResult[PushdownPath]()
-    path = _moved(model, settlement, behaviour, sliding, start, result)
+    found = Found[Settled]()
+    title, whole = path_title(settlement.name, behaviour), _whole(model, settlement)
+    increment, reached, path = whole / settlement.increments, None, None
+    try:
+        path = pushdown(
+            model,
+            settlement.support,
+            settlement.displacement_m,
+            settlement.rotation_rad,
+            increment,
+            behaviour,
+            settlement.to_collapse,
+            sliding,
+            state=start,
+        )
+        reached = path.final
+    except CollapseError as collapse:
+        found.failures.append(headed(title, collapse.message))
+        assert isinstance(collapse.path, Pushdown)
+        path = collapse.path
+    except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
+        found.failures.append(headed(title, error.message))
     if path is not None:
-        result.found = _pushdown_path(model, settlement, behaviour, sliding, control, path)
-        _add_path(model, settlement, behaviour, path, result)
-    result.seconds = time.perf_counter() - began
-    return result
+        moved = _pushdown_path(model, settlement, behaviour, sliding, control, path)
+        found.value = Settled(moved, reached)
+        if settlement.to_collapse and path.ultimate is None:
+            none = message(
+                "no ultimate movement up to {reached:.3g} m ({reason})",
+                reached=float(path.movement[-1]),
+                reason=path.end,
+            )
+            found.warnings.append(headed(title, none))
+        found.warnings += crossings(title, path.crossed, increment)
+        found.scatters = turns_on_rounding(model, path)
+        found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))
+        if moved.local_loss is not None:
+            found.warnings.append(headed(title, loss_sentence(moved.local_loss)))
+    found.seconds = time.perf_counter() - began
+    return found
 
 
 def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | Message:
@@ -96,68 +137,6 @@ def path_title(state: str, behaviour: Behaviour) -> Message:
 def _whole(model: Assembly, settlement: SettlementTable) -> float:
     """Return the largest component of the whole movement, m."""
     return whole_movement(model, settlement.support, settlement.displacement_m, settlement.rotation_rad)
-
-
-def _moved(
-    model: Assembly,
-    settlement: SettlementTable,
-    behaviour: Behaviour,
-    sliding: Sliding,
-    start: State | None,
-    result: PathResult[PushdownPath],
-) -> Pushdown | None:
-    """Return the path of the support, up to collapse if the structure collapses; None without a path."""
-    title = path_title(settlement.name, behaviour)
-    try:
-        path = pushdown(
-            model,
-            settlement.support,
-            settlement.displacement_m,
-            settlement.rotation_rad,
-            _whole(model, settlement) / settlement.increments,
-            behaviour,
-            settlement.to_collapse,
-            sliding,
-            state=start,
-        )
-    except CollapseError as collapse:
-        result.failures.append(headed(title, collapse.message))
-        assert isinstance(collapse.path, Pushdown)
-        return collapse.path
-    except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
-        result.failures.append(headed(title, error.message))
-        return None
-    result.reached = path.final
-    return path
-
-
-def _add_path(
-    model: Assembly,
-    settlement: SettlementTable,
-    behaviour: Behaviour,
-    path: Pushdown,
-    result: PathResult[PushdownPath],
-) -> None:
-    """Add the certificates of a path, and the warnings about it."""
-    title = path_title(settlement.name, behaviour)
-    if settlement.to_collapse and path.ultimate is None:
-        result.warnings.append(
-            headed(
-                title,
-                message(
-                    "no ultimate movement up to {reached:.3g} m ({reason})",
-                    reached=float(path.movement[-1]),
-                    reason=path.end,
-                ),
-            )
-        )
-    result.warnings += crossings(title, path.crossed, _whole(model, settlement) / settlement.increments)
-    result.scatters = turns_on_rounding(model, path)
-    quality = Quality(settlement.name, f"pushdown, {behaviour}")
-    quality.add(path)
-    result.quality.append(quality.row)
-    if result.found and result.found.local_loss is not None:
-        result.warnings.append(headed(title, loss_sentence(result.found.local_loss)))
 
 
 def _pushdown_path(

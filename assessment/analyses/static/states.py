@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from assessment.analyses.static.lateral import PushSetting, push, pushover_title
-from assessment.analyses.static.paths import PathResult, configuration
-from assessment.analyses.static.settlement import not_back, path_title, rest_as_drawn, settle
+from assessment.analyses.found import Found
+from assessment.analyses.static.lateral import Pushed, PushSetting, push, pushover_title
+from assessment.analyses.static.paths import configuration
+from assessment.analyses.static.settlement import Settled, not_back, path_title, rest_as_drawn, settle
 from assessment.project.schema import ControlTable
 from assessment.results.quality import joined
-from assessment.results.schema.part import known, present
+from assessment.results.schema.part import Configuration, known
 from assessment.results.schema.static import Pushovers, Run
 from assessment.runtime.tasks import Workers, large
 from mechanics.messages import Message, headed, message
@@ -118,39 +119,71 @@ class Beginning:
 
 @dataclass
 class StateResult:
-    """Result of one state under one behaviour; `failures`: analyses that could not be completed.
+    """One state under one behaviour: its movement and its curves by direction, each with what is to be told of it.
 
     `model`: what is pushed; `from_drawing`: as drawn. `reached`: the settled state, at rest; None where the structure
-    collapses before. `activated`: by direction, where a
-    rigid curve has its largest multiplier. `scatters`: whether a path amplifies the last digits of its input.
+    collapses before; `configuration`: its displacements from the drawing. `member`: its number in the ensemble of the
+    state. `scatters`: whether a path amplifies the last digits of its input.
     """
 
     state: str
     behaviour: Behaviour
     model: Assembly | None = None
-    from_drawing: bool = False
-    pushdown: PushdownPath | None = None
-    pushover: dict[Direction, Pushovers] = field(default_factory=dict)
-    configuration: list[list[float]] | None = None
+    moved: Found[Settled] | None = None
+    pushed: dict[Direction, Found[Pushed]] = field(default_factory=dict)
     reached: State | None = None
-    activated: dict[Direction, State] = field(default_factory=dict)
-    quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[Message] = field(default_factory=list)
-    failures: list[Message] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
+    configuration: Configuration | None = None
+    from_drawing: bool = False
+    member: int = 1
     scatters: bool = False
+    own_failures: list[Message] = field(default_factory=list)
+    coarser_seconds: dict[str, float] = field(default_factory=dict)
 
-    def take(self, stage: str, parts: Sequence[PathResult[Any]]) -> None:
-        """Add the messages, certificates and times of the analyses of a stage."""
-        for part in parts:
-            self.warnings += part.warnings
-            self.failures += part.failures
-            self.scatters |= part.scatters
-        rows = [row for part in parts for row in part.quality]
-        if rows:
-            self.quality.append(joined(rows[0].state, rows[0].stage, rows))
-        if parts:
-            self.seconds[stage] = sum(part.seconds for part in parts)
+    @property
+    def pushdown(self) -> PushdownPath | None:
+        """The movement that leads to the state."""
+        return self.moved.value.path if self.moved and self.moved.value else None
+
+    @property
+    def pushover(self) -> dict[Direction, Pushovers]:
+        """The curves that were found, by direction."""
+        return {way: each.value.curves for way, each in self.pushed.items() if each.value}
+
+    @property
+    def parts(self) -> dict[str, list[Found[Any]]]:
+        """What was found, by stage."""
+        found: dict[str, list[Found[Any]]] = {}
+        if self.moved is not None:
+            found["pushdown"] = [self.moved]
+        if self.pushed:
+            found["pushover"] = list(self.pushed.values())
+        return found
+
+    @property
+    def warnings(self) -> list[Message]:
+        """What to know about movement and curves."""
+        return [text for parts in self.parts.values() for each in parts for text in each.warnings]
+
+    @property
+    def failures(self) -> list[Message]:
+        """Why analyses could not be completed."""
+        return [
+            *(text for parts in self.parts.values() for each in parts for text in each.failures),
+            *self.own_failures,
+        ]
+
+    @property
+    def quality(self) -> list[QualityRow]:
+        """The worst certificate of each stage."""
+        rows = ([row for each in parts for row in each.quality] for parts in self.parts.values())
+        return [joined(each[0].state, each[0].stage, each) for each in rows if each]
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Computing time by stage, that of coarser runs of the state included."""
+        own = {stage: sum(each.seconds for each in parts) for stage, parts in self.parts.items()}
+        before = self.coarser_seconds
+        return {stage: own.get(stage, 0.0) + before.get(stage, 0.0) for stage in {**before, **own}}
 
 
 def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "") -> list[StateResult]:
@@ -175,15 +208,17 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
         nothing = message(
             "the control point of the rigid curve takes no part; give one that moves with elastic joints"
         )
-        pushed[id(request), way] = PathResult(failures=[headed(title, nothing)])
+        pushed[id(request), way] = Found(failures=[headed(title, nothing)])
     results = []
     for request in requests:
-        own = {way: part for (asked, way), part in pushed.items() if asked == id(request)}
         movement = settled.get(request.settling) if request.settling else None
-        results.append(_result(request, movement, begun.get(id(request)), own))
-        if id(request) in restless:
-            title = path_title(request.state, request.behaviour)
-            results[-1].failures.append(headed(title, restless[id(request)]))
+        result = _result(request, movement, begun.get(id(request)))
+        found = {way: pushed[id(request), way] for way in request.directions if (id(request), way) in pushed}
+        result.pushed = {way: _of_run(request, each) for way, each in found.items()}
+        result.scatters |= any(each.scatters for each in found.values())
+        if (reason := restless.get(id(request))) is not None:
+            result.own_failures.append(headed(path_title(request.state, request.behaviour), reason))
+        results.append(result)
     return results
 
 
@@ -193,7 +228,7 @@ def _pushed(
     workers: Workers,
     prefix: str,
     points: Mapping[Pushing, ControlTable] | None = None,
-) -> dict[tuple[int, Direction], PathResult[Pushovers]]:
+) -> dict[tuple[int, Direction], Found[Pushed]]:
     """Return the curves of requests by their ids and direction; `points`: where not that of the project is followed."""
     tasks = list(pushing)
     found = workers.each(
@@ -214,17 +249,17 @@ def _pushed(
 
 
 def _of_other_points(
-    requests: Iterable[Request], pushed: Mapping[tuple[int, Direction], PathResult[Pushovers]]
+    requests: Iterable[Request], pushed: Mapping[tuple[int, Direction], Found[Pushed]]
 ) -> dict[Pushing, ControlTable]:
     """Return the elastic curves that are of another control point than the rigid ones beside them, with these points.
 
     A point that takes no part in the rigid mechanism may move with elastic joints, and a capacity is of one point.
     """
     found = {
-        (request.what, request.state, request.member, request.behaviour, way): curves
+        (request.what, request.state, request.member, request.behaviour, way): value.curves
         for request in requests
         for way in request.directions
-        if (curves := pushed[id(request), way].found) is not None
+        if (value := pushed[id(request), way].value) is not None
     }
     other: dict[Pushing, ControlTable] = {}
     for request in requests:
@@ -239,9 +274,7 @@ def _of_other_points(
     return other
 
 
-def _settled(
-    requests: Sequence[Request], workers: Workers, prefix: str
-) -> dict[Settling, PathResult[PushdownPath]]:
+def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict[Settling, Found[Settled]]:
     """Return the settlements of all requests, each once, those that begin in the state of another one after it."""
     waiting: dict[Settling, Request] = {}
     for request in requests:
@@ -249,15 +282,15 @@ def _settled(
         while each is not None:
             waiting.setdefault(each, request)
             each = each.before
-    found: dict[Settling, PathResult[PushdownPath]] = {}
+    found: dict[Settling, Found[Settled]] = {}
     while ready := [
         each for each in waiting if each not in found and (not each.before or each.before in found)
     ]:
         for each in ready:
-            if each.before and found[each.before].reached is None:
+            if each.before and _reached(found[each.before]) is None:
                 missing = message("the state that the movement begins in was not reached")
                 title = path_title(each.settlement.name, each.behaviour)
-                found[each] = PathResult(failures=[headed(title, missing)])
+                found[each] = Found(failures=[headed(title, missing)])
         followed = [each for each in ready if each not in found]
         moved = workers.each(
             f"{prefix}pushdown",
@@ -269,7 +302,7 @@ def _settled(
                     each.behaviour,
                     waiting[each].sliding,
                     _first_control(each.project),
-                    found[each.before].reached if each.before else None,
+                    _reached(found[each.before]) if each.before else None,
                 )
                 for each in followed
             ],
@@ -277,19 +310,22 @@ def _settled(
             large(*(each.model for each in followed)),
         )
         for each, path in zip(followed, moved, strict=True):
-            told = _not_back(each, path.reached, found) if path.reached is not None else []
+            reached = _reached(path)
+            told = _not_back(each, reached, found) if reached is not None else []
             found[each] = replace(path, warnings=[*path.warnings, *told])
     return found
 
 
-def _not_back(
-    last: Settling, reached: State, found: Mapping[Settling, PathResult[PushdownPath]]
-) -> list[Message]:
+def _reached(movement: Found[Settled]) -> State | None:
+    return movement.value.reached if movement.value else None
+
+
+def _not_back(last: Settling, reached: State, found: Mapping[Settling, Found[Settled]]) -> list[Message]:
     """Return what does not come back where all supports are where they were, as drawn or after an earlier movement."""
     places: list[tuple[Message, State]] = []
     earlier = last.before
     while earlier is not None:
-        if (state := found[earlier].reached) is not None:
+        if (state := _reached(found[earlier])) is not None:
             places.append((message("after {state}", state=earlier.settlement.name), state))
         earlier = earlier.before
     if places:
@@ -300,7 +336,7 @@ def _not_back(
 
 def _beginnings(
     requests: Sequence[Request],
-    settled: Mapping[Settling, PathResult[PushdownPath]],
+    settled: Mapping[Settling, Found[Settled]],
     workers: Workers,
     prefix: str,
 ) -> tuple[dict[int, Beginning], dict[int, Message]]:
@@ -321,7 +357,7 @@ def _beginnings(
     found, restless = {}, {}
     for request in requests:
         moved = settled[request.settling] if request.settling else None
-        reached = moved.reached if moved else at_rest.get(id(request))
+        reached = _reached(moved) if moved else at_rest.get(id(request))
         if isinstance(reached, Message):
             restless[id(request)] = reached
         elif reached is not None:
@@ -353,42 +389,42 @@ def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]
     return [request.directions]
 
 
-def _result(
-    request: Request,
-    settled: PathResult[PushdownPath] | None,
-    begun: Beginning | None,
-    pushed: dict[Direction, PathResult[Pushovers]],
-) -> StateResult:
-    """Return the result of a request; the movement before a strengthening is a result of the state that it is of."""
-    result = StateResult(request.state, request.behaviour, begun.model if begun else request.model.assembly)
-    if settled is not None and not request.strengthens:
-        result.take("pushdown", [settled])
-        result.pushdown = _of_run(request, settled.found)
-    elif settled is not None:
+def _result(request: Request, settled: Found[Settled] | None, begun: Beginning | None) -> StateResult:
+    """Return the result of a request without curves; the movement before a strengthening is of the state before."""
+    model = begun.model if begun else request.model.assembly
+    result = StateResult(request.state, request.behaviour, model, member=request.member)
+    if settled is not None:
         result.scatters = settled.scatters
-        if begun is None:
+        if not request.strengthens:
+            result.moved = _movement_of_run(request, settled)
+        elif begun is None:
             title = path_title(request.state, request.behaviour)
-            result.failures.append(headed(title, message("the state that it strengthens was not reached")))
-    result.from_drawing = begun is not None and begun.state is None
-    if begun is not None and begun.state is not None:
-        result.reached = begun.state
-        if settled is not None:
+            missing = message("the state that it strengthens was not reached")
+            result.own_failures.append(headed(title, missing))
+    if begun is not None:
+        result.from_drawing, result.reached = begun.state is None, begun.state
+        if begun.state is not None and settled is not None:
             result.configuration = configuration(begun.model, begun.state)
-    result.take("pushover", list(pushed.values()))
-    if table := request.project.pushover:
-        run = Run(increment_m=table.increment_m, member=request.member)
-        found = present({direction: part.found for direction, part in pushed.items()})
-        result.pushover = {direction: each.replace(run=run) for direction, each in found.items()}
-    result.activated = present({direction: part.activated for direction, part in pushed.items()})
     return result
 
 
-def _of_run(request: Request, path: PushdownPath | None) -> PushdownPath | None:
-    """Return a movement with the run that it is."""
-    if path is None or request.settlement is None:
-        return None
+def _movement_of_run(request: Request, found: Found[Settled]) -> Found[Settled]:
+    """Return a movement with the run that it is of."""
+    if found.value is None or request.settlement is None:
+        return found
+    path = found.value.path
     increment = path.applied_movement_m / request.settlement.increments
-    return path.replace(run=Run(increment_m=increment, member=request.member))
+    run = Run(increment_m=increment, member=request.member)
+    return replace(found, value=replace(found.value, path=path.replace(run=run)))
+
+
+def _of_run(request: Request, found: Found[Pushed]) -> Found[Pushed]:
+    """Return a curve with the run that it is of."""
+    table, pushed = request.project.pushover, found.value
+    if table is None or pushed is None:
+        return found
+    run = Run(increment_m=table.increment_m, member=request.member)
+    return replace(found, value=replace(pushed, curves=pushed.curves.replace(run=run)))
 
 
 def _push_arguments(

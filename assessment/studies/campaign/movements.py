@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from assessment.analyses.checks.capacity import assess, capacities
+from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.dynamic.inputs import ultimates, why_not_reached
 from assessment.analyses.dynamic.time_history import Start
+from assessment.analyses.static.increments import finest
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.project.schema import ORIGINAL
 from assessment.results.table import compared
-from assessment.studies.increments import finest
 from assessment.studies.scenarios import part
 from assessment.studies.variants import (
     Statics,
@@ -177,7 +177,9 @@ def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list
         pushed = {direction: each.replace(elastic=None) for direction, each in pushed.items()}
     stages = [stage for stage in state.stages if stage.behaviour in project.pushover.contacts]
     if project.assessment:
-        checks = capacities(assess(project, state.model, pushed, demands, warnings))
+        assessed = assess(project, state.model, pushed, demands)
+        warnings += told(assessed)
+        checks = capacities(assessed)
         limit_state = quoted_limit_state(project)
         values = [_surface_pga(checks.get(each), limit_state) for each in directions(project)]
     else:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from assessment.analyses.static.paths import Quality, configuration
+from assessment.analyses.static.paths import configuration, quality_row
 from assessment.project.structure.gauges import Gauge, readings
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration
@@ -68,9 +68,7 @@ def follow(
         found.share = path.movement / _largest(model, moved)
         found.shown = np.array([readings(model, gauges, state.positions) for state in states])
         found.configuration = configuration(model, path.final) if reached else None
-        quality = Quality("", "identification")
-        quality.add(path)
-        found.quality.append(quality.row)
+        found.quality.append(quality_row("", "identification", path))
     found.seconds = time.perf_counter() - began
     return found
 

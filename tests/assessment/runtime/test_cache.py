@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 import numpy as np
 import pytest
 
-from assessment.analyses.static.paths import PathResult
-from assessment.analyses.static.settlement import settle
+from assessment.analyses.found import Found
+from assessment.analyses.static.settlement import Settled, settle
 from assessment.results.schema.checks import Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import QualityRow
@@ -42,19 +43,19 @@ def test_results_keep_every_bit():
     )
     odd = message("{text}", text="w «é»\r\n")
     row = made(QualityRow, {"solves": 3, "worst_complementarity": 1 / 7})
-    part = PathResult(
-        {"a": (0.1, None, np.float64(1 / 7), np.int64(3))},
-        reached=state,
+    part = Found(
+        Settled({"a": (0.1, None, np.float64(1 / 7), np.int64(3))}, state),
         quality=[row],
         warnings=[odd],
         seconds=0.3,
     )
-    found = unpacked(packed(part), PathResult)
-    assert found.found == {"a": [0.1, None, 1 / 7, 3]}
-    assert found.reached.positions.tobytes() == state.positions.tobytes()
-    assert (found.reached.velocities.shape, found.reached.shear.shape) == ((1, 3), (0,))
-    assert found.reached.met.tobytes() == state.met.tobytes()
-    assert found.reached.carrying.tolist() == [True, False]
+    found = unpacked(packed(part), Found[Any])
+    assert found.value["path"] == {"a": [0.1, None, 1 / 7, 3]}
+    reached = unpacked(packed(state), State)
+    assert reached.positions.tobytes() == state.positions.tobytes()
+    assert (reached.velocities.shape, reached.shear.shape) == ((1, 3), (0,))
+    assert reached.met.tobytes() == state.met.tobytes()
+    assert reached.carrying.tolist() == [True, False]
     assert (found.quality, found.warnings, found.failures, found.seconds) == (
         [row],
         [odd],
@@ -79,13 +80,13 @@ def test_messages_keep_what_they_are_made_of():
     inner = message("a step of {size:.3g} m turns a block by {turned:.2g} rad", size=1 / 7, turned=0.5)
     outer = headed("original", message("{levels}", levels=[inner, inner]))
     search = made(Search, {"record": "a"}).replace(reason=inner)
-    part = PathResult(found=search, warnings=[outer], failures=[inner])
-    found = unpacked(packed([part]), list[PathResult[Search]])[0]
+    part = Found(search, warnings=[outer], failures=[inner])
+    found = unpacked(packed([part]), list[Found[Search]])[0]
     assert (
         found.warnings == [outer]
         and found.warnings[0].fields["text"].fields["levels"][1].template == inner.template
     )
-    assert found.failures[0].fields == found.found.reason.fields == {"size": 1 / 7, "turned": 0.5}
+    assert found.failures[0].fields == found.value.reason.fields == {"size": 1 / 7, "turned": 0.5}
     assert unpacked(packed(inner), Message | None).fields == inner.fields
 
 

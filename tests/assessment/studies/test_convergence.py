@@ -11,6 +11,9 @@ from hypothesis import strategies as st
 
 from assessment.analyses.accuracy import Accuracy, accuracy_of
 from assessment.analyses.checks.demand import Demands
+from assessment.analyses.found import Found
+from assessment.analyses.static.increments import refined
+from assessment.analyses.static.lateral import Pushed
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
 from assessment.project.formats.convert import convert
@@ -24,7 +27,6 @@ from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import Levels, converge, estimated_error
-from assessment.studies.increments import refined
 from assessment.workflow.stages import run
 from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
 from tests.support.pictured import draw_sections
@@ -236,9 +238,8 @@ def test_studies_take_the_increments_of_their_states(block):
 
 def _stage(state: str, alpha_0: float, *failures: str) -> StateResult:
     pushed = Pushovers(control="C", rigid=made(RigidPush, {"alpha_0": alpha_0, "d_0_m": None}))
-    return StateResult(
-        state, "rigid", pushover={"+x": pushed}, failures=list(failures), seconds={"pushover": 1.0}
-    )
+    found = Found(Pushed(pushed), failures=list(failures), seconds=1.0)
+    return StateResult(state, "rigid", pushed={"+x": found})
 
 
 def _converged(arch, *levels: dict[str, StateResult]):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks.capacity import activation_of, along_push
+from assessment.analyses.found import Found
 from assessment.analyses.static.lateral import PushSetting, add_curve, push
-from assessment.analyses.static.paths import PathResult
 from assessment.benchmark.cases.structures import assembly, rectangle, template
 from assessment.ntc.capacity.curve import participation
 from assessment.project.schema import ControlTable
@@ -115,7 +115,7 @@ def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation()
 def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_that_counts():
     model = block_on_base(0.6, 4.2)
     path = pushover(model, (0.6, 4.2), increment=0.05)
-    result = PathResult()
+    result = Found()
     control = ControlTable(name="top", point_m=(0.6, 4.2))
     later = replace(path, formed=path.peak + 2)
     setting = PushSetting("rigid", "associative", increment=0.05)
@@ -129,7 +129,7 @@ def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_th
         and f"{alpha:.4g}".replace(".", ",") in it
     )
     results = analysed()
-    results["states"]["original"]["pushover"]["+x"] = plain(result.found)
+    results["states"]["original"]["pushover"]["+x"] = plain(result.value.curves)
     assert mechanisms(typed(results)).rows[0]["mechanism_alpha"] == pytest.approx(alpha)
 
 
@@ -145,7 +145,7 @@ def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     model, control = Assembly([base, wall, neighbour]), ControlTable(name="top", point_m=(0.6, 4.2))
     setting = PushSetting("rigid", "associative", increment=0.005)
     [pushed] = push(model, "original", None, setting, ("+x",), (control,))
-    curve = pushed.found.rigid
+    curve = pushed.value.curves.rigid
     assert curve.alpha_onset == pytest.approx(1.0 / 7.0, rel=1e-6) and curve.alpha_0 > 1.5 / 7.0
     [warning] = [each for each in pushed.warnings if "meet others" in each]
     assert "blocks move from α = 0.1429 on and meet others by d = 0.0203 m" in warning
@@ -156,7 +156,7 @@ def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     assert curve.mechanism.moving_weight_kN > 2.0 * curve.onset.moving_weight_kN
     [alone] = push(Assembly([base, wall]), "original", None, setting, ("+x",), (control,))
     assert not any("meet others" in each for each in alone.warnings)
-    assert activation_of(alone.found.rigid) is None
+    assert activation_of(alone.value.curves.rigid) is None
 
 
 @pytest.mark.parametrize(("state", "direction"), PUSHED)

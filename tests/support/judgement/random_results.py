@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from assessment.analyses.checks.capacity import governing, safety_index
+from assessment.analyses.checks.indices import governing, safety_index
 from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables.structure.mechanisms import SECOND_SOLVER
 from assessment.results.plain import plain

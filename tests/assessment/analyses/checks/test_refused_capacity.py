@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assessment.analyses.checks.capacity import CONTRADICTION, assess
+from assessment.analyses.checks import capacity
+from assessment.analyses.checks.capacity import CONTRADICTION, assess, other_mechanism, told
 from assessment.analyses.checks.demand import Demands
-from assessment.analyses.checks.refusals import joined, other_mechanism, refused, towards
+from assessment.analyses.checks.governing import _refusals
+from assessment.analyses.found import Found
 from assessment.analyses.static.paths import crossings
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
@@ -28,9 +30,10 @@ def capacities(tmp_path_factory):
     model, demands = build_model(project).assembly, Demands()
 
     def of(change):
-        pushovers, warnings = dict(typed(analysed()).states["original"].pushover), []
+        pushovers = dict(typed(analysed()).states["original"].pushover)
         pushovers["+x"] = change(pushovers["+x"])
-        return assess(project, model, pushovers, demands, warnings), warnings
+        found = assess(project, model, pushovers, demands)
+        return capacity.capacities(found), told(found)
 
     return of
 
@@ -73,33 +76,31 @@ def test_jumps_below_the_accuracy_of_the_path_are_left_out():
     assert said.startswith("a wall: between d = 0.002 and 0.0035 m")
 
 
-def refusals(*multipliers):
-    """What an assessment says of runs whose mechanisms virtual work contradicts."""
-    return [towards("+x", refused(other_mechanism(work, alpha))) for work, alpha in multipliers]
+def refusals(*multipliers, runs: int):
+    """What is said of runs whose mechanisms virtual work contradicts."""
+    return list(
+        _refusals([Found(failures=[other_mechanism(work, alpha)]) for work, alpha in multipliers], runs)
+    )
 
 
 def test_runs_refused_for_the_same_reason_are_told_once_with_how_many_and_between_what():
     """One of the five lines a run was printed for each member, which none of them named."""
-    kept = towards("+x", message("α = 0"))
-    told = joined([*refusals((0.277, 0.643), (0.0189, 0.641), (-0.147, 0.642)), kept, kept], 5)
-    assert told[1:] == [kept]
-    assert told[0].startswith(
-        "+x: no capacity in 3 of 5 runs: virtual work on the mechanism gives α = -0.147 to 0.277, "
+    [told] = refusals((0.277, 0.643), (0.0189, 0.641), (-0.147, 0.642), runs=5)
+    assert told.startswith(
+        "no capacity in 3 of 5 runs: virtual work on the mechanism gives α = -0.147 to 0.277, "
         "the curve 0.641 to 0.643: blocks slide"
     )
-    assert as_sentence(told[0], "en").startswith("+x: no capacity in 3 of 5 runs")
-    assert "α = −0.147 to 0.277" in as_sentence(told[0], "en")
-    assert in_italian(told[0]).startswith("direzione +x: la capacità non è determinata in 3 delle 5 analisi")
-    assert "fra −0,147 e 0,277" in in_italian(told[0])
+    assert "α = −0.147 to 0.277" in as_sentence(told, "en")
+    assert in_italian(told).startswith("la capacità non è determinata in 3 delle 5 analisi")
+    assert "fra −0,147 e 0,277" in in_italian(told)
 
 
-def test_a_single_run_and_another_direction_are_told_by_themselves():
-    [one] = refusals((0.277, 0.643))
-    assert joined([one], 1) == [one]
-    other = towards("-x", refused(other_mechanism(0.1, 0.6)))
-    assert [text[:27] for text in joined([one, other], 2)] == [
-        "+x: no capacity in 1 of 2 r",
-        "-x: no capacity in 1 of 2 r",
+def test_a_single_run_and_another_reason_are_told_by_themselves():
+    assert refusals((0.277, 0.643), runs=1)[0].startswith("no capacity: virtual work")
+    other = [Found(failures=[message("it falls")]), Found(failures=[other_mechanism(0.1, 0.6)]), Found(1.0)]
+    assert [text[:33] for text in _refusals(other, 3)] == [
+        "no capacity in 1 of 3 runs: it fa",
+        "no capacity in 1 of 3 runs: virtu",
     ]
 
 

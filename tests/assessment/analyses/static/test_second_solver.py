@@ -53,7 +53,7 @@ def test_the_law_of_the_comparison_is_associative(monkeypatch):
 
     monkeypatch.setattr(module, "limit_in", listened)
     model = column(0.5, 1.0, 2, friction=0.3)
-    assert second_solver(model, "original", "+x", model.initial, 0.2).found is not None
+    assert second_solver(model, "original", "+x", model.initial, 0.2).value is not None
     assert laws == ["associative"]
 
 
@@ -66,7 +66,7 @@ def test_a_difference_above_one_in_a_million_is_warned_of(monkeypatch, share, wa
     monkeypatch.setattr(module, "limit_in", wrong)
     model = block_on_base()
     part = second_solver(model, "moved", "-x", model.initial, 0.2)
-    assert part.found.relative_difference == pytest.approx(share, rel=1e-3)
+    assert part.value.relative_difference == pytest.approx(share, rel=1e-3)
     assert bool(part.warnings) == warned
     for warning in part.warnings:
         italian = in_italian(warning)
@@ -77,7 +77,7 @@ def test_a_multiplier_of_zero_by_both_is_no_difference():
     """Without friction: α = 0 by one, 1e-9 by the other."""
     model = block_on_base(friction=0.0)
     part = second_solver(model, "original", "+x", model.initial, 0.0)
-    assert part.found.alpha_linear_program == pytest.approx(0.0, abs=1e-8)
+    assert part.value.alpha_linear_program == pytest.approx(0.0, abs=1e-8)
     assert not part.warnings
 
 
@@ -85,8 +85,8 @@ def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
     monkeypatch.setattr(module, "static_theorem", lambda *_: None)
     model = block_on_base()
     part = second_solver(model, "original", "+x", model.initial, 0.2)
-    assert part.found.alpha_linear_program is None and part.found.relative_difference is None
-    assert part.found.alpha_program == pytest.approx(0.2)
+    assert part.value.alpha_linear_program is None and part.value.relative_difference is None
+    assert part.value.alpha_program == pytest.approx(0.2)
     [warning] = part.warnings
     assert "ottimo" in in_italian(warning)
 
@@ -94,4 +94,4 @@ def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
 def test_joints_that_crush_have_no_comparison():
     model = column(0.5, 1.0, 2, strength=1000.0)
     part = second_solver(model, "original", "+x", model.initial, 0.2)
-    assert part.found is None and not part.warnings
+    assert part.value is None and not part.warnings

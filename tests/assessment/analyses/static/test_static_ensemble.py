@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks.capacity import Assessed
-from assessment.analyses.checks.governing import Paths, governed
+from assessment.analyses.checks.governing import governed
+from assessment.analyses.found import Found
 from assessment.analyses.static import ensemble
 from assessment.analyses.static.ensemble import (
     ENSEMBLE,
@@ -17,7 +18,9 @@ from assessment.analyses.static.ensemble import (
     members,
     shaken_corners,
 )
+from assessment.analyses.static.lateral import Pushed
 from assessment.analyses.static.paths import turns_on_rounding
+from assessment.analyses.static.settlement import Settled
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
@@ -26,6 +29,7 @@ from assessment.results.schema.checks import Capacity
 from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush, Run
 from assessment.runtime.tasks import Workers
 from mechanics import pushover
+from mechanics.messages import message
 from tests.support.block_project import TURNED, block, read_results, run, write_block
 from tests.support.structures import block_on_base, running_bond
 from tests.support.typed import made
@@ -90,7 +94,9 @@ def test_members_settle_and_push_in_increments_of_their_own(tmp_path, monkeypatc
         request.settling.settlement.increment_rad / asked.settlement.increment_rad for request in given
     ]
     pushed = [request.project.pushover.increment_m / project.pushover.increment_m for request in given]
-    assert settled == pytest.approx(factors) and pushed == pytest.approx(factors)
+    count = asked.settlement.increments
+    assert settled == pytest.approx([count / max(1, round(count / factor)) for factor in factors])
+    assert pushed == pytest.approx(factors)
 
 
 def test_members_differ_by_their_increments_and_by_the_last_digits_of_corners(request_of):
@@ -116,10 +122,6 @@ def curve(alpha: float, d: float | None) -> Pushovers:
     return Pushovers(control="C", rigid=made(RigidPush, {"alpha_0": alpha, "d_0_m": d, "curve": points}))
 
 
-def moved(ultimate: float) -> dict:
-    return {"rigid": made(PushdownPath, {"ultimate_movement_m": ultimate})}
-
-
 def checked(**checks: float | None):
     """An assessment of runs: of each d_0 at each limit state a multiple of it."""
 
@@ -127,17 +129,25 @@ def checked(**checks: float | None):
         ((direction, each),) = pushovers.items()
         d = each.rigid.d_0_m
         numbers = {name: {"a_g_g": factor * d, "zeta_E": 2.0 * factor * d} for name, factor in checks.items()}
-        return {direction: Assessed(each, made(Capacity, {"alpha_0": each.rigid.alpha_0, **numbers}))}
+        return {direction: Found(Assessed(each, made(Capacity, {"alpha_0": each.rigid.alpha_0, **numbers})))}
 
     return assess
 
 
-def state_of(*runs: Pushovers, ultimate: tuple[float, ...] = ()) -> tuple[State, list[Paths]]:
-    """A state of several runs, the first its own."""
-    numbered = [each.replace(run=Run(increment_m=0.01, member=k)) for k, each in enumerate(runs, 1)]
-    moves = [*map(moved, ultimate), *[{}] * (len(runs) - len(ultimate))]
-    own = made(State).replace(pushdown=moves[0], pushover={"+x": numbered[0]})
-    return own, [Paths(move, {"+x": each}) for move, each in zip(moves[1:], numbered[1:], strict=True)]
+def runs_of(*curves: Pushovers, ultimate: tuple[float, ...] = ()) -> list[list[StateResult]]:
+    """Several runs of a state, the first its own."""
+    runs = []
+    for k, each in enumerate(curves, 1):
+        pushed = Pushed(each.replace(run=Run(increment_m=0.01, member=k)))
+        run = StateResult("s", "rigid", pushed={"+x": Found(pushed, warnings=[message("run {k}", k=k)])})
+        if k <= len(ultimate):
+            run.moved = Found(Settled(made(PushdownPath, {"ultimate_movement_m": ultimate[k - 1]}), None))
+        runs.append([run])
+    return runs
+
+
+def governing(runs: list[list[StateResult]], assess=lambda _: {}) -> State:
+    return governed("s", made(State), runs, assess).state
 
 
 def widened(low: float, high: float) -> list[float]:
@@ -156,23 +166,23 @@ def test_a_sixth_run_lies_in_the_range_of_five_with_95_per_cent():
 
 
 def test_a_range_is_open_where_a_member_slides_on_without_end():
-    state, others = state_of(curve(0.10, 0.5), curve(0.12, None), curve(0.11, 0.4))
-    pushed = governed(state, others, lambda _: {}).pushover["+x"]
+    runs = runs_of(curve(0.10, 0.5), curve(0.12, None), curve(0.11, 0.4))
+    pushed = governing(runs).pushover["+x"]
     assert (pushed.rigid.d_0_m, pushed.run.member) == (0.5, 1)
     assert pushed.rigid.d_0_m_range == [pytest.approx(0.4 - 0.8 * 0.1), None]
     assert pushed.rigid.alpha_0_range == pytest.approx(widened(0.10, 0.12))
 
 
 def test_without_checks_the_least_alpha_governs_and_of_those_that_agree_in_it_the_least_d_0():
-    state, others = state_of(curve(0.10002, 0.4), curve(0.10, 0.5), curve(0.10001, None), curve(0.2, 0.1))
-    pushed = governed(state, others, lambda _: {}).pushover["+x"]
+    runs = runs_of(curve(0.10002, 0.4), curve(0.10, 0.5), curve(0.10001, None), curve(0.2, 0.1))
+    pushed = governing(runs).pushover["+x"]
     assert (pushed.run.member, pushed.rigid.alpha_0, pushed.rigid.d_0_m) == (1, 0.10002, 0.4)
 
 
 def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
     """The least of each quantity by itself would be figures of different runs in one table."""
-    state, others = state_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6), ultimate=(0.3, 0.2))
-    found = governed(state, others, checked(SLC=1.0, SLV=0.8, SLD=0.5))
+    runs = runs_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6), ultimate=(0.3, 0.2))
+    found = governing(runs, checked(SLC=1.0, SLV=0.8, SLD=0.5))
     pushed, capacity = found.pushover["+x"], found.capacity["+x"]
     assert (pushed.run.member, pushed.rigid.alpha_0, pushed.rigid.d_0_m) == (2, 0.12, 0.4)
     assert pushed.rigid.curve == curve(0.12, 0.4).rigid.curve and len(pushed.rigid.members) == 2
@@ -188,6 +198,22 @@ def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
     )
 
 
+def test_warnings_are_those_of_the_governing_run_alone():
+    """Those of another run told other numbers than the tables."""
+    runs = runs_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6))
+    told = governed("s", made(State), runs, checked(SLV=1.0))
+    assert [text for text in told.warnings if text.startswith("run")] == ["run 2"]
+    assert told.runs["+x"] is runs[1]
+    assert sum("give the ranges" in text for text in told.warnings) == 1
+
+
+def test_one_run_has_no_range():
+    found = governing(runs_of(curve(0.10, 0.5), ultimate=(0.3,)), checked(SLV=1.0))
+    assert not {"alpha_0_range", "members"} & found.pushover["+x"].rigid.model_fields_set
+    assert "a_g_g_range" not in found.capacity["+x"].SLV.model_fields_set
+    assert "ultimate_movement_m_range" not in found.pushdown["rigid"].model_fields_set
+
+
 def test_a_ratio_that_is_no_index_governs_only_where_no_index_was_checked():
     """At SLD the first run is the least, at SLV the second: ζ_E is the index at SLV and SLC."""
 
@@ -195,18 +221,18 @@ def test_a_ratio_that_is_no_index_governs_only_where_no_index_was_checked():
         ((direction, each),) = pushovers.items()
         own = each.run.member
         checks = {"SLD": {"zeta_E": 0.1 * own}, "SLV": {"zeta_E": 0.9 - 0.1 * own}}
-        return {direction: Assessed(each, made(Capacity, checks))}
+        return {direction: Found(Assessed(each, made(Capacity, checks)))}
 
-    state, others = state_of(curve(0.1, 0.5), curve(0.1, 0.5))
-    assert governed(state, others, assess).pushover["+x"].run.member == 2
+    runs = runs_of(curve(0.1, 0.5), curve(0.1, 0.5))
+    assert governing(runs, assess).pushover["+x"].run.member == 2
 
 
 def test_a_run_without_capacity_does_not_govern():
     def assess(pushovers: dict) -> dict:
         return {} if pushovers["+x"].run.member == 2 else checked(SLV=1.0)(pushovers)
 
-    state, others = state_of(curve(0.1, 0.5), curve(0.1, 0.4), curve(0.1, 0.6))
-    found = governed(state, others, assess)
+    runs = runs_of(curve(0.1, 0.5), curve(0.1, 0.4), curve(0.1, 0.6))
+    found = governing(runs, assess)
     assert found.pushover["+x"].run.member == 1 and found.capacity["+x"].SLV.a_g_g_range == pytest.approx(
         widened(0.5, 0.6)
     )

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from ezdxf.math import Matrix44
 
-from assessment.analyses.checks.capacity import assess, capacities, governing
+from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
 from assessment.analyses.checks.demand import demand_parts, demand_spectra
-from assessment.analyses.checks.indices import confidence_source
+from assessment.analyses.checks.indices import confidence_source, governing
 from assessment.cli.main import main
 from assessment.ntc.capacity.return_period import stated
 from assessment.ntc.demand.hazard import RETURN_PERIODS
@@ -117,8 +117,10 @@ def assessed(project, results):
     models, notes = build_model(project).states, []
     demands, states = demand_spectra(project, read_motions(project).history), {}
     for name, state in results.states.items():
-        found = assess(project, models[name].assembly, state.pushover, demands, notes)
-        curves, capacity = {way: each.curves for way, each in found.items()}, capacities(found)
+        found = assess(project, models[name].assembly, state.pushover, demands)
+        notes += told(found)
+        curves = {way: each.value.curves for way, each in found.items() if each.value}
+        capacity = capacities(found)
         states[name] = state.replace(
             pushover=state.pushover | curves, capacity=capacity, governing=governing(capacity)
         )

@@ -1,4 +1,4 @@
-"""The increments of settlements and pushover, halved."""
+"""The increments of settlements and pushover: halved to converge, and varied as another user might have chosen them."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ if TYPE_CHECKING:
     from assessment.project.schema import SettlementTable
 
 
-def refined(project: Project, halvings: int) -> Project:
-    """Return the project with the increments of settlements and pushover halved `halvings` times."""
-    if halvings == 0:
-        return project
+def in_increments(project: Project, factor: float) -> Project:
+    """Return the project with increments `factor` times as large: a settlement has a whole number of equal ones."""
     pushover = project.pushover
-    return project.model_copy(
-        update={
-            "settlements": tuple(_refined(each, 2**halvings) for each in project.settlements),
-            "pushover": pushover
-            and pushover.model_copy(update={"increment_m": pushover.increment_m / 2**halvings}),
-        }
-    )
+    larger = pushover and pushover.model_copy(update={"increment_m": factor * pushover.increment_m})
+    settlements = tuple(_in_increments(each, factor) for each in project.settlements)
+    return project.model_copy(update={"settlements": settlements, "pushover": larger})
+
+
+def refined(project: Project, halvings: int) -> Project:
+    """Return the project with the increments halved `halvings` times: exactly so many times as many."""
+    return in_increments(project, 0.5**halvings) if halvings else project
 
 
 def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project, SettlementTable]]:
@@ -33,9 +32,8 @@ def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project,
     return [(each, each.settlements[number]) for number, each in enumerate(projects)]
 
 
-def _refined(settlement: SettlementTable, times: int) -> SettlementTable:
-    """Return the settlement in exactly `times` as many equal increments."""
-    count = times * settlement.increments
+def _in_increments(settlement: SettlementTable, factor: float) -> SettlementTable:
+    count = max(1, round(settlement.increments / factor))
     movement, rotation = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
     shares = {"increment_m": movement / count, "increment_rad": rotation / count}
     return settlement.model_copy(update={key: share for key, share in shares.items() if share > 0.0})
