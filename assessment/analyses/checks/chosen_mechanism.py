@@ -144,10 +144,8 @@ def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, Joi
     """
     delta = virtual_displacements(model, positions, chosen)
     motion = joint_motion(model, positions, delta)
-    _refuse_penetration(motion)
-    _refuse_held(model, lengthenings(model, positions, delta))
     work = virtual_work(model, positions, chosen)
-    _refuse_without_load(work, delta)
+    _refuse(model, motion, lengthenings(model, positions, delta), work, delta)
     return delta, motion, work
 
 
@@ -236,8 +234,11 @@ def _given(
     )
 
 
-def _refuse_penetration(motion: JointMotion) -> None:
-    """Raise MechanismError if blocks penetrate by more than a hinge set back from the edge does."""
+def _refuse(model: Assembly, motion: JointMotion, longer: Array, work: VirtualWork, delta: Array) -> None:
+    """Raise MechanismError for a mechanism that cannot move, that no horizontal load starts, or that needs none.
+
+    Blocks penetrate by more than a hinge set back from the edge does; a tie that never yields would lengthen.
+    """
     if motion.penetration > GIVEN.penetration:
         one, other = motion.pair
         raise MechanismError(
@@ -249,22 +250,10 @@ def _refuse_penetration(motion: JointMotion) -> None:
                 share=100.0 * motion.penetration,
             )
         )
-
-
-def _refuse_held(model: Assembly, longer: Array) -> None:
-    """Raise MechanismError if a tie that never yields would have to lengthen."""
     for tie, more in zip(model.ties, longer, strict=True):
         if more > 0.0 and np.isinf(tie.yield_force):
-            raise MechanismError(
-                message(
-                    'tie "{name}" would have to lengthen; give it a yield_force_kN, or a mechanism that it allows',
-                    name=tie.name,
-                )
-            )
-
-
-def _refuse_without_load(work: VirtualWork, delta: Array) -> None:
-    """Raise MechanismError if no horizontal load starts the mechanism, or if it moves without any."""
+            raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
+                                         "mechanism that it allows", name=tie.name))  # fmt: skip
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
         raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
     if work.alpha_0 <= 0.0:

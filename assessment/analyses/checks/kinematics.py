@@ -13,9 +13,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from assessment.results.configurations.ties import lengthenings
+from assessment.analyses.checks.virtual_work import works
 from mechanics.messages import SaidError, message
-from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.project.structure.mechanisms import Chosen
@@ -107,13 +106,10 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
 
     Raises KinematicsError if the hinges allow no motion or more than one, and if other blocks stop the motion.
     """
-    parts = _Parts.of(model, positions, chosen, hinges)
+    parts = _Parts.of(positions, chosen, hinges)
     q = np.zeros((len(chosen.parts), 3))
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
-    at, alpha = (
-        [positions],
-        [parts.multiplier(positions, q, rate, _tie_work(model, parts, positions, rate, q))],
-    )
+    at, alpha = [positions], [_multiplier(model, positions, parts.motion(positions, q, rate))]
     turned = 0.0
     while alpha[-1] > 0.0:
         if turned > MOTION.farthest:
@@ -128,7 +124,7 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
         rate = parts.rate(q, rate[:, 2])
         turned += MOTION.step
         at.append(parts.placed(positions, q))
-        alpha.append(parts.multiplier(at[-1], q, rate, _tie_work(model, parts, at[-1], rate, q)))
+        alpha.append(_multiplier(model, at[-1], parts.motion(at[-1], q, rate)))
     if parts.drift(q) > MOTION.open * model.size:
         raise KinematicsError(
             message("its hinges do not stay closed as it moves: there are more of them than it can keep")
@@ -144,15 +140,11 @@ class _Parts:
     blocks: list[NDArray[np.intp]]
     origin: Array
     hinges: list[Hinge]
-    weight: Array
-    seismic: Array
 
     @classmethod
-    def of(cls, model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> _Parts:
+    def of(cls, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> _Parts:
         origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
-        weight = np.array([block.weight for block in model.blocks])
-        seismic = GRAVITY * np.array([block.mass for block in model.blocks])
-        return cls([part.blocks for part in chosen.parts], origin, hinges, weight, seismic)
+        return cls([part.blocks for part in chosen.parts], origin, hinges)
 
     def arm(self, q: Array, part: int, point: Array) -> Array:
         """Return the vector (m) from a part's origin to its material point (2,), or points (m, 2)."""
@@ -203,14 +195,14 @@ class _Parts:
             moved[blocks, 2] += q[k, 2]
         return moved
 
-    def multiplier(self, at: Array, q: Array, rate: Array, ties: float) -> float:
-        """α = (Σ W δ_z + `ties`)/|Σ P δ_x| of the blocks at `at` (b, 3); `ties` (kN·m): work of those that yield."""
-        dead, lateral = ties, 0.0
+    def motion(self, at: Array, q: Array, rate: Array) -> Array:
+        """Return the rates (b, 3) of all blocks at `at` (b, 3)."""
+        delta = np.zeros_like(at)
         for k, blocks in enumerate(self.blocks):
             x, z = (at[blocks, :2] - self.origin[k] - q[k, :2]).T
-            dead += float(self.weight[blocks] @ (rate[k, 1] + rate[k, 2] * x))
-            lateral += float(self.seismic[blocks] @ (rate[k, 0] - rate[k, 2] * z))
-        return dead / abs(lateral)
+            turn = np.full_like(x, rate[k, 2])
+            delta[blocks] = np.stack([rate[k, 0] - turn * z, rate[k, 1] + turn * x, turn], axis=1)
+        return delta
 
     def drift(self, q: Array) -> float:
         """Return the largest gap (m) between the two sides of a hinge, at the parts' q (n, 3)."""
@@ -225,26 +217,13 @@ class _Parts:
         return max(apart)
 
 
-def _tie_work(model: Assembly, parts: _Parts, at: Array, rate: Array, q: Array) -> float:
-    """Return the rate of the work (kN·m) of the ties that lengthen at `at` (b, 3), at their yield force.
-
-    Raises KinematicsError where one that never yields stops the motion.
-    """
-    if not model.ties:
-        return 0.0
-    delta = np.zeros((len(model.blocks), 3))
-    for k, blocks in enumerate(parts.blocks):
-        x, z = (at[blocks, :2] - parts.origin[k] - q[k, :2]).T
-        turn = rate[k, 2]
-        delta[blocks] = np.stack(
-            [rate[k, 0] - turn * z, rate[k, 1] + turn * x, np.full_like(x, turn)], axis=1
-        )
-    work = 0.0
-    for tie, more in zip(model.ties, lengthenings(model, at, delta), strict=True):
-        if more > 0.0 and np.isinf(tie.yield_force):
+def _multiplier(model: Assembly, at: Array, delta: Array) -> float:
+    """Return α = (Σ W δ_z + Σ F e)/|Σ P δ_x| at `at` (b, 3). Raises KinematicsError where a tie stops the motion."""
+    dead, lateral, ties = works(model, at, delta)
+    for tie, more in zip(model.ties, ties, strict=True):
+        if np.isinf(more):
             raise KinematicsError(message('tie "{name}" stops it before α = 0', name=tie.name))
-        work += tie.yield_force * more if more > 0.0 else 0.0
-    return work
+    return (dead + sum(ties)) / abs(lateral)
 
 
 def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.intp]]) -> None:

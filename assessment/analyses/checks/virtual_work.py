@@ -81,12 +81,23 @@ def virtual_displacements(model: Assembly, positions: Array, chosen: Chosen) -> 
     return delta
 
 
+def works(model: Assembly, positions: Array, delta: Array) -> tuple[float, float, list[float]]:
+    """Return Σ W δ_z, Σ P δ_x and the work F e of each tie that lengthens, kN·m, of virtual displacements δ (b, 3).
+
+    That of a tie that never yields is infinite.
+    """
+    weight, seismic = _weights(model)
+    longer = lengthenings(model, positions, delta)
+    ties = [tie.yield_force * float(e) if e > 0.0 else 0.0 for tie, e in zip(model.ties, longer, strict=True)]
+    return float(weight @ delta[:, 1]), float(seismic @ delta[:, 0]), ties
+
+
 def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWork:
     """Return the works of a chosen mechanism at `positions` (b, 3), and how they add up over the macro-blocks."""
     delta = virtual_displacements(model, positions, chosen)
-    weight, seismic = _weights(model)
+    dead, lateral, ties = works(model, positions, delta)
+    _, seismic = _weights(model)
     moving = np.concatenate([part.blocks for part in chosen.parts])
-    dead, lateral = float(weight @ delta[:, 1]), float(seismic @ delta[:, 0])
     total, second = float(seismic[moving].sum()), float(seismic @ delta[:, 0] ** 2)
     lines: list[Step] = []
     for k, part in enumerate(chosen.parts, 1):
@@ -98,9 +109,7 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
     stretched = lengthenings(model, positions, delta)
     yielding = [(tie.yield_force, float(e)) for tie, e in zip(model.ties, stretched, strict=True) if e > 0.0]
     lines += _tie_lines(yielding)
-    return VirtualWork(
-        dead, lateral, total, second, tuple(lines), sum(force * more for force, more in yielding)
-    )
+    return VirtualWork(dead, lateral, total, second, tuple(lines), sum(ties))
 
 
 def _tie_lines(yielding: list[tuple[float, float]]) -> list[Step]:
