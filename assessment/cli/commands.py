@@ -29,7 +29,7 @@ TEMPLATES = (
 def run(options: argparse.Namespace) -> int:
     """Carry out the stages and print the summary; INCOMPLETE where an analysis was not completed."""
     from assessment.project.project import load_project
-    from assessment.runtime.terminal.progress import progress
+    from assessment.runtime.progress import progress
     from assessment.runtime.terminal.summary import as_json, summary
     from assessment.workflow.run import carry_out
     from assessment.workflow.selection import select

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from assessment.runtime.pace import Pace
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Pace, Show
 
 MOST_BYTES = 100_000_000  # that are read: half a million analyses
 SELDOM = 0.01  # of the time of a stage: how often it is written what is reached, 1 s at least

@@ -9,7 +9,7 @@ from typing import Any
 
 from assessment.runtime.files.lock import Holder, holder
 from assessment.runtime.journal import Recorded, Stage, read_journal
-from assessment.runtime.terminal.progress import LATE, OVER, clock
+from assessment.runtime.progress import clock, time_left
 
 
 def status(folder: Path) -> str:
@@ -43,6 +43,7 @@ def progress_of(recorded: Recorded, running: Holder | None) -> dict[str, Any]:
     """
     stage = recorded.stages[-1] if recorded.stages else None
     at_work = running is not None and stage is not None and not stage.ended
+    left = stage.pace.left(time.time()) if stage and at_work else None
     return {
         "running": running is not None,
         "pid": running.pid if running else None,
@@ -52,7 +53,7 @@ def progress_of(recorded: Recorded, running: Holder | None) -> dict[str, Any]:
         "total": stage.total if stage else 0,
         "failed": sum(len(each.faults) for each in recorded.stages),
         "under_way": stage.under_way if stage and at_work else None,
-        "seconds_left": _left(stage) if stage and at_work else None,
+        "seconds_left": None if left is None else max(0.0, left),
         "stages": [
             {
                 "stage": each.name,
@@ -75,11 +76,6 @@ def _headline(recorded: Recorded, running: Holder | None, folder: Path) -> str:
     return f"finished: {folder}" + (f", exit code {recorded.exit_code}" if recorded.exit_code else "")
 
 
-def _left(stage: Stage) -> float | None:
-    """Time left of a stage, s; 0 where it takes longer than expected, None where it is not known."""
-    return None if stage.pace.ends is None else max(0.0, stage.pace.ends - time.time())
-
-
 def _line(stage: Stage, running: bool) -> str:
     text = f"{stage.name}: {stage.taken + stage.done} of {stage.total} done"
     if stage.taken:
@@ -88,7 +84,7 @@ def _line(stage: Stage, running: bool) -> str:
         text += f", {len(stage.faults)} failed"
     if stage.ended or not running:
         return text
-    now, ends = time.time(), stage.pace.ends
-    left = "not known yet" if ends is None else LATE if ends < now - OVER else clock(ends - now)
+    now = time.time()
+    left = time_left(stage.pace, now, "not known yet")
     text += f", {stage.open} in flight or waiting; {clock(now - stage.pace.began)} gone, left: {left}"
     return f"{text}; at {stage.under_way}" if stage.under_way else text

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar, TypeVarTuple
 from assessment.runtime.cache import Store, packed, returned, unpacked
 from assessment.runtime.fingerprint import fingerprint
 from assessment.runtime.processes.pool import KilledError, Pool, finished, processes
-from assessment.runtime.show import SILENCE, Show
+from assessment.runtime.progress import SILENCE, Show
 
 if TYPE_CHECKING:
     from assessment.results.schema import Results

@@ -19,7 +19,7 @@ from assessment.workflow.output import Keys, keys_of, page_key, prepare, recall,
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.runtime.show import Show
+    from assessment.runtime.progress import Show
 
 
 def carry_out(

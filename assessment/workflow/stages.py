@@ -21,7 +21,7 @@ from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema.part import known, present
 from assessment.results.undetermined import without
-from assessment.runtime.show import SILENCE, Show
+from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies.campaign.scans import Scans
 from assessment.studies.convergence import Convergence, converge

@@ -22,7 +22,8 @@ max_scale = 2.0
 REPORT = """[report]
 language = "it"
 """
-ALL = 12  # analyses: self-weight, a pushdown, two pushovers with their second solver, four histories and searches
+# self-weight, a pushdown, two pushovers with their second solver, four histories, two scans in two rounds each
+ALL = 14
 
 
 def write_every_stage(folder: Path) -> Path:

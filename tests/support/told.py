@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from mechanics.progress import tell
 
 

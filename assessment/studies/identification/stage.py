@@ -16,7 +16,7 @@ from assessment.results.schema.identification import (
     ReadySettlement,
     SupportMovement,
 )
-from assessment.runtime.show import SILENCE
+from assessment.runtime.progress import SILENCE
 from assessment.studies.identification.findings import (
     findings,
     kinked_components,

@@ -17,7 +17,7 @@ from assessment.report.text.language import Words, words_of
 from assessment.results.configurations.outlines import outlines
 from assessment.results.identified import fits
 from assessment.results.messages import with_messages
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from assessment.runtime.terminal.summary import as_json, summary
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run

@@ -19,7 +19,7 @@ from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes import cluster
 from assessment.runtime.processes.cluster import Cluster, Patience
 from assessment.runtime.processes.pool import KilledError
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from tests.support.block_project import command, contents, edit, timeless, write_block

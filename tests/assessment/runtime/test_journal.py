@@ -15,7 +15,7 @@ from assessment.runtime import status as statuses
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files.lock import locked
 from assessment.runtime.journal import NAME, Journal, read_journal, record_exit
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from assessment.runtime.status import status
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
@@ -32,7 +32,7 @@ def test_stages_failures_and_the_time_left_are_told(tmp_path):
         told = status(tmp_path)
         [stage] = read_journal(tmp_path).stages
         stage.pace.began, stage.pace.latest = 0.0, 20.0
-    assert stage.open == 4 and stage.pace.ends == pytest.approx(60.0)
+    assert stage.open == 4 and stage.pace.left(0.0) == pytest.approx(60.0)
     assert told.startswith("at work: process ")
     assert "campaign: 6 of 10 done (4 taken over), 1 failed, 4 in flight or waiting" in told
     assert "  failed: wave: a step was not solved" in told
@@ -63,12 +63,12 @@ def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
         show.under_way("wave, +x")
         show.advance(100.0)
         found = told()
-        ends = read_journal(output).stages[-1].pace.ends
+        rest = read_journal(output).stages[-1].pace
     assert found["running"] is True and found["pid"] == os.getpid() and found["exit_code"] is None
     assert [found[key] for key in ("stage", "done", "total", "failed", "under_way")] == [
         "campaign", 5, 10, 1, "wave, +x"
     ]  # fmt: skip
-    assert 0.0 <= found["seconds_left"] <= ends - read_journal(output).stages[-1].pace.began
+    assert 0.0 <= found["seconds_left"] <= rest.left(rest.began)
     assert found["stages"][0]["failures"] == [{"title": "wall +x", "reasons": ["no capacity"]}]
     record_exit(output, 3)
     found = told()

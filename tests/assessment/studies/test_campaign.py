@@ -32,7 +32,7 @@ from assessment.results.schema.campaign import CampaignCombination, CampaignFrag
 from assessment.results.schema.dynamic import Level
 from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from assessment.studies.campaign import records
 from assessment.studies.campaign.scans import Asked, Scans
 from assessment.studies.campaign.stage import _open_ends, _steep

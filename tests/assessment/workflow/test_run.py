@@ -16,7 +16,7 @@ from assessment.project.project import load_project
 from assessment.report.chapters.judgement_file import NAME
 from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
 from assessment.workflow.output import ENTRY

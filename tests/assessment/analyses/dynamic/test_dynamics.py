@@ -26,7 +26,7 @@ from assessment.report.text.language import words_of
 from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
-from assessment.runtime.show import Show
+from assessment.runtime.progress import Show
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
