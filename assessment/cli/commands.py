@@ -28,9 +28,9 @@ TEMPLATES = (
 
 def run(options: argparse.Namespace) -> int:
     """Carry out the stages and print the summary; INCOMPLETE where an analysis was not completed."""
+    from assessment.cli.summary import as_json, summary
     from assessment.project.project import load_project
     from assessment.runtime.progress import progress
-    from assessment.runtime.terminal.summary import as_json, summary
     from assessment.workflow.run import carry_out
     from assessment.workflow.selection import select
 
@@ -55,6 +55,7 @@ def check(options: argparse.Namespace) -> int:
 
     With `--repair` first write a repaired drawing beside the project's, tell every change, and check that one.
     """
+    from assessment.cli.summary import model_summary, warning_lines
     from assessment.project.motions import described
     from assessment.project.project import load_project
     from assessment.project.repair import repairable
@@ -63,7 +64,6 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.model import draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
-    from assessment.runtime.terminal.summary import model_summary, warning_lines
     from assessment.workflow.checking import checked
     from mechanics.faults import FaultyDrawingError
 

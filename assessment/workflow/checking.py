@@ -13,8 +13,8 @@ from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.model import ProjectModel, build_model
 from assessment.results.schema import Results
+from assessment.workflow.description import describe
 from assessment.workflow.dynamic import Motions, read_motions
-from assessment.workflow.skeleton import describe
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,9 +27,9 @@ from assessment.studies.campaign.scans import Scans
 from assessment.studies.convergence import Convergence, converge
 from assessment.studies.variants import Statics
 from assessment.workflow.comparison import comparison, strengthened
+from assessment.workflow.description import describe
 from assessment.workflow.draft import Draft
 from assessment.workflow.dynamic import add_dynamics, read_motions
-from assessment.workflow.skeleton import describe
 from assessment.workflow.studies import add_studies
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.tables.index import layers
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import cell
-from assessment.workflow.skeleton import describe
+from assessment.workflow.description import describe
 from tests import ROOT
 from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block
 

@@ -20,7 +20,7 @@ from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.configurations.ties import determined
 from assessment.runtime.tasks import Workers
 from assessment.studies.sensitivity import with_factor
-from assessment.workflow.skeleton import describe
+from assessment.workflow.description import describe
 from mechanics import State
 from tests import ROOT
 from tests.support.block_project import PROJECT, PUSHED, TURNED, block, edit, write_block

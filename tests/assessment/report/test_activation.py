@@ -15,6 +15,7 @@ import pytest
 from lxml import html
 
 from assessment.analyses.static.curve_numbers import mechanism_participation
+from assessment.cli.summary import capacities
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.curve_remarks import onsets
@@ -27,7 +28,6 @@ from assessment.report.text.language import direction_name, words_of
 from assessment.results.configurations.hand_check import hand_checks, mechanisms
 from assessment.results.configurations.joint_states import situations
 from assessment.results.table import sense
-from assessment.runtime.terminal.summary import capacities
 from tests.support.analysed import SETTLED, analysed, arch
 from tests.support.pictured import draw_sections
 from tests.support.typed import typed
@@ -84,8 +84,8 @@ def test_tables_and_summaries_have_one_multiplier(results, rows, state, directio
         shown |= {
             f"{name} {number}": row["alpha_0"] for number, row in enumerate(of(rows[name], state, direction))
         }
-    [total] = [row for row in capacities(results) if (row.state, row.direction) == (state, direction)]
-    shown["terminal"] = total.alpha_0
+    [total] = [row for row in capacities(results) if (row["state"], row["direction"]) == (state, direction)]
+    shown["terminal"] = total["alpha_0"]
     keys = (direction, "alpha_0")
     [summary] = [row for row in rows["summary"] if (row["direction"], row["quantity"]) == keys]
     shown["summary"] = summary[state]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from assessment.cli.summary import dynamic_lines
 from assessment.report.chapters.grid import grid
 from assessment.report.document import render_html
 from assessment.report.figures.campaign import (
@@ -23,7 +24,6 @@ from assessment.report.tables.campaign import LOSS, campaign_tables, reported_ca
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.report.text.quantities import heading
 from assessment.results.schema import Campaign
-from assessment.runtime.terminal.dynamic import dynamic_lines
 from tests.assessment.report.test_document import read
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections

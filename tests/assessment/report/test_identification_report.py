@@ -6,6 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
+from assessment.cli.summary import as_json, summary
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.project.structure.model import build_model
@@ -18,7 +19,6 @@ from assessment.results.configurations.outlines import outlines
 from assessment.results.identified import fits
 from assessment.results.messages import with_messages
 from assessment.runtime.progress import Show
-from assessment.runtime.terminal.summary import as_json, summary
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run
 from tests.support.pictured import draw_sections

@@ -9,6 +9,7 @@ import ezdxf
 import numpy as np
 import pytest
 
+from assessment.cli.summary import as_json, model_summary, summary
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
@@ -21,7 +22,6 @@ from assessment.report.formats.viewer import viewer
 from assessment.report.tables.index import tables
 from assessment.report.text.language import Words
 from assessment.results.plain import plain
-from assessment.runtime.terminal.summary import as_json, model_summary, summary
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.judgement.claims import hold

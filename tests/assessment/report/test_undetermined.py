@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from assessment.cli.summary import summary
 from assessment.report.chapters.grid import summary_grids
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.printed_tables import printed_tables
@@ -13,7 +14,6 @@ from assessment.report.tables.indices import indices, interventions
 from assessment.report.text.language import words_of
 from assessment.results.undetermined import checks_asked, undetermined
 from assessment.runtime.tasks import Outcome
-from assessment.runtime.terminal.summary import summary
 from tests.support.judgement.claims import hold
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

@@ -12,10 +12,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from assessment.cli.summary import _table, capacities
 from assessment.runtime import progress as terminal
 from assessment.runtime.progress import Bars, Show
 from assessment.runtime.tasks import Workers
-from assessment.runtime.terminal.summary import _table, capacities
 from tests.support.block_project import edit, read_results
 from tests.support.every_stage import assesto, write_every_stage
 from tests.support.typed import typed
