@@ -3,7 +3,7 @@
 // Points are (x, z) in m; the drawing shows z upwards, so that SVG's y is −z.
 (() => {
   const data = JSON.parse(document.getElementById("viewer-data").textContent);
-  const { words, limits } = data;
+  const { words } = data;
   const $ = (id) => document.getElementById(id);
   const [shape, curve, slider, choice, tip] = ["shape", "curve", "frame", "path", "tip"].map((id) => $(`viewer-${id}`));
   const floats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
@@ -21,7 +21,7 @@
   };
   const drawn = bounds(data.blocks.flatMap((block) => block.vertices));
   const size = Math.max(drawn[2] - drawn[0], drawn[3] - drawn[1]);
-  let path, frame, configuration, force, centre, joints, times, over = null, playing = null;
+  let path, frame, configuration, pairs, joints, times, over = null, playing = null;
 
   // ---- geometry ----
   const motion = (block, of = configuration, at = frame) =>
@@ -34,66 +34,21 @@
   };
   const line = (points) => points.map(([x, z]) => `${x.toFixed(5)},${(-z).toFixed(5)}`).join(" ");
 
-  const dot = (u, v) => u[0] * v[0] + u[1] * v[1], less = (u, v) => [u[0] - v[0], u[1] - v[1]];
-  const turned = ([x, z], angle) => [Math.cos(angle) * x - Math.sin(angle) * z, Math.sin(angle) * x + Math.cos(angle) * z];
-  const along = ({ middle, tangent }, s) => [middle[0] + s * tangent[0], middle[1] + s * tangent[1]];
-  const faced = (joint) => ({ ...joint, sides: joint.faces.map(([start, end], k) => {
-    const way = less(end, start), length = Math.hypot(...way), tangent = way.map((x) => x / length);
-    const middle = joint.middle[k];
-    return { middle, tangent, low: dot(less(start, middle), tangent), high: dot(less(end, middle), tangent) };
-  }) });
-
-  const overlap = (joint) => {
-    // Where two faces look at each other in this frame, as mechanics/kernels/joint.py has it.
-    const [A, B] = joint.sides, [a, b] = joint.blocks;
-    const [ta, tb] = [turned(A.tangent, motion(a)[2]), turned(B.tangent, motion(b)[2])];
-    const delta = Math.atan2(tb[0] * ta[1] - tb[1] * ta[0], dot(ta, tb)), both = [ta[0] + tb[0], ta[1] + tb[1]];
-    const slid = dot(both, less(placed(A.middle, a, 1), placed(B.middle, b, 1))) / Math.hypot(...both);
-    const upper = delta <= 0, beyond = upper ? B.high - slid - A.high : A.low - B.low + slid;
-    const beta = Math.min(Math.max(0.5 - (0.5 * beyond) / data.tolerance, 0), 1);
-    const [atA, atB] = upper ? [A.high, B.high] : [A.low, B.low];
-    const t = turned(tb, beta * delta), n = [-t[1], t[0]];
-    const e = less(placed(along(A, atA), a, 1), placed(along(B, atB), b, 1)), w = dot(n, e);
-    const phi = Math.sin((1 - beta) * delta) + Math.sin(beta * delta), v = dot(t, e) + atB - atA;
-    const low = Math.max(A.low, B.low - slid), high = Math.min(A.high, B.high - slid);
-    const u = w + ((upper ? -1 : 1) * 0.5 * (high - low)) * phi;
-    const held = high > low && high - low >= -w, half = 0.5 * (high - low);
-    const ends = [Math.max(A.low, B.low - v), Math.min(A.high, B.high - v)].map((s) => {
-      const [p, q] = [placed(along(A, s), a), placed(along(B, s + v), b)];
-      return [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
-    });
-    return { t, n, ends, length: held ? high - low : 0, slip: joint.drawn ? v : NaN,
-      opening: held ? [u - half * phi, u + half * phi] : [NaN, NaN] };
-  };
-
-  const pressed = (normal, near, length, strength) => {
-    // Length that presses and pressure at its edge, as assessment/joint_states.py has it.
-    if (!(normal > 0)) return [0, 0];
-    const linear = 3 * near < length ? (2 * normal) / (3 * near) : (normal / length) * (1 + 6 * (0.5 - near / length));
-    const block = normal / strength, crushed = block + Math.sqrt(Math.max(6 * (near * block - 0.5 * block ** 2), 0));
-    return [Math.min(linear > strength ? crushed : 3 * near, length), Math.min(linear, strength)];
-  };
-
   const jointAt = (index) => {
-    // What joint `index` does in this frame; no forces where they are not known.
-    const joint = joints[index], place = overlap(joint), at = frame * joints.length + index;
-    if (Number.isNaN(force[2 * at])) return place;
-    const [N, T] = [force[2 * at], force[2 * at + 1]], share = Number.isNaN(centre[at]) ? 0.5 : centre[at];
-    const { t, n, ends, length } = place, off = Math.abs(share - 0.5);
-    const idle = N < limits.idle * data.weight || length === 0;
-    const condition = idle ? "idle"
-      : Math.abs(T) > limits.friction * (joint.friction ?? Infinity) * N ? "sliding"
-        : off > 0.5 - limits.edge ? "edge" : off > 1 / 6 ? "partial" : "whole";
-    const point = [0, 1].map((i) => ends[0][i] + share * (ends[1][i] - ends[0][i]));
-    const F = [0, 1].map((i) => N * n[i] + T * t[i]);
-    const [contact, pressure] =
-      pressed(idle ? 0 : N / joint.depth, (0.5 - off) * length, length, joint.strength ?? Infinity);
-    return { ...place, F, N, T, condition, point, contact, pressure, eccentricity: idle ? NaN : (share - 0.5) * length };
+    // What joint `index` does in this frame, as the results have it; no forces where they are not known.
+    const { unit } = path.frames.joints, at = unit.length * (frame * pairs.length + index);
+    const of = (k) => { const n = joints[at + k]; return n === -32768 ? NaN : n === 32767 ? Infinity : n * unit[k]; };
+    const ends = [[of(0), of(1)], [of(2), of(3)]], opening = [of(11), of(12)], slip = of(13);
+    if (Number.isNaN(of(14))) return { ends, opening, slip };
+    const [N, T] = [of(6), of(7)], [dx, dz] = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
+    const length = Math.hypot(dx, dz) || 1, t = [dx / length, dz / length], n = [-t[1], t[0]];
+    return { ends, opening, slip, N, T, point: [of(4), of(5)], F: [0, 1].map((i) => N * n[i] + T * t[i]),
+      eccentricity: of(8), contact: of(9), pressure: of(10), condition: data.conditions[Math.round(of(14))] };
   };
 
   // ---- drawing ----
   const drawShape = () => {
-    const states = joints.map((_, index) => jointAt(index));
+    const states = pairs.map((_, index) => jointAt(index));
     const outline = (block, moved) => line(block.vertices.map(moved));
     const parts = [];
     data.blocks.forEach((block) => parts.push(`<polygon class="ghost" points="${outline(block, (v) => v)}"/>`));
@@ -122,7 +77,7 @@
   const ties = () => path.frames.ties.map((number, index) => {
     const tie = data.ties[number], known = path.frames.tension[frame];
     const N = known?.[index] ?? NaN;
-    return { index, tie, N, slack: N <= limits.idle * data.weight,
+    return { index, tie, N, slack: N <= data.slack,
       ends: tie.ends.map((end, k) => placed(end, tie.blocks[k])) };
   });
 
@@ -131,7 +86,7 @@
     const largest = Math.max(...states.map((joint) => (joint.F ? Math.hypot(...joint.F) : 0)), 1e-12);
     states.forEach((joint, index) => {
       if (!joint.F || joint.condition === "idle") return;
-      joints[index].blocks.forEach((block) => loaded[block].push(joint.point));
+      pairs[index].forEach((block) => loaded[block].push(joint.point));
       const half = joint.F.map((f) => (0.04 * size * f) / largest), [x, z] = joint.point;
       parts.push(`<polyline class="resultant" points="${line([[x - half[0], z - half[1]], [x + half[0], z + half[1]]])}"/>`);
     });
@@ -221,9 +176,8 @@
   const select = (index) => {
     path = data.paths[index];
     configuration = floats(path.frames.configuration);
-    force = floats(path.frames.force);
-    centre = floats(path.frames.centre);
-    joints = [...data.joints, ...path.frames.met].map(faced);
+    pairs = path.frames.pairs;
+    joints = new Int16Array(Uint8Array.from(atob(path.frames.joints.values), (c) => c.charCodeAt(0)).buffer);
     slider.max = path.frames.x.length - 1;
     frame = 0;
     offer(index);
@@ -277,15 +231,15 @@
       [words.rotation, `${number(1e3 * turn)} mrad`]]);
   };
   const jointTip = (index) => {
-    const joint = jointAt(index), [a, b] = joints[index].blocks;
-    const pairs = [[words.opening, joint.opening.map(millimetres).join("; ") + " mm"],
+    const joint = jointAt(index), [a, b] = pairs[index];
+    const told = [[words.opening, joint.opening.map(millimetres).join("; ") + " mm"],
       [words.slip, `${millimetres(joint.slip)} mm`]];
-    if (joint.F) pairs.unshift([words.condition, words[joint.condition]],
+    if (joint.F) told.unshift([words.condition, words[joint.condition]],
       [words.forces, `N = ${number(joint.N)}, T = ${number(joint.T)} kN`],
       [words.eccentricity, `${millimetres(joint.eccentricity)} mm`],
       [words.contact, `${millimetres(joint.contact)} mm`],
       [words.pressure, `${joint.pressure === Infinity ? "∞" : number(joint.pressure)} kN/m²`]);
-    return rows(`${words.joint} ${index} (${a}–${b})`, pairs);
+    return rows(`${words.joint} ${index} (${a}–${b})`, told);
   };
   const tieTip = (index) => {
     const { tie, N, slack } = ties()[index];

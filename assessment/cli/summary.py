@@ -1,4 +1,4 @@
-"""The summary of a run on the terminal: the model, a table by state and direction, warnings; or all of it as JSON."""
+"""The summary of a run on the terminal: the answer, a table by state and direction, warnings; or all of it as JSON."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.ntc.limit_states import INDEXED
+from assessment.report.chapters.answer import lead
+from assessment.report.text.language import Words, plain_text
 from assessment.results.echo import turns
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines
 from assessment.results.plain import plain, ratio_decimals
@@ -42,7 +44,8 @@ def warning_lines(warnings: Iterable[str]) -> list[str]:
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return a summary of the run: a table by state and direction, then the warnings."""
     results = outcome.results
-    lines = [model_summary(results), *_table(capacities(results)), *_statics(results), *_studies(results)]
+    lines = [*(plain_text(said) for said in lead(results, Words.of("en"))), "", model_summary(results)]
+    lines += [*_table(capacities(results)), *_statics(results), *_studies(results)]
     lines += dynamic_lines(results)
     if outcome.taken:
         lines.append(
@@ -64,6 +67,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "complete": outcome.complete,
         "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
         "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
+        "summary": plain(results.summary),
         "undetermined": undetermined(results),
         "capacities": capacities(results),
         "ultimate_movements": _ultimates(results),
@@ -129,9 +133,7 @@ def _number(value: float | None, digits: int) -> str:
 
 
 def _statics(results: Results) -> Iterator[str]:
-    """Yield lines on what has no capacity, ultimate movements, and what each strengthened state gains."""
-    for name, directions in undetermined(results).items():
-        yield f"{name}: ζ_E not determined: towards {', '.join(directions)} no capacity was found"
+    """Yield lines on ultimate movements, and on what each strengthened state gains."""
     turned = turns(results.echo)
     for each in _ultimates(results):
         if (movement := each["ultimate_movement_m"]) is not None:

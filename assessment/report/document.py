@@ -1,4 +1,4 @@
-"""The calculation report, as NTC 2018 ch. 10 asks: one template to HTML and PDF, from results alone."""
+"""The calculation report, as NTC 2018 ch. 10 asks: one template to HTML, PDF and Word, from results alone."""
 
 from __future__ import annotations
 
@@ -12,39 +12,23 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from assessment.report.chapters import remarks
+from assessment.report.chapters.answer import lead
 from assessment.report.chapters.calculation_annex import traces
-from assessment.report.chapters.curve_remarks import fitted_above, onsets
-from assessment.report.chapters.grid import summary_grids
-from assessment.report.chapters.identification import identification_sentences, ready_lines
-from assessment.report.chapters.joints import assumptions, pressure_sentences
-from assessment.report.chapters.judgement import all_warnings, draft_judgement, worst_scenario
-from assessment.report.chapters.overlaps import overlap_sentences
-from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
-from assessment.report.chapters.remarks import (
-    contacts_of,
-    crack_sentences,
-    damping_sentence,
-    displacement_limits,
-    farthest_limit_state,
-    few_records,
-    headlines,
-    index_sentences,
-    members,
-    missing_pushovers,
-    too_many,
-)
-from assessment.report.chapters.second_solver import comparison
-from assessment.report.chapters.ties import (
-    nearly_yielding,
-    pretension_sentence,
-    strengthening_sentences,
-    yielding_sentence,
+from assessment.report.chapters.grid import Grid
+from assessment.report.chapters.judgement import all_warnings, draft_judgement, is_school, worst_scenario
+from assessment.report.chapters.printed_tables import check_grids, macro_block_grids, printed_tables
+from assessment.report.chapters.synthesis import (
+    basis,
+    governing_mechanism,
+    knowledge,
+    reference_life,
+    synthesis_grid,
 )
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
-from assessment.report.tables.structure.loads import vertical_sentences
 from assessment.report.text.fonts import embedded_faces, file_faces
 from assessment.report.text.language import Words, joined, words_of
 from assessment.report.text.messages import sentence, translated
@@ -52,36 +36,17 @@ from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.runtime.files.atomic_files import write_atomically
 
-CHAPTERS = (
-    "units",
-    "analysis",
-    "software",
-    "model",
-    "settlements",
-    "pushdown",
-    "mechanisms",
-    "pushover",
-    "action",
-    "capacity",
-    "comparison",
-    "convergence",
-    "quality",
-    "hand_check",
-    "judgement",
-    "references",
-)
-DYNAMIC = ("history", "incremental")  # chapters before the comparison, where the project has their stages
-STUDIES = ("scenarios", "sensitivity")  # likewise
-CAMPAIGN = "campaign"  # likewise, behind them
+CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
+ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")
 FACES = "/* faces */"  # of the style: where the fonts of the page, or of the PDF, are put in
-IDENTIFICATION = "identification"  # before the settlements, likewise
+RISK = ("abita", "residen", "produtt", "dwelling", "housing", "home")  # uses with classes of D.M. 58/2017
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
     """Write report.html into `folder` from results and the SVG files in folder/figures.
 
     `edited`: the judgement in the engineer's own words, in place of the draft. The file depends on nothing but the
-    arguments: no date is printed.
+    arguments: no date is printed but that of the project.
     """
     words = words_of(results)
     page = render_html(results, folder / "figures", words, edited, viewer(results, words))
@@ -99,10 +64,8 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
         return [words.plain("warning.no_pdf", reason=reason, command=command())]
-    page = render_html(results, folder / "figures", words, edited)
-    write_atomically(
-        folder / "report.pdf", weasyprint.HTML(string=page.replace(FACES, file_faces())).write_pdf()
-    )
+    page = render_html(results, folder / "figures", words, edited).replace(FACES, file_faces())
+    write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
     return []
 
 
@@ -130,64 +93,84 @@ def render_html(
         lstrip_blocks=True,
         finalize=lambda value: joined(value) if type(value) in {str, Markup} else value,
     )
-    environment.filters["unit_kept"] = _unit_kept
+    full = results.echo.report.annexes == "full"
     attached = _attached(results, figures.parent)
-    annexes = [
-        "echo",
-        *(["trace"] if any(traces(results, words)) else []),
-        *(["attachments"] if attached else []),
-    ]
+    grids = printed_tables(results, words)
+    calculations = list(traces(results, words))
+    there = {
+        "dynamic": results.campaign is not None
+        or any(state.history or state.incremental.records is not None for state in results.states.values()),
+        "cracks": any(state.settlement for state in results.states.values()),
+        "validation": full,
+        "trace": bool(calculations),
+        "attachments": bool(attached),
+    }
     return environment.get_template("report.html.j2").render(
         w=words,
         results=results,
+        full=full,
         style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
-        chapters=_chapters(results),
-        annexes=annexes,
+        chapters=[name for name in CHAPTERS if there.get(name, True)],
+        annexes=[name for name in ANNEXES if there.get(name, True)],
         attached=attached,
         count=Counter(),
         viewer=interactive,
-        figures=_embedded(results, figures, words),
-        grids=printed_tables(results, words),
-        summaries=list(summary_grids(results, words)),
-        traces=list(traces(results, words)),
-        contacts=contacts_of(results),
-        assumptions=list(assumptions(results, words, contacts_of(results))),
-        software="software_coulomb" if coulomb(results.echo) else "software",
-        references=references(),
-        identified=list(identification_sentences(results, words)),
-        ready=ready_lines(results, words),
-        pressures=pressure_sentences(results, words),
-        cracks=list(crack_sentences(results, words)),
-        damping=damping_sentence(results, words),
-        **_conditional(results, words),
-        judgement=draft_judgement(results, words),
-        farthest=farthest_limit_state(results),
-        worst=list(worst_scenario(results, words)),
+        figures=_embedded(results, figures, words, full),
+        grids=grids,
+        traces=calculations,
         edited=edited,
-        macro_blocks=list(macro_block_grids(results, words)),
-        too_many=list(too_many(results, words)),
-        warnings=[sentence(warning, words) for warning in all_warnings(results)],
-        limits=list(displacement_limits(results, words)),
-        fitted=list(fitted_above(results, words)),
-        second_solver=list(comparison(results, words)),
-        overlaps=list(overlap_sentences(results, words)),
-        vertical=list(vertical_sentences(results, words)),
-        refused=_refused(results, words),
+        **_first_page(results, words),
+        **_sentences(results, words),
     )
 
 
-def _conditional(results: Results, words: Words) -> dict[str, Any]:
-    """Return what chapters have where the results call for it."""
+def _first_page(results: Results, words: Words) -> dict[str, Any]:
     return {
-        "headlines": list(headlines(results, words)),
-        "indices": list(index_sentences(results, words)),
-        "missing": list(missing_pushovers(results, words)),
-        "onsets": list(onsets(results, words)),
-        "few": few_records(results),
-        "members": members(results),
-        "strengthened": list(strengthening_sentences(results, words)),
-        "yielding": [*yielding_sentence(results, words), *nearly_yielding(results, words)],
-        "slackened": list(pretension_sentence(results, words)),
+        "lead": lead(results, words),
+        "synthesis": synthesis_grid(results, words),
+        "mechanism": governing_mechanism(results, words),
+        "basis": list(basis(results, words)),
+        "warnings": [sentence(warning, words) for warning in all_warnings(results)],
+    }
+
+
+def _sentences(results: Results, words: Words) -> dict[str, Any]:
+    """Return what chapters have where the results call for it."""
+    contacts, use = remarks.contacts_of(results), (results.echo.report.use or "").lower()
+    return {
+        "references": references(results),
+        "school": is_school(results),
+        "risk": any(word in use for word in RISK),
+        "contacts": contacts,
+        "assumptions": list(remarks.assumptions(results, words, contacts)),
+        "software": "software_coulomb" if coulomb(results.echo) else "software",
+        "knowledge": knowledge(results, words) if results.echo.assessment else "",
+        "life": reference_life(results, words),
+        "identified": list(remarks.identification_sentences(results, words)),
+        "ready": remarks.ready_lines(results, words),
+        "strengthened": list(remarks.strengthening_sentences(results, words)),
+        "pressures": remarks.pressure_sentences(results, words),
+        "cracks": list(remarks.crack_sentences(results, words)),
+        "damping": remarks.damping_sentence(results, words),
+        "missing": list(remarks.missing_pushovers(results, words)),
+        "onsets": list(remarks.onsets(results, words)),
+        "limits": list(remarks.displacement_limits(results, words)),
+        "fitted": list(remarks.fitted_above(results, words)),
+        "vertical": list(remarks.vertical_sentences(results, words)),
+        "checks": list(check_grids(results, words)),
+        "indices": list(remarks.index_sentences(results, words)),
+        "yielding": [*remarks.yielding_sentence(results, words), *remarks.nearly_yielding(results, words)],
+        "slackened": list(remarks.pretension_sentence(results, words)),
+        "refused": _refused(results, words),
+        "farthest": remarks.farthest_limit_state(results),
+        "worst": list(worst_scenario(results, words)),
+        "few": remarks.few_records(results),
+        "members": remarks.members(results),
+        "judgement": draft_judgement(results, words),
+        "macro_blocks": list(macro_block_grids(results, words)),
+        "too_many": list(remarks.too_many(results, words)),
+        "second_solver": list(remarks.second_solver(results, words)),
+        "overlaps": list(remarks.overlap_sentences(results, words)),
     }
 
 
@@ -198,27 +181,6 @@ def _refused(results: Results, words: Words) -> list[dict[str, str]]:
         for given in results.mechanisms or []
         if given.refused
     ]
-
-
-def _chapters(results: Results) -> list[str]:
-    """Return the chapters of the report: those of studies and dynamic stages only where the project has them."""
-    states = results.states.values()
-    there = {
-        "scenarios": results.scenarios is not None,
-        "sensitivity": results.sensitivity is not None,
-        "history": any(state.history for state in states),
-        "incremental": any(state.incremental.records is not None for state in states),
-        CAMPAIGN: results.campaign is not None,
-    }
-    asked = [name for name in (*STUDIES, *DYNAMIC, CAMPAIGN) if there[name]]
-    place, first = CHAPTERS.index("comparison"), CHAPTERS.index("settlements")
-    identified = [IDENTIFICATION] if results.identification else []
-    return [*CHAPTERS[:first], *identified, *CHAPTERS[first:place], *asked, *CHAPTERS[place:]]
-
-
-def _unit_kept(head: Markup) -> Markup:
-    """Keep the unit of a heading on one line: [kN/m³] would break at the slash."""
-    return head.replace("[", Markup("<span class='unit'>[")).replace("]", Markup("]</span>"))
 
 
 class Counter:
@@ -245,17 +207,17 @@ class Embedded:
     address: str
 
 
-def _embedded(results: Results, folder: Path, words: Words) -> dict[str, list[Embedded]]:
-    """Return the figures by chapter, cracks apart."""
-    found: dict[str, list[Embedded]] = {
-        section: [] for section in (*CHAPTERS, *STUDIES, *DYNAMIC, CAMPAIGN, IDENTIFICATION, "cracks")
-    }
+def _embedded(results: Results, folder: Path, words: Words, full: bool) -> dict[str, list[Embedded]]:
+    """Return the figures that are printed, by section."""
+    found: dict[str, list[Embedded]] = {}
     for picture in pictures(results):
-        svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
-        what = words(f"caption.{picture.caption}", **picture.fields)
-        found[picture.section].append(
-            Embedded(f"figures/{picture.name}.png", what, f"data:image/svg+xml;base64,{svg}")
-        )
+        if full or not picture.full:
+            svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
+            what = words(f"caption.{picture.caption}", **picture.fields)
+            address = f"data:image/svg+xml;base64,{svg}"
+            found.setdefault(picture.section, []).append(
+                Embedded(f"figures/{picture.name}.png", what, address)
+            )
     return found
 
 
@@ -270,7 +232,28 @@ def _attached(results: Results, folder: Path) -> list[Embedded]:
     return found
 
 
-def references() -> list[str]:
-    """Return the standards and the literature that the report rests on, each in full."""
-    text = (files("templates") / "references.toml").read_text(encoding="utf-8")
-    return list(tomllib.loads(text)["references"])
+def references(results: Results) -> list[str]:
+    """Return the standards and the literature that this report rests on, each in full."""
+    assessment = results.echo.assessment or {}
+    report, full = results.echo.report, results.echo.report.annexes == "full"
+    site = assessment.get("site") or {}
+    used = {
+        "circular_2019": bool(assessment) and assessment.get("circular", 2019) == 2019,
+        "circular_2009": assessment.get("circular") == 2009,
+        "hazard": "latitude" in site and site["latitude"] is not None,
+        "heritage": bool(report.protection or (results.knowledge and results.knowledge.components)),
+        "sismabonus": any(word in (report.use or "").lower() for word in RISK),
+        "coulomb": coulomb(results.echo),
+        "history": full,
+        "campaign": results.campaign is not None and results.campaign.method == "stripes",
+        "solver": any(
+            push.rigid and push.rigid.second_solver
+            for state in results.states.values()
+            for push in state.pushover.values()
+        ),
+    }
+    listed = tomllib.loads((files("templates") / "references.toml").read_text(encoding="utf-8"))["reference"]
+    return [each["text"] for each in listed if used.get(each.get("when", ""), True)]
+
+
+__all__ = ["CHAPTERS", "Grid", "render_html", "write_docx", "write_page", "write_pdf"]

@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 875,
     "assessment/ntc": 2750,
     "assessment/project": 5310,
-    "assessment/report": 8850,
+    "assessment/report": 8450,
     "assessment/results": 4150,
     "assessment/runtime": 1990,
     "assessment/studies": 2940,

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from assessment.results.messages import with_messages
 from assessment.results.schema import Results
 from assessment.results.schema.part import Part
+from assessment.results.summary import summary_of
 
 Kind = TypeVar("Kind", bound=Part)
 
@@ -18,12 +19,13 @@ NOTHING: dict[Any, Any] = {float: 0.0, int: 0, str: "", bool: False}
 
 
 def typed(content: Mapping[str, Any]) -> Results:
-    """Return plain results by type; keys that have to be there and are not stand for nothing."""
+    """Return plain results by type and their summary; keys that have to be there and are not stand for nothing."""
     content = with_messages(dict(content))
     try:
-        return Results.model_validate(content)
+        results = Results.model_validate(content)
     except ValidationError:
-        return Results.model_validate(filled(Results, content))
+        results = Results.model_validate(filled(Results, content))
+    return results.replace(summary=summary_of(results))
 
 
 def made(kind: type[Kind], content: Mapping[str, Any] | None = None) -> Kind:

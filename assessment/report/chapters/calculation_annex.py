@@ -26,6 +26,8 @@ from assessment.results.undetermined import determined_indices
 
 Steps = Sequence[Step]
 COLUMNS = 4  # of results in one table
+BETWEEN_NODES = "D.M. 14/01/2008, Allegato A, eq."  # of the hazard, in full annexes
+DIGITS = 6  # significant, of full annexes
 CONSTANTS = {"g": 9.80665}  # given at the beginning of the report
 SHARED = "capacity"  # the part that the checks of a direction have in common
 
@@ -45,6 +47,31 @@ Column = Mapping[Line, float]
 
 
 def traces(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield the calculation of the governing check, in full annexes of everything: action, curve, checks, indices."""
+    least = results.summary.governing
+    if results.echo.report.annexes == "full":
+        yield from _whole(results, words)
+    elif least is not None:
+        row = next(
+            r for r in results.summary.rows if (r.state, r.direction) == (least.state, least.direction)
+        )
+        check, digits = row.checks[least.limit_state].check, 4
+        demand = (results.spectra or {}).get(least.limit_state)
+        before = demand.trace or [] if demand else []
+        shown = [step for step in before if not step.paragraph.startswith(BETWEEN_NODES)]
+        parts = dict(capacity_tables.traces(results.states[least.state].capacity[least.direction]))
+        title = f"{words.state(least.state)}, {direction_name(least.direction)}"
+        spectrum = {least.limit_state: _column(shown, [])} if shown else {}
+        yield from _tables(spectrum, words("caption.trace_spectrum"), words, digits)
+        for part, earlier in ((SHARED, before), (check, [*before, *parts.get(SHARED, [])])):
+            if part in parts:
+                named = words.plain("value.capacity_curve") if part == SHARED else check_name(part, words)
+                yield from _tables(
+                    {title: _column(parts[part], earlier)}, words("caption.trace", limit=named), words, digits
+                )
+
+
+def _whole(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the seismic action, then every part of the checks of states and directions and of chosen mechanisms."""
     action = {limit: demand.trace or [] for limit, demand in (results.spectra or {}).items()}
     spectra = {limit: _column(steps, []) for limit, steps in action.items() if steps}
@@ -59,9 +86,8 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
     }
     yield from _tables(indices, words("caption.trace_indices"), words)
     if results.knowledge and (known := results.knowledge.trace):
-        yield from _tables(
-            {words.plain("value.whole_structure"): _column(known, [])}, words("caption.knowledge"), words
-        )
+        whole = {words.plain("value.whole_structure"): _column(known, [])}
+        yield from _tables(whole, words("caption.knowledge"), words)
     chosen = {given.name: dict(capacity_tables.traces(given)) for given in results.mechanisms or []}
     yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
 
@@ -129,7 +155,9 @@ def _head(symbol: str) -> str:
     return "T_R" if symbol.startswith("T_R") else symbol.split("_", maxsplit=1)[0]
 
 
-def _tables(columns: Mapping[str, Column], caption: Markup, words: Words) -> Iterator[Grid]:
+def _tables(
+    columns: Mapping[str, Column], caption: Markup, words: Words, digits: int = DIGITS
+) -> Iterator[Grid]:
     """Yield the columns side by side, COLUMNS to a table."""
     titles = list(columns)
     for start in range(0, len(titles), COLUMNS):
@@ -138,7 +166,7 @@ def _tables(columns: Mapping[str, Column], caption: Markup, words: Words) -> Ite
         yield Grid(
             caption,
             [*head, heading("paragraph", words)],
-            [_row(line, shown.values(), words) for line in _merged(shown.values())],
+            [_row(line, shown.values(), words, digits) for line in _merged(shown.values())],
             [True, True, *[False] * len(shown), True],
         )
 
@@ -157,21 +185,21 @@ def _merged(columns: Iterable[Column]) -> list[Line]:
     return merged
 
 
-def _row(line: Line, columns: Iterable[Column], words: Words) -> list[Markup]:
+def _row(line: Line, columns: Iterable[Column], words: Words, digits: int) -> list[Markup]:
     unit = words.name("unit", line.unit)
     return [
         typeset(line.symbol, words) + (f" [{unit}]" if unit else ""),
         typeset(line.formula, words) or words("value.datum"),
         *(
-            Markup.escape(_six_digits(column[line], words)) if line in column else words("value.none")
+            Markup.escape(_digits(column[line], words, digits)) if line in column else words("value.none")
             for column in columns
         ),
         _source(line.paragraph, words),
     ]
 
 
-def _six_digits(value: float, words: Words) -> str:
-    text, mark = words.number(value, 6), words.plain("value.decimal_mark")
+def _digits(value: float, words: Words, digits: int) -> str:
+    text, mark = words.number(value, digits), words.plain("value.decimal_mark")
     return text.rstrip("0").rstrip(mark) if mark in text and "·" not in text else text
 
 

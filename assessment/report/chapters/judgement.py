@@ -1,30 +1,26 @@
-"""A judgement drafted in plain words from the numbers, for the engineer to edit."""
+"""A judgement drafted in plain words from the numbers, for the engineer to edit (NTC 2018, §10.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 from operator import itemgetter
-from typing import NamedTuple
 
 import numpy as np
 from markupsafe import Markup
 
-from assessment.ntc.limit_states import CHECKS
-from assessment.report.chapters.grid import ROUNDING
-from assessment.report.chapters.second_solver import agreement
-from assessment.report.tables.capacity import capacities, directions, verification
-from assessment.report.tables.structure.ties import gains
+from assessment.report.chapters.answer import lead
+from assessment.report.chapters.remarks import agreement
+from assessment.report.tables.capacity import capacities
 from assessment.report.tables.studies import bars
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import COARSE, check_name, written
-from assessment.results.configurations.hand_check import hand_checks, mechanisms
+from assessment.report.text.messages import merged
+from assessment.report.text.quantities import COARSE, check_name
+from assessment.results.configurations.hand_check import hand_checks
 from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction, StrengtheningRow
-from assessment.results.schema.part import known, present
-from assessment.results.table import Row, among_known, compared, indices, reduction, reference_of
-from assessment.results.undetermined import determined_indices, undetermined
+from assessment.results.schema.part import present
+from assessment.results.table import among_known, compared, reference_of
+from assessment.results.undetermined import determined_indices
 
 RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
     "equilibrium_residual": 1e-6,
@@ -33,114 +29,44 @@ RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
 }
 BALANCED = 1e-3  # reactions less loads, relative to the weight
 AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
-ORIGINAL = "original"  # the state as drawn
 ONE_PER_CENT = 0.01  # losses no larger have no sign worth a remark
-Loss = tuple[float, str, Direction]  # 1 − settled/original, state, direction
-
-
-class Place(NamedTuple):
-    """Where a check is made."""
-
-    state: str
-    direction: Direction
-    limit_state: str
-
-    def worded(self, words: Words) -> dict[str, str]:
-        """Return it in the report's words, as fields of a sentence."""
-        return {
-            "state": words.state(self.state),
-            "direction": direction_name(self.direction),
-            "limit": check_name(self.limit_state, words),
-        }
 
 
 def draft_judgement(results: Results, words: Words) -> list[Markup]:
-    """Return sentences: governing condition, losses due to the movement, margins, trust in the numbers.
+    """Return sentences: acceptability, comparison with simplified assessments, margins, limits, trust in the numbers.
 
     All that a printed table has of a quantity is compared: no sentence may claim what a table contradicts.
     """
     if not results.model.self_weight_stable:
-        return [words("judgement.unstable")]
+        return lead(results, words)
     return [
-        *_governing(results, words),
+        *lead(results, words),
+        *_interventions(results, words),
         *_chosen(results, words),
-        *_losses(results, words),
-        *_strengthened(results, words),
-        *_dynamic(results, words),
+        *_linear(results, words),
         *_histories(results, words),
         *_campaign(results, words),
         *worst_scenario(results, words),
         *_sensitive(results, words),
         *_margins(results, words),
+        *_ties(results, words),
         *_trust(results, words),
+        words("judgement.limits"),
     ]
 
 
-def _governing(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the least ratio of all checks, the index at SLV, how many are satisfied; without checks the least α0."""
-    rows = verification(results).rows
-    made = [row for row in rows if row["zeta_E"] is not None]
-    if made:
-        worst = min(made, key=itemgetter("zeta_E"))
-        yield words(
-            "judgement.governing",
-            **_place_of(worst).worded(words),
-            capacity=worst["a_g_g"],
-            demand=worst["demand_a_g_g"],
-            reference=_reference(results, words),
-            ratio=words.ratio(worst["zeta_E"]),
-            outcome=words.plain("value.verified" if worst["verified"] else "value.not_verified"),
-        )
-        yield from _indices(results, words)
-    else:
-        yield from _least_multiplier(results, words)
-    yield from _without_index(results, words)
-    passed = sum(bool(row["verified"]) for row in made)
-    if len(made) < len(rows):
-        counts = {"passed": passed, "made": len(made), "open": len(rows) - len(made), "total": len(rows)}
-        yield words("judgement.open_checks", **counts)
-    elif rows:
-        yield words("judgement.checks", passed=passed, total=len(rows))
-
-
-def _place_of(row: Row) -> Place:
-    return Place(row["state"], row["direction"], row["limit_state"])
-
-
-def _indices(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the least ζ_E of the states that have one, and where SLC has less."""
-    missing = undetermined(results)
-    found = [
-        (zeta, Place(name, direction, limit))
+def _linear(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield the linear check of the weakest state beside the nonlinear one: the simplified assessment of §10.2."""
+    known = [
+        (capacity.SLV.zeta_E, capacity.SLV_linear.zeta_E, name, direction)
         for name, direction, capacity in capacities(results)
-        for limit, zeta in indices(capacity.ratios).items()
-        if name not in missing
+        if capacity.SLV and capacity.SLV_linear
+        if capacity.SLV.zeta_E is not None and capacity.SLV_linear.zeta_E is not None
     ]
-    if not found:
-        return
-    at_life = [(zeta, place) for zeta, place in found if place.limit_state.startswith("SLV")]
-    zeta, place = min(at_life or found, key=itemgetter(0))
-    yield words(
-        "judgement.zeta_known" if missing else "judgement.zeta", **place.worded(words), zeta=words.ratio(zeta)
-    )
-    least, place = min(found, key=itemgetter(0))
-    if least < zeta:
-        yield words("judgement.zeta_SLC", **place.worded(words), zeta=words.ratio(least))
-
-
-def _without_index(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield a sentence for each state without index, with the directions in which it has no capacity."""
-    for name, missing in undetermined(results).items():
-        ways = ", ".join(map(direction_name, missing))
-        yield words("judgement.undetermined", state=words.state(name), directions=ways)
-
-
-def _least_multiplier(results: Results, words: Words) -> Iterator[Markup]:
-    found = [(rigid.alpha_0, state, direction) for state, direction, rigid in mechanisms(results)]
-    if found:
-        alpha, state, direction = min(found, key=itemgetter(0))
-        place = {"state": words.state(state), "direction": direction_name(direction)}
-        yield words("judgement.governing_alpha", alpha=alpha, **place)
+    if known:
+        full, linear, name, direction = min(known)
+        place = {"state": words.state(name), "direction": direction_name(direction)}
+        yield words("judgement.linear", **place, linear=words.ratio(linear), full=words.ratio(full))
 
 
 def _chosen(results: Results, words: Words) -> Iterator[Markup]:
@@ -162,132 +88,39 @@ def _chosen(results: Results, words: Words) -> Iterator[Markup]:
         )
 
 
-def _losses(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what costs most of the a_g borne at each limit state; without any a_g, what costs most of α0."""
-    lost: dict[tuple[str, Direction], list[str]] = {}
-    losses: dict[tuple[str, Direction], list[Markup]] = {}
-    none: list[Markup] = []
-    reference = _reference(results, words)
-    for check in CHECKS:
-        unknown = list(_not_found(results, check))
-        for each in unknown:
-            lost.setdefault(each, []).append(check)
-        found = _reductions(results, partial(_borne, results, check))
-        if not found:
+def _interventions(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield which interventions of NTC 2018, §8.4, each strengthening amounts to."""
+    for state, found in determined_indices(results).items():
+        if found.attained is None:
             continue
-        largest, state, direction = max(found, key=itemgetter(0))
-        if largest > ROUNDING:
-            loss = _loss(results, state, direction, check, largest, words)
-            losses.setdefault((state, direction), []).append(loss)
-        elif not unknown:
-            place = Place(state, direction, check).worded(words)
-            increase = words.per_cent(max(0.0, -largest))
-            none.append(words("judgement.no_reduction", **place, increase=increase, reference=reference))
-    if losses:
-        by_curve = [
-            words(
-                "judgement.reduction_at",
-                state=words.state(state),
-                direction=direction_name(direction),
-                losses=Markup(", ").join(found),
-            )
-            for (state, direction), found in losses.items()
-        ]
-        yield words("judgement.reduction", losses=Markup("; ").join(by_curve), reference=reference)
-    yield from none
-    for (state, direction), checks in lost.items():
-        yield words(
-            "judgement.lost",
-            state=words.state(state),
-            direction=direction_name(direction),
-            limits=", ".join(check_name(check, words) for check in checks),
-            reference=reference,
+        before = (
+            words.plain("value.not_determined")
+            if found.zeta_before is None
+            else words.ratio(found.zeta_before)
         )
-    if not any(each.checks for _, _, each in capacities(results)):
-        yield from _multiplier_loss(results, words)
+        told = Markup("; ").join(
+            words(
+                f"judgement.{'attained' if reached else 'not_attained'}",
+                kind=words(f"judgement.of_{kind}"),
+                least=words.ratio(found.required_zeta[kind] or 0.0),
+            )
+            for kind, reached in found.attained.items()
+            if kind != "improvement_school" or is_school(results)
+        )
+        if told:
+            zeta = words.ratio(found.zeta_SLV)
+            yield words(
+                "judgement.interventions", state=words.state(state), zeta=zeta, before=before, told=told
+            )
 
 
-def _reductions(results: Results, value: Callable[[str, Direction], float | None]) -> list[Loss]:
-    """Return the reductions of a quantity, which `value` gives of a state and direction, each with where it is."""
-    return [
-        (loss, state, direction)
-        for direction in directions(results)
-        for state in _settled(results)
-        if (loss := reduction(value(ORIGINAL, direction), value(state, direction))) is not None
-    ]
+def is_school(results: Results) -> bool:
+    """Return whether the use of the building is that of a school, which has a threshold of its own (§8.4.2)."""
+    return any(word in (results.echo.report.use or "").lower() for word in ("scuol", "scol", "school"))
 
 
-def _not_found(results: Results, check: str) -> Iterator[tuple[str, Direction]]:
-    """Yield the settled states and directions without an a_g at a check, which the original state has."""
-    for direction in directions(results):
-        for state in _settled(results):
-            before, after = (_borne(results, check, name, direction) for name in (ORIGINAL, state))
-            if before is not None and after is None:
-                yield state, direction
-
-
-def _settled(results: Results) -> list[str]:
-    return [name for name, state in results.states.items() if name != ORIGINAL and not state.strengthening]
-
-
-def _borne(results: Results, check: str, state: str, direction: Direction) -> float | None:
-    """Return the a_g borne at a check, g; None where there is none."""
-    capacity = results.states[state].capacity.get(direction) if state in results.states else None
-    found = capacity.checks.get(check) if capacity else None
-    return found.a_g_g if found else None
-
-
-def _loss(
-    results: Results, state: str, direction: Direction, check: str, loss: float, words: Words
-) -> Markup:
-    """Return a reduction of a_g with its check, and between which values ranges of both states let it lie."""
-    found = {"reduction": words.per_cent(loss)}
-    low, high = (_range(results, name, direction, check) for name in (state, ORIGINAL))
-    if low and high and (low[0] < low[1] or high[0] < high[1]):
-        ends = {"least": 1.0 - low[1] / high[0], "most": 1.0 - low[0] / high[1]}
-        shown = {end: words.per_cent(share) for end, share in ends.items()}
-        if shown["least"] != shown["most"]:
-            found |= shown
-    kind = "range" if "least" in found else "of"
-    return words(f"judgement.reduction_{kind}", limit=check_name(check, words), **found)
-
-
-def _range(results: Results, state: str, direction: str, check: str) -> tuple[float, float] | None:
-    """Return the least and the largest a_g of a check, twice the same where it has no range; None if either is open."""
-    found = next(
-        each.checks[check] for name, way, each in capacities(results) if (name, way) == (state, direction)
-    )
-    low, high = found.a_g_g_range or (found.a_g_g, found.a_g_g)
-    return None if low is None or high is None or low <= 0.0 else (low, high)
-
-
-def _multiplier_loss(results: Results, words: Words) -> Iterator[Markup]:
-    alpha = {(state, direction): rigid.alpha_0 for state, direction, rigid in mechanisms(results)}
-    found = _reductions(results, lambda state, direction: alpha.get((state, direction)))
-    if not found:
-        return
-    largest, state, direction = max(found, key=itemgetter(0))
-    if largest > ROUNDING:
-        place = {"state": words.state(state), "direction": direction_name(direction)}
-        yield words("judgement.alpha_reduction", **place, reduction=words.per_cent(largest))
-
-
-def _strengthened(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what each strengthening gains in the direction that is weakest after it, and which ties yield."""
-    for state in dict.fromkeys(row.state for row in results.strengthening or ()):
-        own = [row for row in results.strengthening or () if row.state == state]
-        for quantity in ("zeta_E", "alpha_0", "alpha_u", "dynamic_pga_g"):
-            found = [
-                (after, before, gain, row)
-                for row in own
-                for name, before, after, gain in gains(row)
-                if name == quantity and gain is not None
-            ]
-            if found:
-                after, before, gain, row = min(found, key=itemgetter(0))
-                yield _gained(row, quantity, (before, after, gain), words)
-                break
-        yield from _interventions(results, state, words)
+def _ties(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield which ties yield along the curves."""
     yielding = dict.fromkeys(
         each.tie
         for state in results.states.values()
@@ -298,55 +131,6 @@ def _strengthened(results: Results, words: Words) -> Iterator[Markup]:
     )
     if yielding:
         yield words("judgement.ties_yield", ties=", ".join(yielding))
-
-
-def _interventions(results: Results, state: str, words: Words) -> Iterator[Markup]:
-    """Yield which interventions of NTC 2018, §8.4, a strengthening amounts to."""
-    found = determined_indices(results).get(state)
-    if found is None or found.attained is None:
-        return
-    before = (
-        words.plain("value.not_determined") if found.zeta_before is None else words.ratio(found.zeta_before)
-    )
-    told = Markup("; ").join(
-        words(
-            f"judgement.{'attained' if reached else 'not_attained'}",
-            kind=words(f"judgement.of_{kind}"),
-            least=found.required_zeta[kind],
-        )
-        for kind, reached in found.attained.items()
-    )
-    if told:
-        yield words(
-            "judgement.interventions", state=state, zeta=words.ratio(found.zeta_SLV), before=before, told=told
-        )
-
-
-def _gained(row: StrengtheningRow, quantity: str, values: tuple[float | None, ...], words: Words) -> Markup:
-    """Return a sentence on a quantity before and after a strengthening, and its increase."""
-    before, after, gain = values
-    limit = check_name(row.limit_state, words) if row.limit_state else ""
-    return words(
-        "judgement.strengthened" if known(gain) > ROUNDING else "judgement.strengthened_less",
-        state=row.state,
-        of=words.state(row.of),
-        quantity=words(f"judgement.of_{quantity}", limit=limit),
-        before=written(quantity, before, words),
-        after=written(quantity, after, words),
-        gain=words.per_cent(known(gain)),
-        direction=direction_name(row.direction or ""),
-    )
-
-
-def _dynamic(results: Results, words: Words) -> Iterator[Markup]:
-    for each in results.comparison:
-        if each.dynamic_pga_g is not None and each.static_surface_pga_g is not None:
-            yield words(
-                "judgement.dynamic",
-                **Place(each.state, known(each.direction), known(each.limit_state)).worded(words),
-                dynamic=each.dynamic_pga_g,
-                static=each.static_surface_pga_g,
-            )
 
 
 def _histories(results: Results, words: Words) -> Iterator[Markup]:
@@ -524,5 +308,5 @@ def _converged(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def all_warnings(results: Results) -> list[str]:
-    """Return the warnings of model, run and solves, each once, in order."""
-    return list(dict.fromkeys([*results.model.warnings, *results.quality.warnings]))
+    """Return the warnings of model, run and solves, each once, those that differ in numbers alone with their ranges."""
+    return merged(dict.fromkeys([*results.model.warnings, *results.quality.warnings]))

@@ -12,7 +12,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from assessment.report.chapters.judgement import draft_judgement
-from assessment.report.text.language import Words
+from assessment.report.text.language import Words, plain_text
 from assessment.results.schema import Results
 from assessment.runtime.errors import ProjectError
 
@@ -37,7 +37,7 @@ def judgement(results: Results, words: Words, folder: Path) -> Judgement:
     The first line of the file holds a digest of the draft that follows: a text that does not match it was edited. Where
     the draft has changed since, a warning says so. Raises ProjectError for a file that cannot be read as text.
     """
-    body = "\n".join(f"- {_plain(sentence)}" for sentence in draft_judgement(results, words)) + "\n"
+    body = "\n".join(f"- {plain_text(sentence)}" for sentence in draft_judgement(results, words)) + "\n"
     mark = f"<!-- draft {_digest(body)}: {words.plain('judgement.file')} -->\n\n"
     path = folder / NAME
     if path.is_file():
@@ -87,11 +87,6 @@ def to_html(markdown: str) -> Markup:
         for token in (block, *(block.children or ())):
             token.tag = TAGS.get(token.tag, token.tag)
     return Markup(parser.renderer.render(tokens, parser.options, {}).rstrip("\n"))
-
-
-def _plain(sentence: Markup) -> str:
-    """Return a sentence of the draft without HTML: subscripts after an underscore."""
-    return Markup(re.sub(r"<sub>(.*?)</sub>", r"_\1", str(sentence))).striptags()
 
 
 def _digest(body: str) -> str:

@@ -11,8 +11,7 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
-from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
-from assessment.report.figures.drawings.ties import LINE, moved_ends
+from assessment.report.figures.drawings.parts import GHOST, INK, SUPPORT, TIE, moved_ends
 from assessment.report.figures.dynamic import bounds_of_views, shaken
 from assessment.report.figures.style import STYLE, sheet
 from assessment.report.text.language import slug, words_of
@@ -63,7 +62,7 @@ def animation(results: Results, state: str, entry: History) -> bytes:
         ]
         for _, patch in groups:
             axes.add_patch(patch)
-        pulled = [axes.plot([], [], **LINE)[0] for _ in moved_ends(results, state, configurations[0])]
+        pulled = [axes.plot([], [], **TIE)[0] for _ in moved_ends(results, state, configurations[0])]
 
         def draw(frame: int) -> list[PathPatch]:
             for chosen, patch in groups:

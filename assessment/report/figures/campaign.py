@@ -13,10 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from assessment.ntc.limit_states import SURFACE
 from assessment.report.figures.style import DASHES, chart
 from assessment.report.text.language import Words
-from assessment.report.text.quantities import COARSE, referenced
+from assessment.report.text.quantities import COARSE, label
 from assessment.results.schema import Results
 from assessment.results.schema.campaign import (
     Campaign,
@@ -72,8 +71,7 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
             if lowest is not None:
                 axes.plot(reach, lowest, marker="x", color="0.0", markersize=3.5, clip_on=False)
         axes.set(xlim=(0.0, reach), ylim=(0.0, top), title=_share(share, words))
-        pga = referenced(words.plain("figure.pga"), words, SURFACE)
-        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=pga)
+        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
     for axes in panels[len(shares) :]:
         axes.set_axis_off()
     handles = [
@@ -112,9 +110,13 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
         axes.plot(level, curve, color="0.0", linestyle=dashes)
         axes.plot(*seen[row.share], linestyle="none", **mark)
         handles.append(Line2D([], [], linestyle=dashes, label=_curve_label(row, words), **mark))
-    measure = "figure.pga" if campaign.measure == "PGA" else "figure.sa"
-    label = referenced(words.plain(measure, period=campaign.period_s), words, SURFACE)
-    axes.set(xlabel=label, ylabel=words.plain("figure.probability"), xlim=(start, top), ylim=(0.0, 1.0))
+    pga, sa = label("pga_g", words), words.plain("figure.sa", period=campaign.period_s)
+    axes.set(
+        xlabel=pga if campaign.measure == "PGA" else sa,
+        ylabel=words.plain("figure.probability"),
+        xlim=(start, top),
+        ylim=(0.0, 1.0),
+    )
     figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
     return figure
 
@@ -149,7 +151,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
                 [100.0 * loss for _, loss in losses],
                 color="0.0", linestyle=dashes, marker="o", markersize=3.5, markerfacecolor=face,
             )  # fmt: skip
-        axes.set(xlabel=words.plain("figure.movement"), ylabel=words.plain("figure.loss"), title=name)
+        axes.set(xlabel=label("movement_m", words), ylabel=words.plain("figure.loss"), title=name)
         axes.set_xlim(left=0.0)
         axes.set_ylim(100.0 * least - room, 100.0 * most + room)  # the same in all: movements are compared
     for axes in panels[len(names) :]:

@@ -10,14 +10,19 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch
+from matplotlib.patches import Patch
 
-from assessment.ntc.limit_states import SURFACE
-from assessment.report.figures.drawings.deformed import GHOST, INK, SUPPORT
-from assessment.report.figures.drawings.ties import draw_ties, moved_ends, tie_handles
+from assessment.report.figures.drawings.parts import (
+    draw_ties,
+    fill_roles,
+    ghost,
+    ghost_handle,
+    moved_ends,
+    tie_handles,
+)
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
-from assessment.report.text.quantities import referenced
+from assessment.report.text.quantities import label
 from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import History, Incremental, Search
@@ -29,20 +34,15 @@ FALLING = 0.03  # of the model's size: how far the curve of a collapse is follow
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
 
-def _at_surface(label: str, words: Words) -> str:
-    """Return the label of an axis of accelerations of the ground: those of records are at the surface."""
-    return referenced(words.plain(f"figure.{label}"), words, SURFACE)
-
-
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
     motion = known(results.motions)[index]
-    figure, panels = chart(words, columns=2, height_mm=62.0, foot_mm=0.0)
+    figure, panels = chart(words, columns=2, height_mm=48.0, foot_mm=0.0)
     panels[0].plot(motion.time_s, motion.acceleration_g, color="0.0", linewidth=0.5)
-    panels[0].set(xlabel=words.plain("figure.time"), ylabel=_at_surface("ground_acceleration", words))
+    panels[0].set(xlabel=label("time_s", words), ylabel=label("acceleration_g", words))
     panels[0].set_xlim(*motion.window_s)
     panels[1].plot(motion.T_s, motion.S_a_g, color="0.0")
-    panels[1].set(xlabel=words.plain("figure.period"), ylabel=_at_surface("spectral_acceleration", words))
+    panels[1].set(xlabel=label("T_s", words), ylabel=label("S_a_g", words))
     panels[1].set(xlim=(0.0, motion.T_s[-1]), ylim=(0.0, None))
     return figure
 
@@ -50,7 +50,7 @@ def draw_motion(results: Results, words: Words, index: int) -> Figure:
 def draw_history(results: Results, words: Words, index: int) -> Figure:
     """Draw the control displacement of every state under one record; a cross marks collapse."""
     found = shaken(results, known(results.motions)[index].name)
-    figure, (axes,) = chart(words, height_mm=80.0)
+    figure, (axes,) = chart(words, height_mm=68.0)
     size = outlines(results).size
     falls = [entry for entry in found.values() if entry.collapsed]
     sustained = [1.3 * known(entry.sustained_displacement_m) for entry in found.values()]
@@ -69,7 +69,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     until = [entry.free_motion_from_s for entry in found.values() if entry.free_motion_from_s is not None]
     if until:
         axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
-    axes.set(xlabel=words.plain("figure.time"), ylabel=words.plain("figure.x_displacement"))
+    axes.set(xlabel=label("time_s", words), ylabel=label("displacement_m", words))
     if bound > 0.0:
         axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
     handles: list[Artist] = [
@@ -77,13 +77,13 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
         for number, (state, entry) in enumerate(found.items())
     ]
     if falls:
-        label = words.plain("figure.collapse")
-        handles.append(Line2D([], [], color="0.0", marker="x", linestyle="none", label=label))
+        named = words.plain("figure.collapse")
+        handles.append(Line2D([], [], color="0.0", marker="x", linestyle="none", label=named))
     if any(entry.band for entry in found.values()):
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.members")))
     if until:
-        label = words.plain("figure.free_motion")
-        handles.append(Line2D([], [], color="0.0", linewidth=0.5, linestyle=DASHES[2], label=label))
+        named = words.plain("figure.free_motion")
+        handles.append(Line2D([], [], color="0.0", linewidth=0.5, linestyle=DASHES[2], label=named))
     figure.legend(handles=handles, loc="lower center", ncols=min(2, len(handles)))
     return figure
 
@@ -107,20 +107,14 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     views[title] = shape.moved(known(entry.final_configuration))
     moved = [known(entry.peak_configuration), known(entry.final_configuration)]
     page = sheet(
-        bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=115.0, below_mm=5.0
+        bounds_of_views(start, list(views.values())), len(views), border_mm=5.0, height_mm=90.0, below_mm=5.0
     )
-    supports = np.array([block.support is not None for block in results.geometry.blocks])
     for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
         axes.set_title(title)
-        axes.add_artist(PathPatch(start.path(range(len(supports))), **GHOST))
-        for chosen, grey in ((np.flatnonzero(~supports), "0.92"), (np.flatnonzero(supports), SUPPORT)):
-            if len(chosen):
-                axes.add_artist(PathPatch(view.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+        ghost(axes, start)
+        fill_roles(axes, view, results)
         draw_ties(page, axes, moved_ends(results, state, at))
-    label = words.plain("figure.at_rest")
-    handles = [Line2D([], [], color="0.55", linewidth=0.8, linestyle=(0, (4, 2)), label=label)]
-    handles += tie_handles(results, words, state)
-    page.figure.legend(handles=handles, loc="lower center", ncols=len(handles))
+    page.legend([ghost_handle(words.plain("figure.at_rest")), *tie_handles(results, words, state)], words)
     return page.figure
 
 
@@ -144,7 +138,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
         if each.pga_collapse_g is not None:
             axes.axhline(each.pga_collapse_g, color="0.0", linewidth=0.6, linestyle=DASHES[1])
-        axes.set(xlabel=words.plain("figure.peak_displacement"), ylabel=_at_surface("pga", words))
+        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
     for axes in panels[len(states) :]:
@@ -154,8 +148,8 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
         Line2D([], [], color="0.0", linewidth=0.6, marker=marker, markersize=3.0, label=name)
         for marker, name in zip(_cycle(len(names), MARKERS), names, strict=True)
     ]
-    label = words.plain("figure.quoted_pga")
-    handles.append(Line2D([], [], color="0.0", linewidth=0.6, linestyle=DASHES[1], label=label))
+    named = words.plain("figure.quoted_pga")
+    handles.append(Line2D([], [], color="0.0", linewidth=0.6, linestyle=DASHES[1], label=named))
     if any((each.pga_collapse_g_range or (None, None))[1] is not None for each in found):
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
     if any(record.resurrections_g for record in records):
@@ -180,17 +174,17 @@ def draw_fragility(results: Results, words: Words) -> Figure:
     top = max(fit.median_g * np.exp(2.0 * fit.dispersion) for fit in fits)
     pga = np.linspace(1e-3 * top, top, 200)
     for number, (fit, (state, each)) in enumerate(zip(fits, found.items(), strict=True)):
-        label = words.plain(
+        named = words.plain(
             "figure.fragility", state=words.state(state), median=fit.median_g, dispersion=fit.dispersion
         )
         curve = ndtr(np.log(pga / fit.median_g) / fit.dispersion)
         style = state_style(number)
-        axes.plot(pga, curve, label=label, **style.keywords)
+        axes.plot(pga, curve, label=named, **style.keywords)
         fallen = sorted(r.pga_collapse_g for r in known(each.records) if r.pga_collapse_g is not None)
         share = (np.arange(len(fallen)) + 0.5) / len(known(each.records))
         axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style.color,
                   markerfacecolor="1.0" if state != "original" else style.color)  # fmt: skip
-    axes.set(xlabel=_at_surface("pga", words), ylabel=words.plain("figure.probability"))
+    axes.set(xlabel=label("pga_g", words), ylabel=words.plain("figure.probability"))
     axes.set(xlim=(0.0, top), ylim=(0.0, 1.0))
     figure.legend(loc="lower center", ncols=1)
     return figure

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from assessment.report.figures.style import chart, state_style
 from assessment.report.tables.studies import ROUNDING, Bar, bars
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import referenced
+from assessment.report.text.quantities import label
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
 from assessment.results.schema.studies import Scenarios
@@ -64,9 +64,9 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     _ring(axes, found)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    label = words.plain(f"figure.capacity_{found.quantity}", limit=found.limit_state)
-    label = referenced(label, words, reference_of(results))
-    axes.set(xlabel=words.plain("figure.movement"), ylabel=label)
+    axes.set(
+        xlabel=label("movement_m", words), ylabel=_capacity(results, words, found.quantity, found.limit_state)
+    )
     _label(axes, labels)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
     return figure
@@ -101,12 +101,16 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         )
         axes.set_title(title)
     limit = known(results.sensitivity).limit_state
-    panels[-1].set_xlabel(
-        referenced(words.plain("figure.capacity_a_g_g", limit=limit), words, reference_of(results))
-    )
+    panels[-1].set_xlabel(_capacity(results, words, "a_g_g", limit))
     handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
     figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure
+
+
+def _capacity(results: Results, words: Words, name: str, limit: str | None) -> str:
+    """Return the label of an axis of a capacity: an acceleration with its limit state."""
+    text = label(name, words, reference_of(results))
+    return f"{limit}: {text}" if name == "a_g_g" else text
 
 
 def varied(results: Results) -> list[str]:
@@ -194,11 +198,11 @@ def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> li
     if any(_ultimate(results, name) is not None for name in names):
         handles.append(Line2D([], [], marker="x", label=words.plain("figure.ultimate_mark"), **none))
     if worst := found.worst:
-        label = words.plain(
+        named = words.plain(
             "figure.worst_collapses" if worst.collapses else "figure.worst",
             state=worst.state,
             movement=words.millimetres(worst.movement_m),
             direction=direction_name(worst.direction),
         )
-        handles.append(Line2D([], [], marker="o", markersize=9, markerfacecolor="none", label=label, **none))
+        handles.append(Line2D([], [], marker="o", markersize=9, markerfacecolor="none", label=named, **none))
     return handles

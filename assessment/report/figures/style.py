@@ -16,6 +16,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import Formatter
 from matplotlib.transforms import Bbox
@@ -32,6 +33,15 @@ LABEL_MM = 1.35  # of a label: an average letter
 TWO_LINES_MM = 11.0  # from an axis to a label of two lines
 SHADES = 64  # of a PNG in colours
 BAND_MM = 1.0  # of white that is left above and below a figure
+LETTER_MM, KEY_MM = (
+    1.4,
+    9.0,
+)  # of a legend: an average letter; the key before the words and the gap after them
+LINE_MM, FREE_MM, SCALE_MM = (
+    3.8,
+    2.0,
+    4.0,
+)  # of a legend: a line, what is free around; height of the scale of lengths
 PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
     "font.family": "DejaVu Sans",  # shipped with matplotlib
@@ -62,7 +72,9 @@ COLOURS = (
     "#6b2c82",
     "#5a4a1f",
 )  # of states: dark, so that grey prints
-SYMBOL = re.compile(r"(?<![\w$\\])(α_[yu]|α₀|d_y|d₀|S_De|S_e|a_g|T₀)(?!\w)")
+SYMBOL = re.compile(
+    r"(?<![\w$\\])(α_[yu0]|d_[y0]|S_(?:De|[ea])|a_g|R_[xz]|(?:T|d\*)_SL[OVDC]|α₀|d₀|T₀)(?!\w)"
+)
 SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5))
 
 
@@ -111,7 +123,8 @@ def _halves(label: str) -> tuple[str, str]:
 
 def _symbol(found: re.Match[str]) -> str:
     letter, _, index = found[1].replace("₀", "_0").partition("_")
-    return f"${letter}_{{\\mathrm{{{index}}}}}$"
+    star = "^*" if "*" in found[1] else ""
+    return f"${letter.rstrip('*')}_{{\\mathrm{{{index.rstrip('*')}}}}}{star}$"
 
 
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:
@@ -179,6 +192,40 @@ class Sheet:
     def paper(self, millimetres: float) -> float:
         """Return the length in metres of the model that covers so many millimetres of paper."""
         return millimetres * self.scale / 1000.0
+
+    def legend(self, handles: Sequence[Any], words: Words) -> None:
+        """Put a legend below the panels, and a scale of lengths below it at the left."""
+        labels = [str(handle.get_label()) for handle in handles]
+        labels = [f" {text}" if text.startswith("_") else text for text in labels]  # "_": left out
+        height = self.figure.get_size_inches()[1] / MM
+        self.figure.legend(
+            handles, labels, loc="lower center", bbox_to_anchor=(0.5, SCALE_MM / height), borderaxespad=0.2,
+            ncols=legend_columns(labels), handlelength=1.8, columnspacing=1.6,
+        )  # fmt: skip
+        length = nice(self.paper(25.0))
+        end, low = 2.0 + 1000.0 * length / self.scale, 1.2
+        across, up = self.figure.transFigure, np.array([low, low + 0.8]) / height
+        for part in range(4):
+            x0, x1 = (2.0 + (end - 2.0) * each / 4.0 for each in (part, part + 1))
+            grey = "0.0" if part % 2 == 0 else "1.0"
+            box = Rectangle((x0 / WIDTH_MM, up[0]), (x1 - x0) / WIDTH_MM, up[1] - up[0], transform=across)
+            box.set(facecolor=grey, edgecolor="0.0", linewidth=0.4)
+            self.figure.add_artist(box)
+        text = words.plain(
+            "figure.scale", length=f"{words.comma(f'{length:g}')} m", scale=words.comma(f"{self.scale:g}")
+        )
+        self.figure.text((end + 2.0) / WIDTH_MM, float(up.mean()), text, va="center", fontsize=6.5)
+
+
+def legend_columns(labels: Sequence[str]) -> int:
+    """Return how many columns, up to three, a legend has room for."""
+    widest = max((LETTER_MM * len(label) + KEY_MM for label in labels), default=KEY_MM)
+    return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
+
+
+def foot(labels: Sequence[str]) -> float:
+    """Return the height in mm of a legend with these labels and the scale of lengths."""
+    return FREE_MM + SCALE_MM + LINE_MM * math.ceil(len(labels) / legend_columns(labels))
 
 
 def sheet(

@@ -14,14 +14,17 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.text.language import Words, direction_name
-from assessment.results.configurations.joint_states import EDGE, FRICTION, IDLE
+from assessment.report.text.quantities import label
+from assessment.results.configurations.faces import faces_of
+from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
+from assessment.results.configurations.outlines import Array
 from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots
-from assessment.results.schema.model import Face, Joint
 from assessment.results.schema.static import Frames, TieTension
 
+VALUES = 15  # of a joint at a frame
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
@@ -56,31 +59,30 @@ def viewer(results: Results, words: Words) -> Viewer | None:
     paths = [*_pushdowns(results, words), *_pushovers(results, words), *_histories(results, words)]
     if not paths:
         return None
-    geometry = results.geometry
+    blocks = [
+        {
+            "vertices": block.vertices_m,
+            "centroid": block.centroid_m,
+            "layer": block.layer,
+            "support": block.support,
+            "weight": block.weight_kN,
+        }
+        for block in results.geometry.blocks
+    ]
+    ties = [
+        {
+            "name": tie.name,
+            "ends": [tie.start_m, tie.end_m],
+            "blocks": tie.blocks,
+            "yield": tie.yield_force_kN,
+        }
+        for tie in results.model.ties or ()
+    ]
     data = {
-        "blocks": [
-            {
-                "vertices": block.vertices_m,
-                "centroid": block.centroid_m,
-                "layer": block.layer,
-                "support": block.support,
-                "weight": block.weight_kN,
-            }
-            for block in geometry.blocks
-        ],
-        "joints": [_joint(joint) for joint in geometry.joints],
-        "ties": [
-            {
-                "name": tie.name,
-                "ends": [tie.start_m, tie.end_m],
-                "blocks": tie.blocks,
-                "yield": tie.yield_force_kN,
-            }
-            for tie in results.model.ties or ()
-        ],
-        "tolerance": geometry.joint_tolerance_m,
-        "weight": results.model.weight_kN,
-        "limits": {"idle": IDLE, "friction": FRICTION, "edge": EDGE},
+        "blocks": blocks,
+        "ties": ties,
+        "slack": IDLE * results.model.weight_kN,
+        "conditions": CONDITIONS,
         "paths": paths,
         "words": dict(words.strings["viewer"]) | {"decimal_mark": words.plain("value.decimal_mark")},
     }
@@ -100,10 +102,11 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
             yield {
                 "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
                 "jumps": [],
-                "x_label": words.plain("figure.movement"),
+                "x_label": label("movement_m", words),
                 "y_label": words.plain("viewer.reactions"),
                 "series": [asdict(each) for each in series],
-                "frames": _frames(path.frames, series) | _ties(results, name, path.frames, path.ties),
+                "frames": _frames(results, path.frames, series)
+                | _ties(results, name, path.frames, path.ties),
             }
 
 
@@ -117,10 +120,11 @@ def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 yield {
                     "title": _title(words, "pushover", name, where),
                     "jumps": list(_jumps(state, direction, max(map(abs, along)))),
-                    "x_label": words.plain("figure.x_displacement"),
-                    "y_label": words.plain("figure.multiplier"),
+                    "x_label": label("displacement_m", words),
+                    "y_label": label("multiplier", words),
                     "series": [asdict(each) for each in series],
-                    "frames": _frames(push.frames, series) | _ties(results, name, push.frames, push.ties),
+                    "frames": _frames(results, push.frames, series)
+                    | _ties(results, name, push.frames, push.ties),
                 }
 
 
@@ -152,38 +156,68 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
                 yield {
                     "title": _title(words, "history", name, entry.record),
                     "jumps": [],
-                    "x_label": words.plain("figure.time"),
-                    "y_label": words.plain("figure.x_displacement"),
+                    "x_label": label("time_s", words),
+                    "y_label": label("displacement_m", words),
                     "series": [asdict(Series.of("d", curve.time_s, displacement))],
                     "frames": {
                         "x": kept.time_s,
                         "y": [[1000.0 * value for value in kept.displacement_m]],
-                        **_drawn(kept),
+                        **_drawn(results, kept),
                         **_ties(results, name, kept, None),
                     },
                 }
 
 
-def _frames(kept: Frames, series: Sequence[Series]) -> dict[str, Any]:
+def _frames(results: Results, kept: Frames, series: Sequence[Series]) -> dict[str, Any]:
     """Frames of a static path: values on its curves at each, and what the script draws."""
     return {
         "x": [series[0].x[index] for index in kept.index],
         "y": [[each.y[index] for index in kept.index] for each in series],
-        **_drawn(kept),
+        **_drawn(results, kept),
     }
 
 
-def _drawn(kept: Frames | Snapshots) -> dict[str, Any]:
-    """Where the blocks are and what the joints carry at each frame, NaN where that is not known."""
-    joints = max((len(each) for each in kept.centre if each is not None), default=0)
-    force = [np.full((joints, 2), np.nan) if each is None else each for each in kept.force_kN]
-    centre = [np.full(joints, np.nan) if each is None else each for each in kept.centre]
+def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
+    """Where the blocks are and what the joints do at each frame: forces NaN where they are not known.
+
+    Of each joint `VALUES` numbers: both ends and the point of the resultant (m), N and T (kN), eccentricity and contact
+    length (m), pressure (kN/m²), openings at the ends and slip (m), and the place of its condition in CONDITIONS.
+    """
+    faces = faces_of(results, kept.met)
+    count = len(faces.depth)
+    rows = []
+    for at, force, centre in zip(kept.configuration, kept.force_kN, kept.centre, strict=True):
+        known = np.zeros((count, 2)), np.full(count, np.nan)
+        if force is not None and centre is not None:
+            known[0][: len(force)], known[1][: len(centre)] = force, np.array(centre, dtype=float)
+        found = Situation("", None, "rigid", 0.0, np.asarray(at, dtype=float), *known, kept.met)
+        states = states_of(faces, results.model.weight_kN, found)
+        forces = [states.normal, states.shear, states.eccentricity, states.contact, states.pressure]
+        condition = np.array([CONDITIONS.index(each) for each in states.condition], dtype=float)
+        if force is None:
+            forces, condition = [np.full(count, np.nan)] * 5, np.full(count, np.nan)
+        rows.append(
+            np.column_stack(
+                [states.ends.reshape(-1, 4), states.point, *forces, states.opening, states.slip, condition]
+            )
+        )
+    pairs = [joint.blocks for joint in [*results.geometry.joints, *kept.met]]
     return {
         "configuration": _floats(kept.configuration),
-        "force": _floats(force),
-        "centre": _floats(centre),
-        "met": [_joint(each) for each in kept.met],
+        "pairs": pairs,
+        "joints": _scaled(np.array(rows).reshape(len(rows), count, VALUES)),
     }
+
+
+def _scaled(values: Array) -> dict[str, Any]:
+    """Return numbers (f, j, VALUES) as base64 of 16-bit integers with the unit of each column.
+
+    −32768 is NaN, 32767 infinite.
+    """
+    finite = np.where(np.isfinite(values), values, 0.0)
+    unit = np.maximum(abs(finite).max(axis=(0, 1), initial=0.0), 1e-12) / 32000.0
+    whole = np.where(np.isnan(values), -32768, np.where(np.isinf(values), 32767, np.round(finite / unit)))
+    return {"unit": _short(unit), "values": base64.b64encode(whole.astype("<i2").tobytes()).decode()}
 
 
 def _ties(
@@ -203,19 +237,6 @@ def _ties(
         for each in kept.tie_kN or [None] * len(kept.force_kN)
     ]
     return {"ties": [every.index(tie) for tie in own], "tension": tension if own else []}
-
-
-def _joint(joint: Face) -> dict[str, Any]:
-    """What the script needs of a pair of faces; `drawn`: whether its slip counts from the drawing."""
-    return {
-        "blocks": joint.blocks,
-        "middle": joint.middle_m,
-        "faces": joint.faces_m,
-        "friction": joint.friction,
-        "depth": joint.depth_m,
-        "strength": joint.compressive_strength_kN_m2,
-        "drawn": isinstance(joint, Joint),
-    }
 
 
 def _short(values: Sequence[float]) -> list[float]:

@@ -72,14 +72,6 @@ LINEAR_CHECK = (
     "ratio",
     "verified",
 )
-AT_SURFACE = ("pga_g", "demand_pga_g", "return_period_years")
-BEHIND = (
-    "d_star_m",
-    "a_star_g",
-    "T_s",
-    "mechanism",
-    *AT_SURFACE,
-)  # of a check, in other tables of the report
 CHOSEN_CHECK = (
     "d_star_m",
     "a_star_g",
@@ -166,21 +158,6 @@ def _not_made(results: Results, check: str) -> Row:
         return found
     found["demand_a_g_g"] = demand.a_g_g
     return found | ({} if demand.pga_g is None else {"pga_g": None, "demand_pga_g": demand.pga_g})
-
-
-def verification_surface(results: Results) -> Table:
-    """List the same checks at the surface, and their return periods: the report's other half of `verification`."""
-    whole = verification(results)
-    columns = tuple(
-        column for column in ("state", "direction", "limit_state", *AT_SURFACE) if column in whole.columns
-    )
-    rows = [
-        {key: each[key] for key in columns if key in each}
-        for each in whole.rows
-        if each.get("pga_g") is not None or ("pga_g" in each and "governing" not in each)
-    ]
-    known = any(each["pga_g"] is not None for each in rows)
-    return Table("verification_surface", rows if known else [], columns)
 
 
 def mechanism_text(mechanism: Count) -> str:

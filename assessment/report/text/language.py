@@ -116,6 +116,11 @@ def joined(text: Label) -> Label:
     return type(text)(KEPT.sub(lambda found: found[0].replace(" ", NO_BREAK), text))
 
 
+def plain_text(html: Markup) -> str:
+    """Return a sentence of the report without HTML: subscripts after an underscore."""
+    return Markup(re.sub(r"<sub>(.*?)</sub>", r"_\1", str(html))).striptags()
+
+
 def words_of(results: Results) -> Words:
     """Return the words of the language that the project's [report] table names. Raises ValueError for any other one."""
     language = results.echo.report.language

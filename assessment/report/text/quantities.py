@@ -8,11 +8,8 @@ from typing import Any, TypeVar
 
 from markupsafe import Markup
 
-from assessment.ntc.capacity.return_period import stated
-from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
 from assessment.ntc.limit_states import ROCK
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.messages import translated
 from assessment.results.schema import derived  # noqa: F401 - its columns
 from assessment.results.schema.part import QUANTITIES, Quantity
 from assessment.results.table import Row
@@ -41,10 +38,19 @@ def _governing(value: str, words: Words) -> Markup:
 
 def _return_period(value: float, words: Words) -> str:
     """Write a return period: beyond the hazard as such with its estimate, at its bounds as there or beyond."""
+    from assessment.ntc.capacity.return_period import stated  # late: with it comes all that computes
+    from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
+
     if beyond := stated(value):
         return f"{beyond} ({words.number(value, COARSE)})"
     sign = "≤ " if RETURN_PERIODS[0] >= value else "≥ " if RETURN_PERIODS[-1] <= value else ""
     return f"{sign}{words.rounded(value, 0)}"
+
+
+def _hypothesis(value: str, words: Words) -> str:
+    from assessment.report.text.messages import translated  # late: as above
+
+    return translated(value, words)
 
 
 def _mechanism(value: str, words: Words) -> str:
@@ -75,7 +81,7 @@ WRITERS: Mapping[
     "governing": _governing,
     "mechanism": _mechanism,
     "record": _record,
-    "hypothesis": translated,
+    "hypothesis": _hypothesis,
     "stage": lambda value, words: ", ".join(words.name("value", part) for part in value.split(", ")),
     "verified": lambda value, words: words.plain(f"value.{'verified' if value else 'not_verified'}"),
     "kind": lambda value, words: words.plain(f"value.{value}_spectrum"),

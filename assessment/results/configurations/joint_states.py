@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from assessment.results.configurations.faces import faces_of
+from assessment.results.configurations.faces import Faces, faces_of
 from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
@@ -123,7 +123,11 @@ def _at(
 
 def joint_states(results: Results, situation: Situation) -> JointStates:
     """Derive what the joints do from the forces and the configuration of a situation."""
-    faces = faces_of(results, situation.met)
+    return states_of(faces_of(results, situation.met), results.model.weight_kN, situation)
+
+
+def states_of(faces: Faces, weight: float, situation: Situation) -> JointStates:
+    """Derive the same from the faces of the situation's joints and the weight (kN) of the model."""
     contacts, positions = faces.contacts, faces.positions(situation.configuration)
     places = contacts.places(positions)
     ends = end_points(contacts, positions)
@@ -132,7 +136,7 @@ def joint_states(results: Results, situation: Situation) -> JointStates:
     N, T = situation.force.T
     share = np.where(np.isfinite(situation.centre), situation.centre, 0.5)
     overlap = 2.0 * places[:, H]
-    idle = ~(IDLE * results.model.weight_kN < N) | (overlap <= 0.0)
+    idle = ~(IDLE * weight < N) | (overlap <= 0.0)
     carried = np.where(idle, 0.0, N)
     near = np.minimum(share, 1.0 - share) * overlap
     contact, pressure = pressed(carried / faces.depth, near, overlap, faces.strength)

@@ -26,7 +26,7 @@ class Check(Part):
 
     method: Literal["linear", "elastic", "nonlinear"] = key("which check")
     d_star_m: float | None = key(
-        "displacement that counts; null: the check has none", "m", "d*", shown="mm", null="not_determined"
+        "displacement that counts; null: the check has none", "m", "d*", shown="mm", null="none"
     )
     a_star_g: float | None = key(
         "acceleration that counts; null: not defined", "g", "a*", null="not_determined"
@@ -196,8 +196,8 @@ class Spectrum(Part):
     pga_g: float | None = optional("S a_g, at the surface", "g")
     reference: str | None = optional("of a_g: rock, or surface for a record")
     T_s: list[float] = key("periods", "s")
-    S_e_g: list[float] = key("accelerations at 5 % damping", "g")
-    S_De_m: list[float] = key("displacements at 5 % damping", "m")
+    S_e_g: list[float] = key("accelerations at 5 % damping", "g", "S_e")
+    S_De_m: list[float] = key("displacements at 5 % damping", "m", "S_De", shown="mm")
     damping: float = key("damping ratio of the check", "–")
     damped_S_e_g: list[float] = key("accelerations at that damping", "g")
     damped_S_De_m: list[float] = key("displacements at that damping", "m")

@@ -37,6 +37,16 @@ class Derived(Part):
     ratio_SLV_linear: float = column(
         "–", ("Rapporto SLV lineare", "Ratio SLV linear"), null="not_determined", ratio=True
     )
+    measured_mm: float = column("mm", ("Misurato", "Measured"), decimals=1)
+    sigma_mm: float = column("mm", "σ", decimals=1)
+    calculated_mm: float = column("mm", ("Calcolato", "Calculated"), decimals=1, null="none")
+    P_VR: float = column("–", "P_VR", shown="%")
+    share_used: float = column(
+        "–", ("Quota del tiro di snervamento", "Share of the yield force"), shown="%", digits=2
+    )
+    plate_20_MPa: float = column("MPa", ("Piastra 20 × 20 cm", "Plate 20 × 20 cm"), digits=2)
+    plate_30_MPa: float = column("MPa", ("Piastra 30 × 30 cm", "Plate 30 × 30 cm"), digits=2)
+    plate_40_MPa: float = column("MPa", ("Piastra 40 × 40 cm", "Plate 40 × 40 cm"), digits=2)
     opening_m: float = column("m", ("Apertura", "Opening"), shown="mm", decimals=1)
     other_opening_m: float = column("m", ("All’altro estremo", "At the other end"), shown="mm", decimals=1)
     slip_m: float = column("m", ("Scorrimento", "Slip"), shown="mm", decimals=1)

@@ -16,10 +16,12 @@ class Motion(Part):
     pga_g: float = key("largest acceleration in the window, scale included", "g")
     scale: float = key("factor on the record", "–")
     window_s: Point = key("start and end in the file", "s")
-    time_s: list[float] = key("times in the file", "s")
-    acceleration_g: list[float] = key("accelerations, positive along x", "g")
+    time_s: list[float] = key("times in the file", "s", ("Tempo", "Time"))
+    acceleration_g: list[float] = key(
+        "accelerations, positive along x", "g", ("Accelerazione", "Acceleration"), ground="surface"
+    )
     T_s: list[float] = key("periods of the spectrum", "s")
-    S_a_g: list[float] = key("accelerations at 5 % damping", "g")
+    S_a_g: list[float] = key("accelerations at 5 % damping", "g", "S_a", ground="surface")
     S_d_m: list[float] = key("displacements at 5 % damping", "m")
     vertical: bool = key("whether a vertical record shakes too")
 

@@ -98,8 +98,15 @@ class PushdownPath(Part):
 class Curve(Part):
     """`curve`: multiplier over displacement of the control point, from the state's own rest."""
 
-    displacement_m: list[float] = key("along x: negative in a push towards −x", "m")
-    multiplier: list[float] = key("horizontal forces per seismic weight, α", "–")
+    displacement_m: list[float] = key(
+        "along x: negative in a push towards −x",
+        "m",
+        ("Spostamento del punto di controllo", "Displacement of the control point"),
+        shown="mm",
+    )
+    multiplier: list[float] = key(
+        "horizontal forces per seismic weight, α", "–", ("Moltiplicatore α", "Multiplier α")
+    )
 
 
 class Mechanism(Part):

@@ -10,8 +10,11 @@ import pypdf
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from markupsafe import Markup
 
-from assessment.report.chapters.joints import joint_law
+from assessment.report.chapters.answer import lead
+from assessment.report.chapters.remarks import joint_law
+from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
@@ -72,16 +75,29 @@ def test_both_languages_have_the_same_keys_and_fields():
         assert fields[0] == fields[1], key
 
 
+def test_the_answer_stands_on_the_page_after_the_title(report):
+    """Sintesi on page 2, whole: the sentence, the table, what it rests on; the chapters begin behind it."""
+    language, results, _, pages = report
+    words, found = words_of(typed(results)), typed(results)
+    page = squeezed(pages[1])
+    for said in [*lead(found, words), *basis(found, words)]:
+        assert squeezed(Markup(said).striptags()) in page
+    assert squeezed(synthesis_grid(found, words).caption.striptags()) in page
+    assert squeezed(strings(language)["section"]["norms"]) in squeezed(pages[2])
+
+
 def test_expected_sections_stand_in_order_with_page_numbers(report):
-    language, _, _, pages = report
-    contents, body = squeezed(pages[1]), squeezed("".join(pages[2:]))
+    language, _results, _, pages = report
+    contents, body = squeezed(pages[0]), squeezed("".join(pages[1:]))
     places = []
-    for number, chapter in enumerate(CHAPTERS, 1):
+    there = [chapter for chapter in CHAPTERS if chapter != "dynamic"]
+    for number, chapter in enumerate(there, 1):
         heading = squeezed(f"{number}. {strings(language)['section'][chapter]}")
         assert heading in contents
         places.append(body.index(heading))
     assert places == sorted(places)
     assert squeezed(f"{len(pages)} {strings(language)['page']['of']} {len(pages)}") in squeezed(pages[-1])
+    assert len(pages) <= 16
 
 
 def test_numbers_of_the_results_are_in_the_document(report):
@@ -92,11 +108,8 @@ def test_numbers_of_the_results_are_in_the_document(report):
             capacity = content["capacity"][direction]
             assert words.number(pushover["rigid"]["alpha_0"]) in text
             assert words.number(1000 * pushover["rigid"]["d_0_m"]) in text
-            assert words.number(pushover["elastic"]["alpha_y"]) in text
             for limit in ("SLD", "SLV", "SLC"):
-                assert words.number(capacity[limit]["a_g_g"]) in text
                 assert words.ratio(capacity[limit]["zeta_E"]) in text
-    assert words.per_cent(results["comparison"][0]["static_reduction"]) in text
     assert ("0,153" if language == "it" else "0.153") in text
     assert squeezed(results["model"]["warnings"][0][1:]) in text
     assert "Comune<A&B>" in squeezed(pages[0])
@@ -110,8 +123,8 @@ def test_figures_and_tables_are_numbered_without_gaps(report):
         word = strings(language)["page"][kind]
         numbers = [int(found) for found in re.findall(rf"{word}\s+(\d+)\.", text)]
         assert numbers == list(range(1, len(numbers) + 1))
-        assert len(numbers) > 6
-    assert (made / "report.html").read_text().count("<figure>") == (made / "report.html").read_text().count(
+        assert len(numbers) > 5
+    assert (made / "report.html").read_text().count("<figure ") == (made / "report.html").read_text().count(
         "<figcaption>"
     )
 
@@ -253,16 +266,16 @@ def test_degraded_forms_render(form, tmp_path):
         assert picture.draw().axes
     html = render_html(typed(results), tmp_path, words_of(typed(results)))
     for chapter in CHAPTERS:
-        assert f'<h2 id="{chapter}">' in html
-    assert ("not reached" in re.sub(r"“[^”]*”", "", html)) == (form is nothing_reached)
+        assert (f'<h2 id="{chapter}">' in html) == (
+            chapter not in {"dynamic", "cracks"} or (chapter == "cracks" and SETTLED in results["states"])
+        )
     if form is nothing_reached:
-        comparison = html[html.index('<h2 id="comparison">') : html.index('<h2 id="convergence">')]
-        assert comparison.count("<td>not determined</td>") == 2 * len(results["comparison"])
+        assert "not reached" in html and "no capacity was found" in html
     if form is unstable_state:
         assert "the pushover in direction +x is not available" in html
     if form is unstable_model:
         assert "NO equilibrium" in html
-        assert "must be reviewed" in html
+        assert "must be reviewed" in html.partition('<h2 id="norms">')[0]
 
 
 def test_a_level_of_knowledge_needs_no_level_of_evaluation(tmp_path, monkeypatch):
@@ -278,6 +291,7 @@ def test_a_level_of_knowledge_needs_no_level_of_evaluation(tmp_path, monkeypatch
     }
     results["echo"]["assessment"]["knowledge"] = {"level": "LC2", "investigations": ""}
     text = render_html(typed(results), tmp_path, words_of(typed(results)))
+    assert text.count("Level of knowledge LC2") == 2, "on the page of the result, and where it follows from"
     assert "Level of knowledge LC2" in text and '<td class="text">tests</td>' in text
 
 
@@ -296,6 +310,9 @@ def test_a_confidence_factor_of_components_is_printed_with_them(tmp_path, monkey
     assert "F<sub>C</sub> = 1 + Σ F<sub>Ck</sub> = 1,11 (D.P.C.M." in text
     assert "LV3" in text and "Indagini svolte: martinetti piatti." in text
     assert text.count("F<sub>C1</sub>, rilievo geometrico") == 2  # with its component, and among the input
+    results["knowledge"] = None
+    text = read(render_html(typed(results), tmp_path, words_of(typed(results))))
+    assert "senza un livello di conoscenza" in text.partition('<h2 id="norms">')[0]
 
 
 def laws_told(results):

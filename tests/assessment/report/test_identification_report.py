@@ -10,14 +10,13 @@ from assessment.cli.summary import as_json, summary
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.project.structure.model import build_model
-from assessment.report.chapters.identification import ready_lines
+from assessment.report.chapters.remarks import ready_lines
 from assessment.report.document import render_html
-from assessment.report.figures.drawings.identification import MARK, draw_identification
+from assessment.report.figures.drawings.deformed import MEASURED, draw_identification
 from assessment.report.tables.index import tables
 from assessment.report.text.language import Words, words_of
 from assessment.results.configurations.outlines import outlines
 from assessment.results.identified import fits
-from assessment.results.messages import with_messages
 from assessment.runtime.progress import Show
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run
@@ -40,7 +39,7 @@ def outcome(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def results(outcome):
-    return with_messages(outcome.results)
+    return outcome.results
 
 
 @pytest.fixture(scope="module")
@@ -48,14 +47,9 @@ def pages(results, tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     draw_sections(results, folder)
     return {
-        language: " ".join(render_html(results, folder, words_in(results, language)).split())
+        language: " ".join(render_html(results, folder, Words.of(language)).split())
         for language in ("it", "en")
     }
-
-
-def words_in(results, language):
-    words = Words.of(language)
-    return Words(language, words.strings, results.messages or {})
 
 
 def test_the_results_have_what_was_asked_for(outcome, results):
@@ -98,13 +92,13 @@ def test_its_many_paths_are_one_line_of_progress(tmp_path):
 def test_the_page_tells_it_in_both_languages(pages):
     for language, phrases in {
         "it": (
-            "Cedimento che spiega il rilievo",
+            "Movimento che spiega il rilievo",
             "Le misure non distinguono",
             "contraddicono le altre",
             "Previsto",
         ),
         "en": (
-            "The settlement that explains the survey",
+            "Movement that explains the survey",
             "do not distinguish",
             "contradict the rest",
             "Predicted",
@@ -163,7 +157,7 @@ def test_the_tables_have_every_hypothesis(results):
 def test_marks_go_with_their_blocks(results):
     axes = draw_identification(results, Words.of("en")).axes[0]
     [marks] = [
-        line for line in axes.lines if line.get_marker() == MARK["marker"] and len(line.get_xdata()) == 2
+        line for line in axes.lines if line.get_marker() == MEASURED["marker"] and len(line.get_xdata()) == 2
     ]
     drawn, moved = outlines(results), np.array(results.identification.hypotheses[0].configuration)
     times = float(axes.get_title().rpartition("× ")[2])

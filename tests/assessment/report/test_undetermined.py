@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 from assessment.cli.summary import summary
-from assessment.report.chapters.grid import summary_grids
 from assessment.report.chapters.judgement import draft_judgement
-from assessment.report.chapters.printed_tables import printed_tables
-from assessment.report.chapters.remarks import headlines
+from assessment.report.chapters.printed_tables import check_grids, printed_tables
+from assessment.report.chapters.synthesis import synthesis_grid
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.indices import indices, interventions
 from assessment.report.text.language import words_of
@@ -62,18 +61,17 @@ def test_tables_have_its_rows_and_no_index(language, open_cell):
     assert all(row["demand_a_g_g"] is not None and row["zeta_E"] is None for row in rows)
     printed = printed_tables(results, words)
     assert [str(cell) for cell in printed["risk"].rows[1]].count(open_cell) == 2
-    [towards, _] = summary_grids(results, words)
-    assert [row[3] for row in towards.rows if "ζ" in row[0]] == 3 * [open_cell]
+    *_, settled = check_grids(results, words)
+    [row] = [row for row in settled.rows if row[0] == "+x"]
+    assert row[1] == "SLD; SLV; SLC" and open_cell in row
+    [row] = [row for row in synthesis_grid(results, words).rows if row[:2] == [SETTLED, "+x"]]
+    assert row[2:5] == 3 * [words("value.open")] and row[-1] == open_cell
 
 
 def test_sentences_and_terminal_say_so(tmp_path):
-    results = halved()
-    keys = hold(results)
-    assert "undetermined" in keys and "zeta_known" in keys and "open_checks" in keys
-    assert not {"zeta", "checks"} & set(keys)
-    text = " ".join(draft_judgement(typed(results), words_of(typed(results))))
-    assert "; 3 of 12 that were asked for could not be carried out" in text
-    _, settled = headlines(typed(results), words_of(typed(results)))
-    assert "not determined: towards +x no capacity was found" in settled and "2.20" not in settled
-    said = summary(Outcome(typed(results), False, 0, 0), tmp_path, [])
-    assert f"{SETTLED}: ζ_E not determined: towards +x no capacity was found" in said.splitlines()
+    results = typed(halved())
+    hold(halved())
+    text = " ".join(draft_judgement(results, words_of(results)))
+    said = f"not determined, no capacity was found: “{SETTLED}”, +x (annex D)"
+    assert said in text
+    assert f"ζ_E {said}." in summary(Outcome(results, False, 0, 0), tmp_path, []).splitlines()

@@ -215,8 +215,8 @@ def test_virtual_displacements_go_where_the_loads_push(state, direction):
 def test_figures_count_along_the_push_and_the_page_along_x():
     results = analysed("en")
     words = words_of(typed(results))
-    axes = draw_pushover(typed(results), words, "-x").axes[0]
-    assert axes.get_xlabel() == "displacement of the control point towards −x [mm]"
+    axes = draw_pushover(typed(results), words, ["-x"]).axes[0]
+    assert axes.get_xlabel() == "Displacement of the control point [mm]"
     curves = [line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2]
     assert curves and all(x[-1] > 0.0 for x in curves)
     [settled] = [
@@ -224,7 +224,7 @@ def test_figures_count_along_the_push_and_the_page_along_x():
         for path in json.loads(viewer(typed(results), words).data)["paths"]
         if path["title"].endswith(f"{SETTLED}, −x, rigid contacts")
     ]
-    assert settled["x_label"] == "displacement of the control point along x [mm]"
+    assert settled["x_label"] == "Displacement of the control point [mm]"
     assert settled["series"][0]["x"][-1] < 0.0 and settled["frames"]["x"][-1] < 0.0
     rigid = results["states"][SETTLED]["pushover"]["-x"]["rigid"]
     marks = [line for line in axes.lines if line.get_marker() == "o"]

@@ -1,102 +1,170 @@
-"""Drawings of an assembly: a settlement, the mechanisms, the end of capacity; all to scale, in black and white."""
+"""Drawings to scale of what states do: settlements and their cracks, mechanisms, the end of capacity."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch
+from matplotlib.patches import Patch
 
-from assessment.report.figures.drawings.labels import Labels
-from assessment.report.figures.drawings.ties import LINE, draw_ties, moved_ends, tie_handles
-from assessment.report.figures.style import WIDTH_MM, Sheet, nice, sheet
+from assessment.report.figures.drawings.parts import (
+    HINGE,
+    INK,
+    LETTER,
+    MOVING,
+    TIE,
+    Labels,
+    draw_ties,
+    fill,
+    fill_roles,
+    ghost,
+    ghost_handle,
+    moved_ends,
+    movement_arrow,
+    push_arrow,
+    tie_handles,
+    union,
+)
+from assessment.report.figures.style import MM, Sheet, foot, nice, sheet
 from assessment.report.tables.curves import alpha_at_d_0
+from assessment.report.tables.structure.cracks import cracks_of, surveyed
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
-from assessment.results.configurations.outlines import Array, Outlines, field, outlines
+from assessment.results.configurations.outlines import Array, Outlines, field, outlines, place
 from assessment.results.configurations.tie_ends import ties_of
+from assessment.results.identified import best_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, GivenMechanism
 from assessment.results.schema.model import Face
 from assessment.results.schema.part import Configuration, Point, known
-from assessment.results.schema.static import Settlement
-from assessment.results.table import sense
 from mechanics.model import end_points
 
-Bounds = tuple[float, float, float, float]
-INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
+View = tuple[str, Direction]
+"""A state and the direction in which it is pushed."""
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
-LETTER_MM, KEY_MM = (
-    1.4,
-    9.0,
-)  # of a legend: an average letter; the key before the words and the gap after them
-LINE_MM, FREE_MM = 3.8, 4.0  # of a legend: a line; what is free above and below
-ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
-GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
+SHOWN = 0.06  # of the size of the model: the largest displacement of a settlement, magnified
+SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
+CAPITAL = 0.75  # of the size of a font: the height of a digit
+SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
+CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
+MEASURED: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "D",
+    "markersize": 4.0,
+    "markerfacecolor": "1.0",
+    "markeredgecolor": INK,
+    "markeredgewidth": 1.0,
+}
+WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5}
+NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE}
+BOXED: dict[str, Any] = {
+    "fontsize": 7.0,
+    "fontweight": "bold",
+    "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
+}
 
 
 def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     """Draw a settled state, magnified until it shows, and the last one before collapse where it was found."""
     shape, content = outlines(results), results.states[state]
-    travel = float(np.abs(shape.moved(content.configuration).points - shape.points).max())
-    times = nice(max(1.0, 0.06 * shape.size / travel)) if travel > 0.0 else 1.0
-    views = {words.plain("figure.settled_true"): shape.moved(content.configuration)}
-    moved = [(content.configuration, 1.0)]
-    if times > 1.0:
-        title = words.plain("figure.settled", times=f"{times:g}")
-        views[title] = shape.moved(content.configuration, times)
-        moved.append((content.configuration, times))
+    times = _magnification(shape, content.configuration)
+    views: list[tuple[str, Configuration, float]] = [(_times(times, words), content.configuration, times)]
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
-            title = words.plain(
-                "figure.ultimate",
-                contacts=words.plain(f"value.{contacts}"),
-                movement=words.millimetres(path.ultimate_movement_m),
-            )
-            views[title] = shape.moved(path.ultimate_configuration)
-            moved.append((path.ultimate_configuration, 1.0))
-    page = sheet(union([shape, *views.values()]), len(views), border_mm=5.0, below_mm=8.0, foot_mm=foot([""]))
-    for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
+            kind, movement = words.plain(f"value.{contacts}"), words.millimetres(path.ultimate_movement_m)
+            title = words.plain("figure.ultimate", contacts=kind, movement=movement)
+            views.append((title, path.ultimate_configuration, 1.0))
+    shapes = [shape.moved(at, by) for _, at, by in views]
+    page = sheet(
+        union([shape, *shapes]),
+        len(views),
+        border_mm=5.0,
+        below_mm=8.0,
+        foot_mm=foot([""]),
+        height_mm=130.0,
+        most_mm=75.0,
+    )
+    for axes, (title, at, by), view in zip(page.panels, views, shapes, strict=True):
         axes.set_title(title)
-        axes.add_artist(PathPatch(shape.path(_all(shape)), **GHOST))
+        ghost(axes, shape)
         fill_roles(axes, view, results)
-        draw_ties(page, axes, moved_ends(results, state, *at))
-    _movement(page, shape, results, known(content.settlement))
-    ghost = ghost_handle(words.plain("figure.original_outline"))
-    legend(page, [ghost, *tie_handles(results, words, state)])
+        draw_ties(page, axes, moved_ends(results, state, at, by))
+    movement_arrow(page, page.panels[0], shape, results, known(content.settlement))
+    page.legend(
+        [ghost_handle(words.plain("figure.original_outline")), *tie_handles(results, words, state)], words
+    )
     return page.figure
 
 
-def draw_overturned(results: Results, words: Words, states: Sequence[str], direction: Direction) -> Figure:
-    """Draw each state where its capacity ends (d_0, rigid contacts), to true scale over the state's own rest."""
+def draw_synthesis(results: Results, words: Words, settled: str | None, governing: View | None) -> Figure:
+    """Draw a settled state, magnified until it shows, beside the mechanism that governs; as drawn without any."""
+    shape = outlines(results)
+    mechanism = found_mechanism(results, *governing) if governing else None
+    at = results.states[settled].configuration if settled else np.zeros((len(shape.centroids), 3))
+    times = _magnification(shape, at)
+    view = shape.moved(at, times)
+    shown = [view, *([mechanism.start, mechanism.swept] if mechanism else [])]
+    panels = 2 if mechanism else 1
+    page = sheet(
+        union([shape, *shown]),
+        panels,
+        border_mm=7.0,
+        below_mm=7.0,
+        height_mm=88.0,
+        foot_mm=foot(["", ""]),
+        most_mm=55.0,
+    )
+    page.panels[0].set_title(
+        words.state(settled or "original") + (f", {_times(times, words)}" if settled else "")
+    )
+    if settled:
+        ghost(page.panels[0], shape)
+    fill_roles(page.panels[0], view, results)
+    handles: list[Any] = []
+    if settled:
+        draw_ties(page, page.panels[0], moved_ends(results, settled, at, times))
+        movement_arrow(page, page.panels[0], shape, results, known(results.states[settled].settlement))
+        handles.append(ghost_handle(words.plain("figure.original_outline")))
+    if mechanism and governing:
+        page.panels[1].set_title(f"{words.state(governing[0])}, {direction_name(governing[1])}")
+        mechanism.draw(page, page.panels[1])
+        push_arrow(page, page.panels[1], mechanism.swept.bounds, governing[1])
+        handles += mechanism_handles([mechanism], words)[1:]
+    page.legend(handles or [ghost_handle(words.plain("figure.original_outline"))], words)
+    return page.figure
+
+
+def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Figure:
+    """Draw states where their capacity ends (d_0, rigid contacts), to true scale over each one's own rest."""
     drawing = outlines(results)
-    pushed = [rigid_push(results, name, direction) for name in states]
-    starts = [drawing.moved(results.states[name].configuration) for name in states]
+    pushed = [rigid_push(results, *view) for view in views]
+    starts = [drawing.moved(results.states[name].configuration) for name, _ in views]
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
-    page = sheet(union([*starts, *ends]), len(states), border_mm=7.0, foot_mm=foot([""]))
-    for axes, name, start, end, rigid in zip(page.panels, states, starts, ends, pushed, strict=True):
+    page = sheet(union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot([""]))
+    for axes, (name, way), start, end, rigid in zip(page.panels, views, starts, ends, pushed, strict=True):
         left = alpha_at_d_0(rigid)
         lost = "" if left is None else f", α = {words.show(left)}"
         axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}{lost}")
-        axes.add_artist(PathPatch(start.path(_all(start)), **GHOST))
+        ghost(axes, start)
         fill_roles(axes, end, results)
         draw_ties(page, axes, moved_ends(results, name, rigid.final_configuration))
-        push_arrow(page, axes, end.bounds, direction)
-    ghost = ghost_handle(words.plain("figure.start_outline"))
-    legend(page, [ghost, *tie_handles(results, words, *states)])
+        push_arrow(page, axes, end.bounds, way)
+    start_outline = ghost_handle(words.plain("figure.start_outline"))
+    page.legend([start_outline, *tie_handles(results, words, *(name for name, _ in views))], words)
     return page.figure
 
 
-def draw_mechanisms(results: Results, words: Words, states: Sequence[str], direction: Direction) -> Figure:
-    """Draw the mechanism of each state on its deformed shape at activation, hinges and sliding joints marked."""
-    views = [found_mechanism(results, name, direction) for name in states]
-    return _draw_mechanisms(words, views, direction)
+def draw_mechanisms(results: Results, words: Words, views: Sequence[View]) -> Figure:
+    """Draw mechanisms on the deformed shapes at their activation, hinges and sliding joints marked."""
+    return _draw_mechanisms(
+        words, [found_mechanism(results, *view) for view in views], [way for _, way in views]
+    )
 
 
 def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure:
@@ -105,10 +173,24 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
     motion = Kinematics(known(given.displacements), centres, known(given.sliding_joints))
     at = results.states[given.state].configuration
     view = Mechanism(results, given.state, motion, at, known(given.met))
-    return _draw_mechanisms(words, [view], known(given.direction))
+    return _draw_mechanisms(words, [view], [known(given.direction)])
 
 
-def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direction) -> Figure:
+def _draw_mechanisms(words: Words, views: Sequence[Mechanism], ways: Sequence[Direction]) -> Figure:
+    handles = mechanism_handles(views, words)
+    bounds = union([outline for view in views for outline in (view.start, view.swept)])
+    labels = [each.get_label() for each in handles]
+    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels), height_mm=170.0, most_mm=75.0)
+    for axes, view, way in zip(page.panels, views, ways, strict=True):
+        axes.set_title(f"{words.state(view.state)}, {direction_name(way)}")
+        view.draw(page, axes)
+        push_arrow(page, axes, view.swept.bounds, way)
+    page.legend(handles, words)
+    return page.figure
+
+
+def mechanism_handles(views: Sequence[Mechanism], words: Words) -> list[Any]:
+    """Return the legend of mechanisms."""
     handles: list[Any] = [
         ghost_handle(words.plain("figure.start_outline")),
         Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
@@ -117,39 +199,15 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], direction: Direct
     if any(len(view.sliding) for view in views):
         handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
     if any(view.ties for view in views):
-        handles.append(Line2D([], [], **LINE, label=words.plain("figure.tie")))
-    bounds = union([outline for view in views for outline in (view.start, view.swept)])
-    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels_of(handles)), most_mm=85.0)
-    for axes, view in zip(page.panels, views, strict=True):
-        axes.set_title(words.state(view.state))
-        view.draw(page, axes)
-        push_arrow(page, axes, view.swept.bounds, direction)
-    legend(page, handles)
-    return page.figure
-
-
-HINGE: dict[str, Any] = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 5.0,
-    "markerfacecolor": "1.0",
-    "markeredgecolor": INK,
-    "markeredgewidth": 1.2,
-}
-LABEL: dict[str, Any] = {
-    "fontsize": 7.0,
-    "fontweight": "bold",
-    "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
-}
-SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
+        handles.append(Line2D([], [], **TIE, label=words.plain("figure.tie")))
+    return handles
 
 
 def found_mechanism(results: Results, state: str, direction: Direction) -> Mechanism:
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
     rigid = rigid_push(results, state, direction)
-    motion = Kinematics(
-        rigid.mechanism.displacements, rigid.mechanism.hinge_points_m, rigid.mechanism.sliding_joints
-    )
+    found = rigid.mechanism
+    motion = Kinematics(found.displacements, found.hinge_points_m, found.sliding_joints)
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
     return Mechanism(results, state, motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
@@ -197,37 +255,26 @@ class Mechanism:
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
     def draw(self, page: Sheet, axes: Axes) -> None:
-        """Draw start outline, displaced blocks, hinges, sliding joints and ties."""
-        axes.add_artist(PathPatch(self.start.path(_all(self.start)), **GHOST))
+        """Draw start outline, displaced blocks, hinges, sliding joints, ties, and the numbers of macro-blocks."""
+        ghost(axes, self.start)
         fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
         fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
         for owner, slide in zip(self.sliding.a, self.slides, strict=True):
-            ends = self._carried(slide, np.full(2, owner))
-            axes.plot(ends[:, 0], ends[:, 1], **SLIDING)
-        carried = [
-            self._carried(ends, np.array(tie.blocks))
-            for tie, ends in zip(self.ties, self.tie_ends, strict=True)
-        ]
-        draw_ties(page, axes, iter(carried))
+            axes.plot(*self._carried(slide, np.full(2, owner)).T, **SLIDING)
+        ends = zip(self.ties, self.tie_ends, strict=True)
+        draw_ties(page, axes, [self._carried(points, np.array(tie.blocks)) for tie, points in ends])
         labels = Labels(page, axes)
         if self.hinges:
             owner = np.array([self.start.nearest(point) for point in self.hinges])
             points = self._carried(np.asarray(self.hinges, dtype=float), owner)
-            axes.plot(points[:, 0], points[:, 1], **HINGE)
+            axes.plot(*points.T, **HINGE)
             labels.avoid(points, HINGE["markersize"] + HINGE["markeredgewidth"])
-        self._number_macro_blocks(labels)
-
-    def _number_macro_blocks(self, labels: Labels) -> None:
-        """Write the numbers of the macro-blocks, as in the table of the hand check, near their centroids.
-
-        Those of less than LIGHT of the moving weight have none.
-        """
         whole_weight = sum(each.weight for each in self.macro_blocks)
         for number, whole in enumerate(self.macro_blocks, 1):
             if whole.weight >= LIGHT * whole_weight:
                 away = np.hypot(*(self.start.centroids[list(whole.members)] - whole.centroid).T)
                 nearest = np.array(whole.members)[np.argsort(away, kind="stable")]
-                labels.write(str(number), list(self.swept.centroids[nearest]), **LABEL)
+                labels.write(str(number), list(self.swept.centroids[nearest]), **BOXED)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return field(points, owner, self.start.centroids, self.velocity)
@@ -236,88 +283,107 @@ class Mechanism:
         return points + self.amount * self._rate(points, owner)
 
 
-def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
-    """Draw the chosen blocks in a grey."""
-    if len(chosen):
-        axes.add_artist(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
-
-
-def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
-    """Draw movable blocks light and supports dark."""
-    supports = np.array([block.support is not None for block in results.geometry.blocks])
-    fill(axes, shape, np.flatnonzero(~supports), "0.92")
-    fill(axes, shape, np.flatnonzero(supports), SUPPORT)
-
-
-def _all(shape: Outlines) -> range:
-    return range(len(shape.centroids))
-
-
-def union(shapes: Sequence[Outlines]) -> Bounds:
-    """Return the bounds of all shapes, m."""
-    boxes = np.array([shape.bounds for shape in shapes])
-    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
-    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
-
-
-def _movement(page: Sheet, shape: Outlines, results: Results, settlement: Settlement) -> None:
-    moved = [i for i, block in enumerate(results.geometry.blocks) if block.support == settlement.support]
-    x, z = shape.centroids[moved].mean(axis=0)
-    dx, dz = settlement.displacement_m
-    size = float(np.hypot(dx, dz))
+def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure:
+    """Draw a settled state, not magnified: its cracks, `most` of them numbered, blocks, and where it was surveyed."""
+    shape = outlines(results).moved(results.states[state].configuration)
+    page = sheet(union([shape]), border_mm=8.0, foot_mm=foot(["", ""]))
     axes = page.panels[0]
-    if size > 0.0:
-        reach = page.paper(9.0) / size
-        axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
-    if turn := settlement.rotation_rad:  # a half circle over the support, anticlockwise from right to left
-        half = math.copysign(page.paper(5.0), turn)
-        bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
-        axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
+    fill_roles(axes, shape, results)
+    labels = Labels(page, axes)
+    found = cracks_of(results, state)
+    middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
+    ends = {crack.joint: _face(results, shape, crack.joint) for crack in found}
+    for face in ends.values():
+        axes.plot(*face.T, **CRACK)
+    for number, (ring, centroid) in enumerate(
+        zip(shape.rings(range(len(shape.centroids))), shape.centroids, strict=True)
+    ):
+        size = room(page, ring, str(number))
+        if size >= SMALLEST_PT:
+            dark = results.geometry.blocks[number].support is not None
+            labels.put(str(number), centroid, fontsize=size, color="1.0" if dark else "0.25")
+    handles = [Line2D([], [], **CRACK, label=words.plain("figure.crack"))]
+    if measured := surveyed(results, state):
+        points = np.array([each.point_m for each in measured])
+        owner = np.array([each.block for each in measured])
+        at = place(
+            points, owner, outlines(results).centroids, np.asarray(results.states[state].configuration)
+        )
+        axes.plot(*at.T, **MEASURED)
+        labels.avoid(at, MEASURED["markersize"] + 1.0)
+        for each, spot in zip(measured, at, strict=True):
+            labels.write(f"M{each.number}", _around(page, spot), **NUMBER)
+        handles.append(Line2D([], [], **MEASURED, label=words.plain("figure.measured_crack")))
+    for crack in found[:most]:
+        labels.write(f"G{crack.joint}", _beside(page, ends[crack.joint], middle), **NUMBER)
+    page.legend(handles, words)
+    return page.figure
 
 
-def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: Direction) -> None:
-    """Draw the arrow of the lateral loads above a model."""
-    sign = sense(direction)
-    x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
-    half = page.paper(8.0) * sign
-    axes.annotate("", (x + half, z), (x - half, z), arrowprops=ARROW | {"lw": 1.2})
-    axes.annotate(
-        f"α ({direction_name(direction)})",
-        (x + half, z),
-        (4.0 * sign, 0.0),
-        textcoords="offset points",
-        ha="left" if sign > 0 else "right",
-        va="center",
+def draw_identification(results: Results, words: Words) -> Figure:
+    """Draw the best movement, magnified until it shows, the measurements marked by their numbers."""
+    found = known(results.identification)
+    drawn, moved = outlines(results), np.asarray(known(known(best_of(found)).configuration), dtype=float)
+    times = _magnification(drawn, moved)
+    shape = drawn.moved(moved, times)
+    points = np.array([site.point_m for site in found.sites], dtype=float)
+    owner = np.array([site.block for site in found.sites], dtype=np.intp)
+    marked = points + times * (place(points, owner, drawn.centroids, moved) - points)
+    page = sheet(union([drawn, shape]), border_mm=8.0, foot_mm=foot([""]))
+    axes = page.panels[0]
+    axes.set_title(_times(times, words))
+    ghost(axes, drawn)
+    fill_roles(axes, shape, results)
+    axes.plot(*marked.T, **MEASURED)
+    labels = Labels(page, axes)
+    labels.avoid(marked, MEASURED["markersize"] + MEASURED["markeredgewidth"])
+    for number, point in enumerate(marked, 1):
+        labels.write(str(number), _around(page, point), **NUMBER)
+    mark = Line2D([], [], **MEASURED, label=words.plain("figure.measurement"))
+    page.legend([ghost_handle(words.plain("figure.original_outline")), mark], words)
+    return page.figure
+
+
+def _magnification(shape: Outlines, configuration: Any) -> float:
+    """Return a round factor that makes the largest displacement `SHOWN` of the model's size."""
+    travel = float(np.abs(shape.moved(configuration).points - shape.points).max())
+    return nice(max(1.0, SHOWN * shape.size / travel)) if travel > 0.0 else 1.0
+
+
+def _times(times: float, words: Words) -> str:
+    return (
+        words.plain("figure.magnified", times=f"{times:g}")
+        if times > 1.0
+        else words.plain("figure.true_scale")
     )
 
 
-def ghost_handle(label: str) -> Line2D:
-    """Return the legend's line of an earlier outline."""
-    return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
+def _around(page: Sheet, point: Array) -> list[Array]:
+    return [point + page.paper(3.0) * np.array(way) for way in ((1, 0), (-1, 0), (0, 1), (0, -1))]
 
 
-def legend_columns(labels: Sequence[str]) -> int:
-    """Return how many columns, up to three, a legend has room for."""
-    widest = max((LETTER_MM * len(label) + KEY_MM for label in labels), default=KEY_MM)
-    return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
+def _face(results: Results, shape: Outlines, joint: int) -> Array:
+    """Return the ends (2, 2) m of the second block's face of a joint, in the configuration drawn."""
+    face, drawn = results.geometry.joints[joint], outlines(results)
+    block = face.blocks[1]
+    own, now = drawn.points[drawn.owner == block], shape.points[drawn.owner == block]
+    arm, turned = own[1] - own[0], now[1] - now[0]
+    turn = np.arctan2(turned[1], turned[0]) - np.arctan2(arm[1], arm[0])
+    spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    ends: Array = now[0] + (np.asarray(face.ends_m) - own[0]) @ spin.T
+    return ends
 
 
-def foot(labels: Sequence[str]) -> float:
-    """Return the height in mm of a legend with these labels."""
-    return FREE_MM + LINE_MM * math.ceil(len(labels) / legend_columns(labels))
+def _beside(page: Sheet, face: Array, middle: Array) -> list[Array]:
+    """Return places for a number: beyond the end of the joint that is farther out, then beyond the other one."""
+    along = (face[1] - face[0]) / max(float(np.hypot(*(face[1] - face[0]))), 1e-12)
+    ends = sorted(((face[1], along), (face[0], -along)), key=lambda end: -float(np.hypot(*(end[0] - middle))))
+    return [end + page.paper(distance) * out for distance in (3.0, 5.0) for end, out in ends]
 
 
-def labels_of(handles: Sequence[Any]) -> list[str]:
-    """Return the text of a legend for its handles."""
-    return [str(handle.get_label()) for handle in handles]
-
-
-def legend(page: Sheet, handles: list[Any]) -> None:
-    """Put the legend of a drawing below it, in as many columns, up to three, as the sheet has room for."""
-    columns = legend_columns(labels_of(handles))
-    labels = [
-        f" {text}" if (text := str(h.get_label())).startswith("_") else text for h in handles
-    ]  # "_": left out
-    page.figure.legend(
-        handles, labels, loc="lower center", ncols=columns, handlelength=1.8, columnspacing=1.6
-    )
+def room(page: Sheet, ring: Array, text: str) -> float:
+    """Return the size in points, LARGEST_PT at most, of a text that stays within a block (n, 2) m at any slope."""
+    corners = np.asarray(shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).exterior.coords)
+    narrow = 1000.0 * min(np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1])))
+    diagonal = np.hypot(LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
+    return float(min(LARGEST_PT, narrow / page.scale / diagonal))

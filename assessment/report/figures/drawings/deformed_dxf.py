@@ -14,7 +14,7 @@ from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
 from assessment.report.figures.drawings.deformed import found_mechanism
-from assessment.report.figures.drawings.ties import moved_ends
+from assessment.report.figures.drawings.parts import moved_ends
 from assessment.report.text.language import slug
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.configurations.joint_states import (

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Curve
 
-from assessment.report.figures.drawings.deformed import INK, SUPPORT, Bounds, legend
+from assessment.report.figures.drawings.parts import INK, SUPPORT, Bounds
 from assessment.report.figures.style import sheet
 from assessment.report.text.language import Words
 from mechanics.faults import Fault, FaultyDrawingError, Outline
@@ -53,7 +53,7 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
         off = 12.0 if fault.kind in SMALL else 0.0
         away = (off * np.cos(angle), off * np.sin(angle))
         axes.annotate(str(number), fault.points[0], away, textcoords="offset points", **NUMBER)
-    legend(page, _handles(faulty.faults, words))
+    page.legend(_handles(faulty.faults, words), words)
     return page.figure
 
 

@@ -9,12 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Patch
 from matplotlib.path import Path
 
-from assessment.report.figures.drawings.deformed import ARROW, INK, SUPPORT, Bounds, fill, foot, legend
-from assessment.report.figures.drawings.ties import LINE, draw_ties
-from assessment.report.figures.style import Sheet, nice, sheet
+from assessment.report.figures.drawings.parts import ARROW, INK, SUPPORT, TIE, Bounds, draw_ties, fill
+from assessment.report.figures.style import Sheet, foot, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
@@ -44,7 +43,7 @@ DIMENSION = {
 
 
 def draw_model(results: Results, words: Words) -> Figure:
-    """Draw blocks by layer, supports, vertical loads, control points, overall dimensions and the scale."""
+    """Draw blocks by layer, supports, vertical loads, control points and overall dimensions."""
     shape, blocks = outlines(results), results.geometry.blocks
     by_layer: dict[str, list[int]] = {}
     for number, block in enumerate(blocks):
@@ -52,7 +51,7 @@ def draw_model(results: Results, words: Words) -> Figure:
     named = {layer: _label(layer, blocks[own[0]].support, words) for layer, own in sorted(by_layer.items())}
     labels = list(named.values())[:MOST_NAMED]
     marked = ["", "", *([""] if results.model.ties else [])]  # loads, control points, ties
-    page = sheet(shape.bounds, border_mm=14.0, below_mm=14.0, foot_mm=foot([*labels, *marked]))
+    page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0, foot_mm=foot([*labels, *marked]))
     axes = page.panels[0]
     handles: list[Any] = []
     for index, (layer, label) in enumerate(named.items()):
@@ -67,7 +66,7 @@ def draw_model(results: Results, words: Words) -> Figure:
     handles += _controls(axes, results, words)
     handles += _ties(page, axes, results, words)
     _dimensions(page, axes, shape.bounds, words)
-    legend(page, handles)
+    page.legend(handles, words)
     return page.figure
 
 
@@ -113,7 +112,7 @@ def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
     """Draw every tie, whatever states it is in, with its name."""
     ties = results.model.ties or ()
     ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
-    draw_ties(page, axes, iter(ends))
+    draw_ties(page, axes, ends)
     for tie, (start, end) in zip(ties, ends, strict=True):
         axes.annotate(
             tie.name,
@@ -124,7 +123,7 @@ def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
             va="bottom",
             bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
         )
-    return [Line2D([], [], **LINE, label=words.plain("figure.tie"))] if ties else []
+    return [Line2D([], [], **TIE, label=words.plain("figure.tie"))] if ties else []
 
 
 def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
@@ -139,27 +138,6 @@ def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
     label = {"ha": "center", "va": "center", "bbox": {"facecolor": "1.0", "edgecolor": "none", "pad": 1.0}}
     axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
     axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
-    length = nice((x1 - x0) / 3.0)
-    base = z0 - page.paper(12.5)
-    for part in range(4):
-        start = x0 + length * part / 4.0
-        axes.add_patch(
-            Rectangle(
-                (start, base),
-                length / 4.0,
-                page.paper(1.2),
-                facecolor=INK if part % 2 == 0 else "1.0",
-                edgecolor=INK,
-                linewidth=0.4,
-            )
-        )
-    scale = words.comma(f"{page.scale:g}")
-    axes.text(
-        x0 + length + page.paper(2.0),
-        base + page.paper(0.6),
-        words.plain("figure.scale", length=_metres(length, words), scale=scale),
-        va="center",
-    )
 
 
 def _metres(value: float, words: Words) -> str:

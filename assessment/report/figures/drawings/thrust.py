@@ -13,19 +13,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from assessment.report.figures.drawings.deformed import (
+from assessment.report.figures.drawings.parts import (
     HINGE,
     INK,
+    draw_ties,
     fill_roles,
-    foot,
-    labels_of,
-    legend,
+    moved_ends,
     push_arrow,
+    tie_handles,
     union,
 )
-from assessment.report.figures.drawings.ties import draw_ties, moved_ends, tie_handles
-from assessment.report.figures.style import Sheet, sheet
-from assessment.report.text.language import Words
+from assessment.report.figures.style import Sheet, foot, sheet
+from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.joint_states import JointStates, Situation, joint_states, thrust_lines
 from assessment.results.configurations.outlines import Outlines, outlines
 from assessment.results.schema import Results
@@ -33,8 +32,8 @@ from assessment.results.schema import Results
 UNIT_MM = 10.0  # on paper, of a round force
 LONGEST = 1.3  # times that, the largest resultant
 CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
-THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.3}
-RESULTANT: dict[str, Any] = {"color": "0.35", "linewidth": 0.7}
+THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.8}
+RESULTANT: dict[str, Any] = {"color": "0.45", "linewidth": 0.6}
 JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a whole is a plain outline
     "partial": {"color": INK, "linewidth": 1.2, "linestyle": (0, (1.2, 0.8))},
     "sliding": {"color": INK, "linewidth": 2.4},
@@ -55,14 +54,16 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     handles = _handles({c for states in joints for c in states.condition}, unit, words)
     handles += tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
-    page = sheet(union(shapes), len(shown), border_mm=above, foot_mm=foot(labels_of(handles)))
+    page = sheet(
+        union(shapes), len(shown), border_mm=above, foot_mm=foot([each.get_label() for each in handles])
+    )
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))
         _draw(page, axes, results, shape, states, unit)
         draw_ties(page, axes, moved_ends(results, situation.state, situation.configuration))
         if situation.direction:
             push_arrow(page, axes, shape.bounds, situation.direction)
-    legend(page, handles)
+    page.legend(handles, words)
     return page.figure
 
 
@@ -105,7 +106,7 @@ def _title(situation: Situation, words: Words) -> str:
     name = words.state(situation.state)
     if situation.direction is None:
         return f"{name}\n{words.plain('figure.at_rest_forces', contacts=words.plain(f'value.{situation.contacts}'))}"
-    return f"{name}\nα = {words.show(situation.alpha)}"
+    return f"{name}, {direction_name(situation.direction)}\nα = {words.show(situation.alpha)}"
 
 
 def _handles(conditions: set[str], unit: float, words: Words) -> list[Any]:

@@ -13,7 +13,7 @@ from assessment.results.schema.part import present
 from assessment.results.schema.static import Contacts
 from assessment.results.table import Table, columns_of
 
-PRINTED = 40  # joints of the report's table, those that are pressed most
+PRINTED = {"short": 10, "full": 40}  # joints of the report's table, those that are pressed most
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,11 @@ def edge_pressure_table(results: Results) -> Table:
     )
 
 
+def printed(results: Results) -> int:
+    """Return how many joints the report prints."""
+    return PRINTED[results.echo.report.annexes or "short"]
+
+
 def reported_pressures(results: Results) -> Table:
     """Return the joints that are pressed most; without the pressures of no crushing where no joint crushes.
 
@@ -81,7 +86,7 @@ def reported_pressures(results: Results) -> Table:
     found = edge_pressures(results)
     left_out = () if crushes(results) else ("uncrushed_pressure_kN_m2",)
     columns = tuple(column for column in columns_of(EdgePressure) if column not in left_out)
-    rows = [present(asdict(each)) for each in (found[:PRINTED] if bounded(found) else ())]
+    rows = [present(asdict(each)) for each in (found[: printed(results)] if bounded(found) else ())]
     return Table("edge_pressures", rows, columns)
 
 

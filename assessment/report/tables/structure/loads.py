@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from markupsafe import Markup
-
-from assessment.ntc.vertical import THRUSTING_A_G
 from assessment.report.tables.capacity import capacities
 from assessment.report.text.language import Words
 from assessment.results.schema import Results
@@ -75,18 +72,3 @@ def vertical(results: Results) -> Table:
         if capacity.vertical
     ]
     return Table("vertical", rows, VERTICAL)
-
-
-def vertical_sentences(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what became of the vertical component, and why, where there is a check against a demand."""
-    demand = (results.spectra or {}).get("SLV")
-    if demand is None:
-        return
-    a_g, least = words.show(demand.a_g_g), words.comma(f"{THRUSTING_A_G:g}")
-    if demand.kind == "record":
-        yield words("text.vertical_record")
-    elif demand.a_g_g < THRUSTING_A_G:
-        yield words("text.vertical_low", a_g=a_g, least=least)
-    else:
-        done = bool(vertical(results).rows)
-        yield words("text.vertical" if done else "text.vertical_left_out", a_g=a_g, least=least)

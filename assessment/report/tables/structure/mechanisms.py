@@ -8,6 +8,7 @@ from assessment.ntc.limit_states import LINEAR
 from assessment.report.tables.capacity import capacities, mechanism_text
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import WHOLE
+from assessment.results.configurations.hand_check import macro_blocks, rigid_push
 from assessment.results.configurations.hand_check import mechanisms as found_mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
@@ -85,6 +86,29 @@ def reported_second_solver(results: Results, words: Words) -> Table:
             row = {"state": name, "direction": direction, **_compared(pair)}
             rows.append(row | {"relative_difference": shown})
     return Table("second_solver", rows, ("state", "direction", "alpha_own_run", *SECOND_SOLVER[1:]))
+
+
+COUNTED = 10  # hinges that have a word
+
+
+def mechanism_name(results: Results, state: str, direction: Direction, words: Words) -> str:
+    """Name the rigid mechanism of a state: overturning, sliding, of so many hinges or parts, and of which layers."""
+    rigid = rigid_push(results, state, direction)
+    parts = macro_blocks(results, state, direction)
+    turning = sum(bool(part.rotation) for part in parts)
+    hinges = rigid.mechanism.hinges
+    if not turning:
+        name = words.plain("mechanism.sliding")
+    elif turning == 1:
+        name = words.plain("mechanism.overturning")
+    elif hinges <= COUNTED:
+        name = words.plain("mechanism.hinges", count=words.plain(f"mechanism.n{hinges}"))
+    else:
+        name = words.plain("mechanism.parts", count=turning)
+    if turning and rigid.mechanism.sliding_joints:
+        name = words.plain("mechanism.and_sliding", name=name)
+    element = macro_element(results, rigid.mechanism.displacements)
+    return name if element == WHOLE else f"{name} ({element})"
 
 
 def _compared(pair: SecondSolver) -> Row:

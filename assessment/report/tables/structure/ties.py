@@ -83,6 +83,37 @@ def shaken_ties(results: Results) -> Table:
     return Table("shaken_ties", rows, SHAKEN)
 
 
+PLATES_M = {"plate_20_MPa": 0.20, "plate_30_MPa": 0.30, "plate_40_MPa": 0.40}  # sides of square plates
+DEMANDS = ("tie", "state", "greatest_kN", "yield_force_kN", "share_used", "yields", *PLATES_M)
+
+
+def tie_demands(results: Results) -> Table:
+    """List the greatest tension of every tie, its share of the yield force, and the pressure below square plates.
+
+    Bar, anchorage and masonry below the plate are for the engineer to check against these.
+    """
+    strength = {tie.name: tie.yield_force_kN for tie in results.model.ties or ()}
+    greatest: dict[str, tuple[float, str, bool]] = {}
+    shaken = shaken_ties(results).rows
+    for each in [*tie_tensions(results).rows, *shaken]:
+        tie, force, yields = each["tie"], each["greatest_kN"], bool(each["yields"])
+        if force is not None and (tie not in greatest or force > greatest[tie][0]):
+            greatest[tie] = force, each["state"], yields
+    rows: list[Row] = []
+    for tie, (force, state, yields) in greatest.items():
+        limit = strength[tie]
+        row: Row = {
+            "tie": tie,
+            "state": state,
+            "greatest_kN": force,
+            "yield_force_kN": limit,
+            "yields": yields,
+        }
+        row |= {"share_used": force / limit} if limit else {}
+        rows.append(row | {name: 0.001 * force / side**2 for name, side in PLATES_M.items()})
+    return Table("tie_demands", rows, DEMANDS)
+
+
 def strengthening(results: Results) -> Table:
     """List the capacities of every strengthened state beside those of the state before, as in results.json."""
     rows = [cells(each, STRENGTHENING) for each in results.strengthening or ()]

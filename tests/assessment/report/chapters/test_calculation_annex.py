@@ -1,5 +1,6 @@
 """Every number of the annex, of whole projects: recomputed from what tables/trace.csv and the report print."""
 
+import json
 import re
 
 import ezdxf
@@ -20,8 +21,9 @@ from assessment.project.structure.model import build_model
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.tables.capacity import scalings, trace, verification
 from assessment.report.text.language import Words, words_of
-from assessment.results.messages import table_of
+from assessment.results.file import as_bytes
 from assessment.results.plain import plain
+from assessment.results.summary import summary_of
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, TURNED, block
@@ -34,6 +36,7 @@ increment_m = 0.05
 control = {"+x" = "right", "-x" = "left"}
 [report]
 language = "en"
+annexes = "full"
 """
 PROJECT = block(stiffness="1e5") + TURNED + PUSHED
 TYPED = f"""[assessment.site]
@@ -125,12 +128,13 @@ def assessed(project, results):
             pushover=state.pushover | curves, capacity=capacity, governing=governing(capacity)
         )
     found = results.replace(
+        echo=results.echo.replace(assessment=project.content().get("assessment")),
         states=states,
         quality=results.quality.replace(warnings=[*results.quality.warnings, *notes]),
         spectra=demand_parts(project, demands),
         mechanisms=assess_chosen(project, models, states, demands, notes),
     )
-    return plain(found.replace(messages=table_of(found)))
+    return json.loads(as_bytes(found))
 
 
 @pytest.mark.parametrize("name", VARIANTS)
@@ -177,6 +181,20 @@ def test_every_line_of_the_printed_annex_follows_from_its_printed_inputs(results
             elif part in {"capacity curve", "virtual work"}:
                 curve[title] = known
     assert computed > 60
+
+
+def test_a_short_annex_has_the_calculation_of_the_governing_check_alone(results):
+    """Up to its ζ_E, in four digits; without the interpolation between the nodes of the grid."""
+    whole = results["grid, rigid, along the return period"]
+    summed = whole.replace(summary=summary_of(whole))
+    least = summed.summary.governing
+    short = summed.replace(echo=summed.echo.replace(report=summed.echo.report.replace(annexes="short")))
+    words = words_of(short)
+    shown = list(traces(short, words))
+    assert [str(grid.caption) for grid in shown][-1].startswith(f"Steps: {least.limit_state}")
+    [zeta] = [row for row in shown[-1].rows if row[0] == "ζ<sub>E</sub>"]
+    assert str(zeta[2]) == words.number(least.zeta_E, 4)
+    assert not any("Allegato A, eq." in row[-1] for row in shown[0].rows)
 
 
 @pytest.mark.parametrize("name", VARIANTS)

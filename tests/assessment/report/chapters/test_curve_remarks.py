@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
-from assessment.report.chapters.curve_remarks import fitted_above, lost_before_zero, onsets
+from assessment.report.chapters.remarks import fitted_above, lost_before_zero, onsets
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import draw_overturned
 from assessment.report.tables.curves import alpha_at_d_0, elastic_capacity, excesses
@@ -47,10 +47,12 @@ def test_d_0_where_equilibrium_is_lost_is_said_to_be_that():
     [said] = _plain(lost_before_zero(results, words))
     assert said.endswith(f"state “{SETTLED}”, direction +x (α = 0.0907).")
     [title] = [
-        axes.get_title() for axes in draw_overturned(results, words, [SETTLED], "+x").axes if axes.get_title()
+        axes.get_title()
+        for axes in draw_overturned(results, words, [(SETTLED, "+x")]).axes
+        if axes.get_title()
     ]
     assert title.endswith("d₀ = 371 mm, α = 0.0907")
-    figure = draw_pushover(results, words, "+x")
+    figure = draw_pushover(results, words, ["+x"])
     triangles = [line.get_xydata() for line in figure.axes[0].get_lines() if line.get_marker() == "^"]
     assert any(place[0] == pytest.approx([371.0, 0.0907]) for place in triangles)
 

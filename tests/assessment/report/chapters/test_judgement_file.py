@@ -26,11 +26,10 @@ def results():
 def test_the_draft_is_replaced_by_the_next_one_while_nobody_edits_it(results, tmp_path):
     first = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert first.edited is None
-    assert "- Of the verifications carried out by state, direction and limit state" in first.content.decode()
     assert "ζ_E" in first.content.decode()
     assert "<sub>" not in first.content.decode()
     (tmp_path / NAME).write_bytes(first.content)
-    results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
+    results["states"]["original"]["capacity"]["+x"]["SLV"]["zeta_E"] = 0.01
     second = judgement(typed(results), words_of(typed(results)), tmp_path)
     assert second.content.decode() != first.content.decode()
     assert second.edited is None
@@ -46,7 +45,7 @@ def test_an_edited_text_is_kept_and_a_change_of_the_numbers_is_said(results, tmp
     assert kept.content.decode() == edited
     assert "<p>The <b>pier</b> must be tied &lt;at once&gt;.</p>" in str(kept.edited)
     assert not kept.warnings
-    results["states"]["original"]["capacity"]["+x"]["SLC"]["zeta_E"] = 0.01
+    results["states"]["original"]["capacity"]["+x"]["SLV"]["zeta_E"] = 0.01
     later = judgement(typed(results), words, tmp_path)
     assert later.content.decode() == edited
     assert "changed" in later.warnings[0]

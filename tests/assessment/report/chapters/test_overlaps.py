@@ -2,7 +2,7 @@
 
 from markupsafe import Markup
 
-from assessment.report.chapters.overlaps import overlap_sentences
+from assessment.report.chapters.remarks import overlap_sentences
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed

@@ -2,7 +2,7 @@
 
 from markupsafe import Markup
 
-from assessment.report.chapters.ties import nearly_yielding, pretension_sentence
+from assessment.report.chapters.remarks import nearly_yielding, pretension_sentence
 from assessment.report.figures.dynamic import draw_shapes
 from assessment.report.tables.structure.ties import shaken_ties
 from assessment.report.text.language import words_of

@@ -3,19 +3,16 @@
 import re
 
 import matplotlib as mpl
-import pytest
-from markupsafe import Markup
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 
-from assessment.report.chapters.grid import Grid, _Column, summary_grids
-from assessment.report.figures.drawings.deformed import ARROW
 from assessment.report.figures.drawings.model import draw_model
+from assessment.report.figures.drawings.parts import ARROW
 from assessment.report.figures.studies import draw_tornado
 from assessment.report.figures.style import STYLE, save_svg, sheet
 from assessment.report.text.language import words_of
 from tests.assessment.report.tables.test_study_tables import results_with_studies
-from tests.support.results_example import SETTLED, results_example
+from tests.support.results_example import results_example
 from tests.support.typed import typed
 
 
@@ -58,22 +55,3 @@ def test_arrows_of_loads_are_whole_and_have_their_mark_in_the_legend(tmp_path):
     [legend] = figure.legends
     marks = [handle.get_marker() for handle in legend.legend_handles if isinstance(handle, Line2D)]
     assert any(isinstance(mark, Path) for mark in marks), "an arrow"
-
-
-def test_a_value_that_grows_many_times_has_its_factor():
-    results = results_example()
-    for state, value in (("original", 0.00049), (SETTLED, 0.142)):
-        results["states"][state]["pushover"]["+x"]["elastic"]["d_y_m"] = value
-    shared = typed(results)
-    grids = list(summary_grids(shared, words_of(shared)))
-    [row] = [row for row in grids[0].rows if "d<sub>y</sub>" in row[0]]
-    assert row[-1] == "× 290"
-
-
-@pytest.mark.parametrize("name", ["pila sinistra, −40 mm e rotazione", "short"])
-def test_long_headings_take_the_room_that_the_row_leaves(name):
-    head = [Markup("Grandezza"), Markup(name), Markup("Riduzione [%]")]
-    rows = [[Markup("α"), Markup("0,102"), Markup("8,0")]]
-    made = Grid(Markup(""), head, rows, [True, False, False])
-    width = 109.0 * made.widths[1] / 100.0
-    assert _Column.of(head[1], [rows[0][1]], text=False).lines(width)[0] <= 2

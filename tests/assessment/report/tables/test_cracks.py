@@ -7,10 +7,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
 from assessment.report.chapters.remarks import crack_sentences, damping_sentence
-from assessment.report.figures.drawings.cracks import LARGEST_PT, NUMBER, draw_cracks, room
-from assessment.report.figures.drawings.labels import POINT_MM, Labels
+from assessment.report.figures.drawings.deformed import LARGEST_PT, NUMBER, draw_cracks, room
+from assessment.report.figures.drawings.parts import Labels
 from assessment.report.figures.style import STYLE, sheet
-from assessment.report.tables.structure.cracks import SEEN, cracks
+from assessment.report.tables.structure.cracks import PRINTED, SEEN, cracks
 from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
@@ -62,7 +62,7 @@ def test_what_is_too_small_to_be_seen_is_left_out():
 def test_every_joint_of_the_table_is_numbered_in_the_drawing():
     results = with_motion(*about(results_example(), 0, 0, 0.05))
     with mpl.rc_context(STYLE):
-        [axes] = draw_cracks(typed(results), words_of(typed(results)), SETTLED).axes
+        [axes] = draw_cracks(typed(results), words_of(typed(results)), SETTLED, 40).axes
     said = {text.get_text() for text in axes.texts}
     assert said >= {f"G{row['joint']}" for row in cracks(typed(results)).rows}
 
@@ -89,7 +89,7 @@ def test_numbers_of_joints_side_by_side_have_a_gap():
     """G888 and G887 stood a fifth of a point apart and read as one: a bold letter is wider than 0.65 of its size."""
     page = sheet((0.0, 0.0, 10.0, 10.0))
     first = np.array([5.0, 5.0])
-    beside = first + np.array([page.paper(4 * 0.70 * NUMBER["fontsize"] * POINT_MM), 0.0])
+    beside = first + np.array([page.paper(4 * 0.70 * NUMBER["fontsize"] * 25.4 / 72.0), 0.0])
     with mpl.rc_context(STYLE):
         labels = Labels(page, page.panels[0])
         assert labels.write("G888", [first], **NUMBER) and labels.write("G887", [beside], **NUMBER)
@@ -112,7 +112,7 @@ def test_the_number_of_a_block_stays_within_it():
 def test_numbers_of_supports_are_light_on_their_dark_ground():
     results = typed(results_example("en"))
     with mpl.rc_context(STYLE):
-        [axes] = draw_cracks(results, words_of(results), SETTLED).axes
+        [axes] = draw_cracks(results, words_of(results), SETTLED, 40).axes
     colours = {text.get_text(): text.get_color() for text in axes.texts}
     supports = {str(n) for n, block in enumerate(results.geometry.blocks) if block.support is not None}
     assert supports <= colours.keys()
@@ -120,13 +120,15 @@ def test_numbers_of_supports_are_light_on_their_dark_ground():
     assert light == supports
 
 
-def test_of_cracks_that_is_told_which_there_is():
+def test_of_cracks_that_is_told_which_there_is(monkeypatch):
     """ "The 40 widest joints are printed" stood over a table of three; "not reached" without such a row."""
     block, _ = about(results_example(), 0, 0, 0.05)
     results = typed(with_motion(block, [0.003, 0.01, 0.0]))
     words = words_of(results)
     assert len(cracks(results).rows) > 1 and len(list(crack_sentences(results, words))) == 1
-    assert "are printed and numbered" in " ".join(crack_sentences(results, words, printed=1))
+    with monkeypatch.context() as patch:
+        patch.setitem(PRINTED, "short", 1)
+        assert "are printed and numbered" in " ".join(crack_sentences(results, words))
     along = np.subtract(*results_example()["geometry"]["joints"][0]["ends_m"])
     apart = typed(with_motion(block, [*(2.0 * along), 0.0]))
     assert any(row["opening_m"] is None for row in cracks(apart).rows)

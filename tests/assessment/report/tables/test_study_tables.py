@@ -141,9 +141,9 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
     draw_sections(typed(results), tmp_path, "scenarios", "sensitivity")
     html = render_html(typed(results), tmp_path, words)
     for chapter in ("scenarios", "sensitivity"):
-        start = html.index(f'<h2 id="{chapter}"')
-        text = html[start : html.index("<h2", start + 4)]
-        assert text.count("<figure>") == 1 and text.count("<caption>") == 1
+        start = html.index(f"<h3>{words(f'section.{chapter}')}</h3>")
+        text = html[start : html.index("<h", start + 4)]
+        assert text.count("<figure") == 1 and text.count("<caption>") == 1
         assert words(f"section.{chapter}") in text
     key, rock = "collapses" if fallen else "a_g_g", words.plain("value.stated_on_rock")
     sentence = words(f"judgement.worst_{key}", state=SETTLED, movement=words.millimetres(0.02), direction="−x",

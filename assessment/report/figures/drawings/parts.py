@@ -1,0 +1,186 @@
+"""What drawings of the structure are made of: blocks, earlier outlines, ties, arrows, numbers; in black and white."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
+
+from assessment.report.figures.style import MM, Sheet
+from assessment.report.text.language import Words, direction_name
+from assessment.results.configurations.outlines import Array, Outlines, outlines, place
+from assessment.results.configurations.tie_ends import ties_of
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.static import Settlement
+from assessment.results.table import sense
+
+Bounds = tuple[float, float, float, float]
+INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
+ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
+GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
+PLATE_MM = 2.4  # length of the plate at an end of a tie
+TIE: dict[str, Any] = {"color": INK, "linewidth": 1.1, "linestyle": (0, (7, 1.2, 1.5, 1.2))}
+PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
+HINGE: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 5.0,
+    "markerfacecolor": "1.0",
+    "markeredgecolor": INK,
+    "markeredgewidth": 1.2,
+}
+LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.4, "color": "0.3", "shrinkA": 0.0, "shrinkB": 0.0}
+LETTER, BOLD, LINE = (
+    0.65,
+    0.75,
+    1.2,
+)  # of the size of a font: width of a digit, of a bold one, height of a line
+RINGS_MM, TURNS = (
+    (3.0, 5.0, 7.0, 9.0, 12.0, 16.0),
+    12,
+)  # about a place that is taken: where a number may stand
+
+
+def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
+    """Fill some blocks with a grey."""
+    if len(chosen):
+        axes.add_artist(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+
+
+def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
+    """Fill supports dark and all other blocks light."""
+    supports = np.array([block.support is not None for block in results.geometry.blocks])
+    fill(axes, shape, np.flatnonzero(~supports), "0.92")
+    fill(axes, shape, np.flatnonzero(supports), SUPPORT)
+
+
+def ghost(axes: Axes, shape: Outlines) -> None:
+    """Draw the outlines of an earlier configuration, dashed."""
+    axes.add_artist(PathPatch(shape.path(range(len(shape.centroids))), **GHOST))
+
+
+def ghost_handle(label: str) -> Line2D:
+    """Return the legend's line of an earlier outline."""
+    return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
+
+
+def union(shapes: Sequence[Outlines]) -> Bounds:
+    """Return the bounds of all shapes, m."""
+    boxes = np.array([shape.bounds for shape in shapes])
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def movement_arrow(
+    page: Sheet, axes: Axes, shape: Outlines, results: Results, settlement: Settlement
+) -> None:
+    """Draw the arrow of a support's movement, and a half circle of its rotation."""
+    moved = [i for i, block in enumerate(results.geometry.blocks) if block.support == settlement.support]
+    x, z = shape.centroids[moved].mean(axis=0)
+    dx, dz = settlement.displacement_m
+    if size := float(np.hypot(dx, dz)):
+        reach = page.paper(9.0) / size
+        axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
+    if turn := settlement.rotation_rad:  # a half circle over the support, anticlockwise from right to left
+        half = math.copysign(page.paper(5.0), turn)
+        bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
+        axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
+
+
+def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: Direction) -> None:
+    """Draw the arrow of the lateral loads above a model."""
+    sign = sense(direction)
+    x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
+    half = page.paper(8.0) * sign
+    axes.annotate("", (x + half, z), (x - half, z), arrowprops=ARROW | {"lw": 1.2})
+    text, side = f"α ({direction_name(direction)})", "left" if sign > 0 else "right"
+    axes.annotate(text, (x + half, z), (4.0 * sign, 0.0), textcoords="offset points", ha=side, va="center")
+
+
+def draw_ties(page: Sheet, axes: Axes, ends: Iterable[Array]) -> None:
+    """Draw ties by their ends (2, 2) m, each with its two plates."""
+    for start, end in ends:
+        axes.plot([start[0], end[0]], [start[1], end[1]], **TIE)
+        along = (end - start) / max(float(np.hypot(*(end - start))), 1e-12)
+        half = 0.5 * page.paper(PLATE_MM) * np.array([-along[1], along[0]])
+        for point in (start, end):
+            axes.plot(*np.array([point - half, point + half]).T, **PLATE)
+
+
+def tie_handles(results: Results, words: Words, *states: str) -> list[Line2D]:
+    """Return the legend of ties, nothing where none of the states has one."""
+    there = any(ties_of(results, state) for state in states)
+    return [Line2D([], [], **TIE, label=words.plain("figure.tie"))] if there else []
+
+
+def moved_ends(results: Results, state: str, configuration: Any, times: float = 1.0) -> Iterator[Array]:
+    """Yield the ends (2, 2) m of the ties of a state where blocks are displaced by `times` a configuration (b, 3)."""
+    drawn, at = outlines(results), np.asarray(configuration, dtype=float)
+    for tie in ties_of(results, state):
+        ends = np.array([tie.start_m, tie.end_m])
+        yield ends + times * (place(ends, np.array(tie.blocks), drawn.centroids, at) - ends)
+
+
+class Labels:
+    """Numbers written into a panel: inside its axes, and never on one another; lengths in m of the model."""
+
+    def __init__(self, page: Sheet, axes: Axes) -> None:
+        self.page, self.axes = page, axes
+        self.taken: list[Array] = []  # x0, z0, x1, z1
+
+    def write(self, text: str, places: Iterable[Array], **style: Any) -> bool:
+        """Write a text at the first of the places (2,) that is free, else beside one of them with a leader to it.
+
+        Return whether there was room for it.
+        """
+        half = 0.5 * self._size(text, float(style.get("fontsize", 7.5)), style)
+        wanted = [np.asarray(place, dtype=float) for place in places]
+        spots: list[tuple[Array, Array | None]] = [(at, None) for at in wanted]
+        spots += [(at, target) for target in wanted for at in self._around(target)]
+        for at, target in spots:
+            if self._take(at, half):
+                led: dict[str, Any] = {} if target is None else {"arrowprops": LEADER, "xytext": tuple(at)}
+                x, z = (at if target is None else target).tolist()
+                self.axes.annotate(text, (x, z), ha="center", va="center", **led, **style)
+                return True
+        return False
+
+    def avoid(self, places: Array, points: float) -> None:
+        """Keep texts off marks (n, 2) of a size in points."""
+        half = 0.5 * self.page.paper(points / 72.0 / MM)
+        self.taken += [np.concatenate([place - half, place + half]) for place in places]
+
+    def put(self, text: str, place: Array, **style: Any) -> None:
+        """Write a text at a place (2,) that is its own, such as the inside of a block, whatever is there."""
+        half = 0.5 * self._size(text, float(style.get("fontsize", 7.5)), style)
+        self.taken.append(np.concatenate([place - half, place + half]))
+        self.axes.annotate(text, (float(place[0]), float(place[1])), ha="center", va="center", **style)
+
+    def _size(self, text: str, points: float, style: Mapping[str, Any]) -> Array:
+        pad = 2.0 * float((style.get("bbox") or {}).get("pad", 0.0))
+        letter = BOLD if style.get("fontweight") == "bold" else LETTER
+        points_mm = 1.0 / 72.0 / MM
+        width, height = letter * points * len(text) + pad, LINE * points + pad
+        return np.array([self.page.paper(width * points_mm), self.page.paper(height * points_mm)])
+
+    def _around(self, place: Array) -> Iterator[Array]:
+        for radius in RINGS_MM:
+            for turn in np.linspace(0.0, 2.0 * np.pi, TURNS, endpoint=False):
+                yield place + self.page.paper(radius) * np.array([np.cos(turn), np.sin(turn)])
+
+    def _take(self, at: Array, half: Array) -> bool:
+        box = np.concatenate([at - half, at + half])
+        (x0, x1), (z0, z1) = self.axes.get_xlim(), self.axes.get_ylim()
+        inside = x0 <= box[0] and z0 <= box[1] and box[2] <= x1 and box[3] <= z1
+        if not inside or any(
+            (box[:2] < other[2:]).all() and (other[:2] < box[2:]).all() for other in self.taken
+        ):
+            return False
+        self.taken.append(box)
+        return True

@@ -1,0 +1,150 @@
+"""The first page agrees with the tables: each number of its sentences and of its table is that of the checks."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given, settings
+from markupsafe import Markup
+
+from assessment.report.chapters.answer import lead
+from assessment.report.chapters.synthesis import basis, governing_mechanism, synthesis_grid
+from assessment.report.tables.capacity import verification
+from assessment.report.tables.structure.mechanisms import mechanism_name, mechanisms
+from assessment.report.tables.synthesis import index_limit, worst_settled
+from assessment.report.text.language import Words, direction_name, words_of
+from tests.support.analysed import analysed
+from tests.support.judgement.random_results import random_results
+from tests.support.results_example import SETTLED, results_example
+from tests.support.typed import typed
+
+WORDS = Words.of("en")
+
+
+def borne(results, state, direction, limit):
+    """ζ_E as the table of the checks has it: at SLV the linear check only where the nonlinear one has no number."""
+    rows = {
+        row["limit_state"]: row["zeta_E"]
+        for row in verification(results).rows
+        if (row["state"], row["direction"]) == (state, direction) and row["zeta_E"] is not None
+    }
+    found = [rows[name] for name in (limit, f"{limit} linear", f"{limit} elastic") if name in rows]
+    return None if not found else found[0] if limit in {"SLV", "SLC"} else min(found)
+
+
+def agrees(results):
+    """Hold the table of the first page against those of checks and mechanisms."""
+    made = synthesis_grid(results, WORDS)
+    alpha = {(row["state"], row["direction"]): row["alpha_0"] for row in mechanisms(results).rows}
+    heads = [Markup(head).striptags() for head in made.head] if made else []
+    for row in made.rows if made else []:
+        cells = dict(zip(heads, row, strict=True))
+        state = next(name for name in results.states if WORDS.state(name) == Markup(row[0]).unescape())
+        direction = Markup(row[1]).replace("−", "-")
+        for head, cell in cells.items():
+            if found := re.fullmatch(r"(?:ζE|Ratio) (SL\w)", head):
+                ratio = borne(results, state, direction, found[1])
+                assert cell == (WORDS.plain("value.open") if ratio is None else WORDS.ratio(ratio)), head
+        if (state, direction) in alpha and "α0" in cells:
+            assert cells["α0"] == WORDS.number(alpha[state, direction])
+        limits = [
+            borne(results, state, direction, limit) for limit in ("SLV", "SLC") if f"ζE {limit}" in heads
+        ]
+        if "Outcome" in cells and None not in limits and limits and min(limits) < 1.0:
+            assert cells["Outcome"] == "not verified"
+    return made
+
+
+def sentence_agrees(results):
+    """The first sentence: the least index of the worst state, that before, and the loss between them."""
+    limit, state = index_limit(results), worst_settled(results) or "original"
+    said = Markup(lead(results, WORDS)[0]).striptags()
+    found = re.search(
+        r"ζE = (\S+) \((\w+), ([+−]x)\)(?:; before the settlement (\S+): .*? of (\S+) %)?", said
+    )
+    if found is None or limit is None:
+        return
+    value, where, direction, before, share = found.groups()
+    own = {way: borne(results, state, way, limit) for way in ("+x", "-x")}
+    known = {way: ratio for way, ratio in own.items() if ratio is not None}
+    way = direction.replace("−", "-")
+    assert where == limit and known[way] == min(known.values()) and value == WORDS.ratio(known[way])
+    if before is not None:
+        was = borne(results, "original", way, limit)
+        assert before == WORDS.ratio(was) and share == WORDS.per_cent(abs(1.0 - known[way] / was))
+    assert ("Not verified" in said) == any(
+        ratio < 1.0
+        for name in ("SLV", "SLC")
+        for each in ("+x", "-x")
+        if (ratio := borne(results, state, each, name)) is not None
+        if name in {limit for row in results.summary.rows for limit in row.checks}
+    ) or limit not in {"SLV", "SLC"}
+
+
+@given(random_results())
+@settings(max_examples=60, deadline=None)
+def test_table_and_sentence_agree_with_the_checks(results):
+    found = typed(results)
+    agrees(found)
+    sentence_agrees(found)
+
+
+@pytest.mark.parametrize("make", [results_example, analysed], ids=lambda make: make.__name__)
+def test_so_do_those_of_an_analysis(make):
+    results = typed(make("en"))
+    made = agrees(results)
+    sentence_agrees(results)
+    assert len(made.rows) == 4 and "ζ" in lead(results, WORDS)[0]
+
+
+def test_the_sentence_reads_as_an_engineer_says_it():
+    results = results_example("it")
+    for state, ratio in (("original", 0.48), (SETTLED, 0.39)):
+        for direction, more in (("+x", 1.0), ("-x", 1.1)):
+            check = results["states"][state]["capacity"][direction]["SLV"]
+            check |= {"zeta_E": more * ratio, "a_g_g": more * ratio * 0.261, "verified": False}
+    found = typed(results)
+    [said] = lead(found, words_of(found))[:1]
+    assert Markup(said).striptags() == (
+        f"Nello stato attuale (“{SETTLED}”) ζE = 0,39 (SLV, +x); prima del cedimento 0,48: riduzione 19 %."
+        " Non verificata."
+    )
+
+
+def test_what_is_just_below_the_threshold_is_told_with_digits_enough():
+    """ "1.00 not verified" stood there."""
+    results = results_example("en")
+    for direction in ("+x", "-x"):
+        check = results["states"][SETTLED]["capacity"][direction]["SLV"]
+        check |= {"zeta_E": 0.9996, "verified": False}
+    found = typed(results)
+    assert "ζE = 0.9996 (" in Markup(lead(found, WORDS)[0]).striptags()
+
+
+def test_the_confidence_factor_without_a_level_and_the_other_law_are_told():
+    results = results_example("en")
+    rigid = results["states"][SETTLED]["pushover"]["-x"]["rigid"]
+    rigid["other_law"] = {"sliding": "coulomb", "alpha_0": 0.05, "zeta_E": {"SLV": 0.31}}
+    told = " ".join(Markup(each).striptags() for each in basis(typed(results), WORDS))
+    assert "given without a level of knowledge" in told
+    assert f"With Coulomb friction ζE would be 0.31 (“{SETTLED}”, {direction_name('-x')})" in told
+
+
+def test_mechanisms_have_names():
+    results = typed(analysed("it"))
+    words = words_of(results)
+    names = {mechanism_name(results, "original", way, words) for way in ("+x", "-x")}
+    assert names == {"meccanismo a quattro cerniere"}
+    assert "meccanismo a quattro cerniere" in governing_mechanism(results, words)
+
+
+def test_without_an_assessment_the_multiplier_is_the_answer():
+    results = results_example("en")
+    for content in results["states"].values():
+        content["capacity"] = {}
+    results["echo"]["assessment"] = None
+    found = typed(results)
+    said = Markup(lead(found, WORDS)[0]).striptags()
+    assert re.search(r"α0 = 0\.\d+ \([+−]x\); before the settlement 0\.\d+: a reduction of", said)
+    assert "erified" not in said and "ζ" not in " ".join(found for found in synthesis_grid(found, WORDS).head)
