@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from assessment.cli import arguments as cli
@@ -47,15 +49,15 @@ def test_a_stage_and_a_benchmark_too(project, capsys):
 
 
 @pytest.mark.parametrize("command", ["", *cli.COMMANDS])
-def test_help_ends_with_two_examples_and_the_exit_codes(capsys, command):
+def test_help_ends_with_examples_and_the_exit_codes(capsys, command):
     with pytest.raises(SystemExit) as stop:
         main([*command.split(), "--help"])
     assert stop.value.code == 0
     text = capsys.readouterr().out
     examples, codes = text[text.index("examples:") :].split("exit codes:")
     shown = [line.strip() for line in examples.splitlines()[1:] if line.strip()]
-    assert len(shown) == 2 and all(line.startswith(f"assesto {command}".strip()) for line in shown)
-    assert [int(line.split()[0]) for line in codes.strip().splitlines()] == [0, 2, 3]
+    assert len(shown) in {2, 3} and all(line.startswith(f"assesto {command}".strip()) for line in shown)
+    assert re.findall(r"^  (\d)  ", codes, re.MULTILINE) == ["0", "2", "3"]
 
 
 @pytest.mark.parametrize("command", cli.EXAMPLES)

@@ -124,8 +124,9 @@ def test_what_is_just_below_the_threshold_is_told_with_digits_enough():
 
 def test_the_confidence_factor_without_a_level_and_the_other_law_are_told():
     results = results_example("en")
-    rigid = results["states"][SETTLED]["pushover"]["-x"]["rigid"]
-    rigid["other_law"] = {"sliding": "coulomb", "alpha_0": 0.05, "zeta_E": {"SLV": 0.31}}
+    capacity = results["states"][SETTLED]["capacity"]["-x"]
+    capacity |= {"alpha_0": 0.131}
+    capacity["other_law"] = {"sliding": "coulomb", "alpha_0": 0.05, "zeta_E": {"SLV": 0.31}}
     told = " ".join(Markup(each).striptags() for each in basis(typed(results), WORDS))
     assert "given without a level of knowledge" in told
     assert f"With Coulomb friction ζE would be 0.31 (“{SETTLED}”, {direction_name('-x')})" in told
