@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from assessment.runtime.cache import FOLDER
+from assessment.runtime.journal import Stage, read_journal
 from tests.support.block_project import ASSESSMENT, PROJECT, run, write_block
 
 DYNAMICS = """[[history]]
@@ -22,8 +24,7 @@ max_scale = 2.0
 REPORT = """[report]
 language = "it"
 """
-# self-weight, a pushdown, two pushovers with their second solver, four histories, two scans in two rounds each
-ALL = 14
+WRITING = {"figures and tables", "report"}  # stages that hold no analysis
 
 
 def write_every_stage(folder: Path) -> Path:
@@ -49,6 +50,24 @@ def counts(folder: Path, capsys, *options: str) -> tuple[int, int]:
     assert assesto(folder, *options) == 0
     found = json.loads(capsys.readouterr().out)["analyses"]
     return found["computed"], found["taken_over"]
+
+
+def planned(folder: Path) -> dict[str, int]:
+    """Return how many analyses each stage of the last run has, by its own account, in the order of the stages."""
+    return _by_stage(folder, lambda stage: stage.total)
+
+
+def computed(folder: Path) -> dict[str, int]:
+    """Return how many of them it computed itself."""
+    return _by_stage(folder, lambda stage: stage.done)
+
+
+def _by_stage(folder: Path, count: Callable[[Stage], int]) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for stage in read_journal(folder / "output").stages:
+        if stage.name not in WRITING:
+            found[stage.name] = found.get(stage.name, 0) + count(stage)
+    return found
 
 
 def entries(folder: Path) -> list[Path]:

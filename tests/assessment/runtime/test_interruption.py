@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import signal
 import time
+from pathlib import Path
 
 import pytest
 
@@ -22,7 +23,7 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests.support.block_project import command, contents, edit, read_results, timeless
-from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage
+from tests.support.every_stage import assesto, computed, counts, entries, planned, write_every_stage
 from tests.support.forked import forked
 
 pytestmark = pytest.mark.usefixtures("no_figures")
@@ -45,36 +46,33 @@ def whole(tmp_path_factory):
 
 
 @FORKS
-@pytest.mark.parametrize("finished", range(ALL + 1))
-def test_a_run_killed_at_any_boundary_goes_on_from_there(project, capsys, whole, finished):
-    """SIGKILL as soon as some analyses are kept, in a process of its own; after the last, before files are written."""
-    child = os.fork()
-    if child == 0:
-        _die_after(finished)
-        assesto(project)
-        os._exit(0)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
-    assert not (project / "output" / "results.json").exists()
-    assert counts(project, capsys) == (ALL - finished, finished)
+def test_a_run_killed_after_every_analysis_goes_on_from_there(project, whole):
+    """SIGKILL before the first, then as soon as one more is kept; last of all the record of what was written."""
+    _killed("find", project)
+    results, finished = project / "output" / "results.json", 0
+    while not results.exists():
+        _killed("keep", project)
+        finished += 1
+        assert len(entries(project)) == finished
+    assert finished == sum(planned(project).values()) + 1
+    assert not any(computed(project).values())
     assert timeless(read_results(project / "output"))["states"] == whole
 
 
-def _die_after(finished: int) -> None:
-    keep, find = Store.keep, Store.find
-    left = [finished]
+def _killed(method: str, project: Path) -> None:
+    """Run in a process that is killed once the store has found, or kept, an entry."""
+    child = os.fork()
+    if child == 0:
+        act = getattr(Store, method)
 
-    def counted(store, key, text):
-        keep(store, key, text)
-        left[0] -= 1
-        if left[0] == 0:
+        def last(*of):
+            act(*of)
             os.kill(os.getpid(), signal.SIGKILL)
 
-    def none_left(store, key):
-        if finished == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return find(store, key)
-
-    Store.keep, Store.find = counted, none_left
+        setattr(Store, method, last)
+        assesto(project)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
 
 
 def test_an_interrupted_run_keeps_what_is_finished_and_says_so(project, capsys, monkeypatch):
@@ -92,7 +90,8 @@ def test_an_interrupted_run_keeps_what_is_finished_and_says_so(project, capsys, 
     monkeypatch.setattr(Store, "keep", keep)
     assert main(["run", str(project), "--no-report"]) == 0
     out = capsys.readouterr().out
-    assert f"taken over from earlier runs: 3 of {ALL} analyses, inputs unchanged" in out
+    every = sum(planned(project).values())
+    assert f"taken over from earlier runs: 3 of {every} analyses, inputs unchanged" in out
 
 
 @FORKS
@@ -132,8 +131,8 @@ def as_good_as_empty(pool, folder):
 @pytest.mark.parametrize("what", ["pushover", "report"])
 def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, capsys, monkeypatch, what):
     assert assesto(project) == 0
-    before = contents(project / "output")
-    edit(project, "increment_m = 0.2", "increment_m = 0.1")  # two pushovers to compute
+    before, plan = contents(project / "output"), planned(project)
+    edit(project, "increment_m = 0.2", "increment_m = 0.1")  # the pushovers are to be computed
     capsys.readouterr()
     with monkeypatch.context() as patch:
         patch.setattr(figures, "write_figures", as_good_as_empty)
@@ -153,7 +152,8 @@ def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, ca
     assert err.count("\n") == 1
     assert contents(project / "output") == before
     assert not multiprocessing.active_children()
-    assert counts(project, capsys) == ((2, ALL - 2) if what == "pushover" else (0, ALL))
+    left = plan["pushover"] if what == "pushover" else 0
+    assert counts(project, capsys) == (left, sum(plan.values()) - left)
 
 
 def test_memory_that_runs_out_is_told(project, capsys, monkeypatch):

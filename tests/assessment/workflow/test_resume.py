@@ -18,7 +18,15 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests.support.block_project import edit, forget, timeless
-from tests.support.every_stage import ALL, assesto, counts, entries, write_every_stage, write_wave
+from tests.support.every_stage import (
+    assesto,
+    computed,
+    counts,
+    entries,
+    planned,
+    write_every_stage,
+    write_wave,
+)
 
 pytestmark = pytest.mark.usefixtures("no_figures")
 
@@ -58,11 +66,12 @@ def output(folder: Path) -> dict[str, bytes]:
 
 
 def test_what_is_taken_over_is_what_was_computed_byte_for_byte(project, capsys):
-    assert counts(project, capsys) == (ALL, 0)
-    computed = output(project)
+    computed, taken = counts(project, capsys)
+    assert computed == sum(planned(project).values()) and taken == 0
+    first = output(project)
     forget(project / "output")
-    assert counts(project, capsys) == (0, ALL)
-    assert output(project) == computed
+    assert counts(project, capsys) == (0, computed)
+    assert output(project) == first
 
 
 def test_the_answer_is_the_same_without_any_store(project):
@@ -75,61 +84,94 @@ def test_the_answer_is_the_same_without_any_store(project):
         run(loaded, build_model(loaded), store=store),
         run(loaded, build_model(loaded), store=store, fresh=True),
     ]
-    assert [(each.computed, each.taken) for each in outcomes] == [(ALL, 0), (ALL, 0), (0, ALL), (ALL, 0)]
+    every = outcomes[0].computed
+    assert every > 0
+    assert [(each.computed, each.taken) for each in outcomes] == [
+        (every, 0),
+        (every, 0),
+        (0, every),
+        (every, 0),
+    ]
     first, *others = [json.dumps(timeless(plain(each.results))) for each in outcomes]
     assert all(other == first for other in others)
 
 
-# what is edited, and how many analyses are then computed
-EDITS = {
-    "nothing": ("", "", 0),
-    "friction": ("friction = 0.7", "friction = 0.71", ALL),
-    "segments": ("depth_m = 1.0", "depth_m = 1.0\nsegments_per_joint = 3", ALL),
-    "collisions": ("[layers.BASE]", "[contacts]\ncollisions = false\n[layers.BASE]", ALL),
-    "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", 2),
-    "another direction": ('["+x"]', '["+x", "-x"]', 12),  # and what a history may reach before it has fallen
-    "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', 3),
-    "the movement": ("rotation_rad = -0.02", "rotation_rad = -0.03", 7),
-    "a sweep": ("increment_rad = 0.01", "increment_rad = 0.01\nsteps = 2", 2),
-    "the record's scale": ('record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9', 4),
-    "the tolerance of the search": ("tolerance_g = 0.2", "tolerance_g = 0.1", 4),
-    "fewer states": ('[[history]]\nrecord = "wave.csv"', '[[history]]\nstates = ["original"]\nrecord = "wave.csv"', 0),
-    "limit states": ('["SLV"]', '["SLV", "SLC"]', 0),
-    "the report's language": ('language = "it"', 'language = "en"', 0),
+# what is edited, and the share of each stage that is then computed again, OTHER for those that are not named;
+# beside it what the stage has now and had not before
+OTHER = ""
+EVERYTHING = {OTHER: 1.0}
+EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
+    "nothing": ("", "", {}),
+    "friction": ("friction = 0.7", "friction = 0.71", EVERYTHING),
+    "segments": ("depth_m = 1.0", "depth_m = 1.0\nsegments_per_joint = 3", EVERYTHING),
+    "collisions": ("[layers.BASE]", "[contacts]\ncollisions = false\n[layers.BASE]", EVERYTHING),
+    "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", {"pushover": 1.0}),
+    # what a history may reach before it has fallen
+    "another direction": ('["+x"]', '["+x", "-x"]', {"history": 1.0, "incremental": 1.0}),
+    "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', {}),
+    # one state of the two
+    "the movement": (
+        "rotation_rad = -0.02", "rotation_rad = -0.03", {"self-weight": 0.0, "pushdown": 1.0, OTHER: 0.5}
+    ),
+    "a sweep": ("increment_rad = 0.01", "increment_rad = 0.01\nsteps = 2", {}),
+    "the record's scale": ('record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9', {"history": 1.0}),
+    "the tolerance of the search": ("tolerance_g = 0.2", "tolerance_g = 0.1", {"incremental": 1.0}),
+    "fewer states": ('[[history]]\nrecord = "wave.csv"', '[[history]]\nstates = ["original"]\nrecord = "wave.csv"', {}),
+    "limit states": ('["SLV"]', '["SLV", "SLC"]', {}),
+    "the report's language": ('language = "it"', 'language = "en"', {}),
 }  # fmt: skip
+
+
+def expected(before: dict[str, int], now: dict[str, int], again: dict[str, float]) -> dict[str, int]:
+    """Return how many analyses of each stage are to be computed after an edit."""
+    return {
+        stage: int(total * again.get(stage, again.get(OTHER, 0.0))) or max(0, total - before.get(stage, 0))
+        for stage, total in now.items()
+    }
 
 
 @pytest.mark.parametrize("what", EDITS)
 def test_only_what_depends_on_an_edit_is_computed_again(done, capsys, what):
-    old, new, computed = EDITS[what]
+    before = planned(done)
+    assert min(before.values()) > 0
+    old, new, again = EDITS[what]
     edit(done, old, new)
-    assert counts(done, capsys)[0] == computed
+    if what == "nothing":
+        forget(done / "output")
+    assesto(done)
+    assert computed(done) == expected(before, planned(done), again)
     resumed = output(done)
     assert counts(done, capsys, "--fresh")[1] == 0
     fresh = output(done)
     assert resumed.keys() == fresh.keys()
-    old, new = (json.loads(each["output/results.json"]) for each in (resumed, fresh))
-    assert timeless(old) == timeless(new)
+    first, second = (json.loads(each["output/results.json"]) for each in (resumed, fresh))
+    assert timeless(first) == timeless(second)
 
 
-def test_a_record_that_changed_is_seen(done, capsys):
+def test_a_record_that_changed_is_seen(done):
+    before = planned(done)
     write_wave(done / "wave.csv", 0.11)
-    assert counts(done, capsys) == (8, 6)
+    assesto(done)
+    assert computed(done) == expected(before, planned(done), {"history": 1.0, "incremental": 1.0})
 
 
-def test_another_record_leaves_the_first_as_it_is(done, capsys):
+def test_another_record_leaves_the_first_as_it_is(done):
+    before = planned(done)
     write_wave(done / "wave2.csv", 0.15)
-    assert counts(done, capsys) == (4, ALL)
+    assesto(done)
+    assert computed(done) == expected(before, planned(done), {})
+    assert planned(done)["incremental"] == 2 * before["incremental"]
 
 
 def test_another_version_of_the_program_takes_over_nothing(done, capsys, monkeypatch):
+    every = sum(planned(done).values())
     monkeypatch.setattr(fingerprint, "program", lambda: "of tomorrow")
-    assert counts(done, capsys) == (ALL, 0)
+    assert counts(done, capsys) == (every, 0)
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "of another", "a folder", "not text"])
 def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
-    before, (first, second, *_) = output(done), entries(done)
+    before, every, (first, second, *_) = output(done), sum(planned(done).values()), entries(done)
     forget(done / "output")
     content = bytearray(first.read_bytes())
     if damage == "a folder":
@@ -145,7 +187,7 @@ def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
             "not text": b"\xff\xfe",
         }
         first.write_bytes(broken[damage])
-    assert counts(done, capsys) == (1, ALL - 1)
+    assert counts(done, capsys) == (1, every - 1)
     found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(done))]
     assert found[0] == found[1]
 
@@ -176,26 +218,25 @@ FORGED = (
 @pytest.mark.parametrize("text", FORGED, ids=lambda text: text[:30])
 def test_entries_that_are_no_results_count_as_absent(done, capsys, text):
     """Each has the digest of its content, and ended in a traceback; the record of the last run is one of them."""
-    before = output(done)
+    before, every = output(done), sum(planned(done).values())
     store = Store(done / "output" / FOLDER)
     for entry in entries(done):
         store.keep(entry.name, text)
-    computed, taken = counts(done, capsys)
-    assert (
-        computed >= ALL - 2 and computed + taken == ALL
-    )  # null is a result: nothing stands against self-weight
+    again, taken = counts(done, capsys)
+    # null is a result: nothing stands against self-weight
+    assert again >= every - 2 and again + taken == every
     found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(done))]
     assert found[0] == found[1]
 
 
 def test_an_entry_that_never_ends_is_not_waited_for(done, capsys):
-    first = entries(done)[0]
+    first, every = entries(done)[0], sum(planned(done).values())
     first.unlink()
     if not hasattr(os, "mkfifo"):
         pytest.skip("no pipes in folders")
     os.mkfifo(first)
     forget(done / "output")
-    assert counts(done, capsys) == (1, ALL - 1)
+    assert counts(done, capsys) == (1, every - 1)
 
 
 def test_a_disk_that_refuses_entries_costs_no_results(project, capsys, monkeypatch):
@@ -203,5 +244,6 @@ def test_a_disk_that_refuses_entries_costs_no_results(project, capsys, monkeypat
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("assessment.runtime.cache.write_atomically", full)
-    assert counts(project, capsys) == (ALL, 0)
-    assert counts(project, capsys) == (ALL, 0)
+    for _ in range(2):
+        computed, taken = counts(project, capsys)
+        assert computed == sum(planned(project).values()) and taken == 0

@@ -30,6 +30,7 @@ from assessment.runtime.progress import Show
 from assessment.workflow.dynamic import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
+from mechanics.messages import message
 from mechanics.records.record import Record, read_record
 from mechanics.records.response_spectrum import response_spectrum
 from tests.support.structures import block_on_base
@@ -358,7 +359,7 @@ def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
 
 def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     def refuse(*_, **__):
-        raise ConvergenceError("step 3: no solution")
+        raise ConvergenceError(message("step 3: no solution"))
 
     monkeypatch.setattr(response, "time_history", refuse)
     model = block_on_base(0.6, 2.4)
@@ -460,7 +461,7 @@ def test_an_artificial_record_follows_its_spectrum(tmp_path):
 
 def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, monkeypatch):
     def refuse(*_, **__):
-        raise ConvergenceError("step 3: no solution")
+        raise ConvergenceError(message("step 3: no solution"))
 
     monkeypatch.setattr(response, "time_history", refuse)
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
