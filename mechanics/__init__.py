@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     )
     from mechanics.model.assembly import Assembly, State
     from mechanics.model.block import Block, Material
-    from mechanics.model.dxf import Layer, read_drawing
+    from mechanics.model.drawing import Layer, read_drawing
     from mechanics.model.tie import Tie
     from mechanics.procedures.following import Following
     from mechanics.procedures.limit_analysis import limit_analysis
@@ -33,7 +33,7 @@ _HOME = {  # module: public names
     "NoEquilibriumError RecordError UnstableError",
     "model.assembly": "Assembly State",
     "model.block": "Block Material",
-    "model.dxf": "Layer read_drawing",
+    "model.drawing": "Layer read_drawing",
     "model.tie": "Tie",
     "procedures.following": "Following",
     "procedures.limit_analysis": "limit_analysis",

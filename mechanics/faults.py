@@ -19,18 +19,23 @@ LISTED = 20  # faults of one kind that are listed in full
 
 Kind = Literal["outline", "layer", "thin", "short", "twice", "frame", "overlap", "floating", "gap"]
 
+Remedy = Literal["", "close", "trim", "delete", "fit"]
+
 
 @dataclass(frozen=True, eq=False)
 class Fault:
     """What is wrong: `text` names the entity, where it is and what to do.
 
-    `points` (p, 2) and `lines` (each (n, 2)), m: what a picture marks; none where the fault is at no place.
+    `points` (p, 2) and `lines` (each (n, 2)), m: what a picture marks; none where the fault is at no place. `remedy`:
+    what a repair does about it, "" where that is for the user to decide; `handles`: of the entities that it does it to.
     """
 
     kind: Kind
     text: str
     points: Array = field(default_factory=lambda: np.empty((0, 2)))
     lines: tuple[Array, ...] = ()
+    remedy: Remedy = ""
+    handles: tuple[str, ...] = ()
 
     def scaled(self, factor: float) -> Fault:
         """Return the fault with its places multiplied by a factor."""

@@ -16,7 +16,7 @@ from assessment.project.consistency.files import attachment_problems
 from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.comments import commented_toml
 from assessment.project.project import load_project, survey_project
-from assessment.project.repair import repairable, with_repaired_drawing
+from assessment.project.repair import with_repaired_drawing
 from assessment.project.schema import ProjectContent
 from assessment.project.structure.model import build_model, how_to_read
 from assessment.report.text.language import Words
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from mechanics import Assembly
     from mechanics.types import Array
 
-MENDABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
 SAMPLES = 2000  # of a record that are drawn
 METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 NAMED = {"Millimeters": "mm", "Centimeters": "cm"}  # as DXF names them; of metres nothing is warned of
@@ -60,7 +59,7 @@ def model_picture(folder: Path) -> dict[str, Any]:
         found["warnings"] = [told(text) for text in check.warnings]
         found["self_weight"] = check.results.model.self_weight_stable
     except FaultyDrawingError as faulty:
-        mendable = bool(MENDABLE & {fault.kind for fault in faulty.faults}) and repairable(project)
+        mendable = any(fault.remedy for fault in faulty.faults)
         found |= _outlined(faulty.outlines) | {"error": error_text(faulty), "repairable": mendable}
         for fault in faulty.faults:
             places = {"points": _short(fault.points), "lines": [_short(line) for line in fault.lines]}

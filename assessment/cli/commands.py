@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from assessment.project.project import Project
 
-REPAIRABLE = {"outline", "twice", "overlap", "gap"}  # kinds of faults of which a repair mends some
 TEMPLATES = (
     "block", "wall", "wall-with-openings", "facade", "tympanum", "bell-gable", "arch", "pointed-arch",
     "buttressed-arch", "arcade", "barrel-vault", "triumphal-arch",
@@ -58,7 +57,6 @@ def check(options: argparse.Namespace) -> int:
     from assessment.cli.summary import model_summary, warning_lines
     from assessment.project.motions import described
     from assessment.project.project import load_project
-    from assessment.project.repair import repairable
     from assessment.report.chapters.judgement_file import refuse_unreadable
     from assessment.report.figures.drawings.faults import draw_faults
     from assessment.report.figures.drawings.model import draw_model
@@ -80,8 +78,7 @@ def check(options: argparse.Namespace) -> int:
         if faulty.outlines:
             save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
             tell(f"drawing with the faults marked: {drawing}")
-        mendable = any(fault.kind in REPAIRABLE for fault in faulty.faults)
-        if mendable and not options.repair and repairable(project):
+        if any(fault.remedy for fault in faulty.faults) and not options.repair:
             tell("small faults can be repaired in a copy of the drawing: assesto check --repair")
         return WRONG_INPUT
     save_svg(lambda: draw_model(found.results, words_of(found.results)), drawing)

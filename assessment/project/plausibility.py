@@ -16,6 +16,7 @@ from assessment.ntc.demand.hazard import Hazard, hazard_range
 from assessment.ntc.demand.return_period import return_period
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
 from mechanics.messages import Message, headed, linked, message
+from mechanics.model import layer_key
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -151,12 +152,12 @@ def _soft(project: Project, model: Assembly) -> Iterator[Message]:
     a, b = joints.a[beds], joints.b[beds]
     pressure = model.weight / float((joints.length[beds] * np.minimum(depth[a], depth[b])).sum())
     layers = project.layers.items()
-    own = {name.lower(): f"layers.{name}" for name, layer in layers if layer.normal_stiffness_kN_m3}
+    own = {layer_key(name): f"layers.{name}" for name, layer in layers if layer.normal_stiffness_kN_m3}
     worst: dict[str, tuple[float, int, float]] = {}
     for block in np.where(model.movable[a], a, b).tolist():
         stiffness = model.blocks[block].material.normal_stiffness
         share = pressure / stiffness / float(np.ptp(model.blocks[block].polygon[:, 1])) if stiffness else 0.0
-        table = own.get(model.blocks[block].layer.lower(), "material")
+        table = own.get(layer_key(model.blocks[block].layer), "material")
         if share > max(SUNK, worst.get(table, (0.0,))[0]):
             worst[table] = (share, block, stiffness or 0.0)
     for table, (share, block, stiffness) in worst.items():

@@ -5,36 +5,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from assessment.project.structure.model import how_to_read
-from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import write_atomically
-from mechanics.errors import DrawingError
 from mechanics.model import repair_drawing
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
 
 
-def repairable(project: Project) -> bool:
-    """Return whether a repair would change anything in the project's drawing."""
-    try:
-        return bool(repair_drawing(*how_to_read(project), project.geometry.tolerance_m).changes)
-    except (DrawingError, OSError):
-        return False
-
-
 def with_repaired_drawing(project: Project) -> tuple[Project, tuple[str, ...]]:
     """Write the repaired drawing beside the original; return the project with it, and a line for each change.
 
-    Where nothing is to be repaired nothing is written. Raises ProjectError where a file of its name is there already,
+    Where nothing is to be repaired nothing is written; an earlier one is kept, and this gets the next number. Raises
     DrawingError where the drawing cannot be read, OSError where none can be written.
     """
     path = project.path(project.geometry.drawing)
-    beside = path.with_name(f"{path.stem}-repaired.dxf")
     repair = repair_drawing(*how_to_read(project), project.geometry.tolerance_m)
     if not repair.changes:
         return project, ()
-    if beside.exists():
-        raise ProjectError(f"{beside}: there is such a file already; delete it, or give it another name")
+    numbered = (
+        path.with_name(f"{path.stem}-repaired{end}.dxf") for end in ["", *(f"-{n}" for n in range(2, 1000))]
+    )
+    beside = next(each for each in numbered if not each.exists() or each.read_bytes() == repair.file)
     write_atomically(beside, repair.file)
     name = (
         path.relative_to(project.folder).with_name(beside.name)

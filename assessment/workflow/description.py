@@ -32,6 +32,7 @@ from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
+from mechanics.model import layer_key
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -167,15 +168,14 @@ def _loads(project: Project, a: Assembly) -> list[LayerLoads]:
     found = []
     for layer in sorted({block.layer for block, moves in zip(a.blocks, a.movable, strict=True) if moves}):
         own = [block for block in a.blocks if block.layer == layer]
-        given = project.layers.get(layer) or LayerTable()
+        given = next((t for n, t in project.layers.items() if layer_key(n) == layer_key(layer)), LayerTable())
         variable = len(own) * given.variable_load_kN
         combined = sum(block.weight for block in own)
-        loads = sum(block.vertical_load for block in own)
         found.append(
             LayerLoads(
                 layer=layer,
                 blocks=len(own),
-                own_weight_kN=combined - loads,
+                own_weight_kN=combined - sum(block.vertical_load for block in own),
                 permanent_load_kN=len(own) * given.vertical_load_kN,
                 variable_load_kN=variable,
                 use_category=given.use_category,

@@ -12,10 +12,11 @@ from mechanics.model.contacts import (
     kinematic_contacts,
     relative_motion,
 )
-from mechanics.model.dxf import Drawing, Layer, read_drawing, survey_drawing
-from mechanics.model.dxf_repair import Repair, repair_drawing
+from mechanics.model.drawing import Drawing, Layer, read_drawing, survey_drawing
 from mechanics.model.joints import default_tolerance
-from mechanics.model.model_checks import survey_layout
+from mechanics.model.layout import survey_layout
+from mechanics.model.repair import Repair, repair_drawing
+from mechanics.model.shown import layer_key
 from mechanics.model.tie import Tie
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "end_points",
     "face_lines",
     "kinematic_contacts",
+    "layer_key",
     "read_drawing",
     "relative_motion",
     "repair_drawing",

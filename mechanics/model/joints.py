@@ -40,9 +40,13 @@ class Joints:
         return (self.ends[:, 1] - self.ends[:, 0]) / self.length[:, None]
 
 
-def default_tolerance(blocks: Sequence[Block]) -> float:
-    """Return a thousandth of the median edge, m: more than the rounding of a drawing, less than a real gap."""
-    return 1e-3 * float(np.median(np.concatenate([_lengths(b.polygon) for b in blocks])))
+def default_tolerance(outlines: Sequence[Block | Array]) -> float:
+    """Return a thousandth of the median edge, m: more than the rounding of a drawing, less than a real gap.
+
+    `outlines`: blocks, or corners (n, 2) m of outlines.
+    """
+    rings = [each.polygon if isinstance(each, Block) else each for each in outlines]
+    return 1e-3 * float(np.median(np.concatenate([_lengths(ring) for ring in rings])))
 
 
 def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:

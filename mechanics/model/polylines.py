@@ -1,8 +1,9 @@
-"""A polyline of a drawing as an outline in model space, and what keeps it from being that of a block."""
+"""A polyline of a drawing as an outline in the plane of the drawing, and what keeps it from being that of a block."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +15,8 @@ from ezdxf.entities.polyline import Polyline
 from ezdxf.math import Vec3
 from numpy.typing import NDArray
 
-from mechanics.faults import Fault
-from mechanics.model.shown import SAME_POINT, Placed, has_direction
+from mechanics.faults import Fault, Remedy
+from mechanics.model.shown import SAME_POINT, Placed, can_change, has_direction
 from mechanics.types import Array, Index
 
 SAGITTA = 1e-3  # of an arc's width: the default distance between an arc and its chords
@@ -26,6 +27,10 @@ MOST_BULGE = 1e4  # an arc that is a full circle but for a ten-thousandth of its
 MOST_CHORDS = 10_000  # of one arc
 MOST_POINTS = 1_000_000  # of all outlines
 MOST_VERTICES = 20_000  # of one outline: where they all are at one height the work grows with their square
+FLAT = 0.01  # of an outline's size: less out of the drawing's plane changes no length by more than 5e-5
+MOST_CROSSINGS = 20  # of an outline with itself, of which small loops are taken off
+CHUNK = 64  # edges whose crossings are looked for at a time
+SHARE = 0.25  # of the distance from a vertex to other parts of its outline: a repair moves it no farther
 NOWHERE = Vec3(math.nan, math.nan, math.nan)
 
 
@@ -46,6 +51,10 @@ class PlacedOutline:
     def line(self) -> Array:
         """The points (m, 3) of the outline, of a closed one the first again at its end."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
+
+    def is_near(self, scale: float) -> bool:
+        """Whether its points are numbers that a picture can hold; `scale`: m per drawing unit."""
+        return bool((abs(self.points) <= FARTHEST / scale).all())
 
 
 def is_polyline(entity: DXFGraphic) -> bool:
@@ -82,7 +91,7 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
         return broken(f"has an arc of bulge {abs(bulges).max():.3g}, at most {MOST_BULGE:g}; draw it again")
     stretch = float(np.linalg.norm(to_model[:3, :3], 2))
     allowed = None if sagitta is None else sagitta / max(scale * stretch, 1e-99)
-    counts, worst = _divisions(vertices, closed, allowed)
+    counts, worst = _divisions(vertices, closed, allowed) if bulges.any() else (np.ones(len(vertices)), 0.0)
     if counts.max() > MOST_CHORDS:
         return broken(
             f"has an arc of {counts.max():.3g} chords, at most {MOST_CHORDS}, with sagitta_m = {sagitta:g}; "
@@ -100,25 +109,54 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
     return PlacedOutline(source, distinct if closed and len(distinct) else points, closed, worst * stretch)
 
 
-def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
-    """Describe what keeps an outline from being a block, where (text in drawing units, places in m), and what to do."""
-    points, at = outline.points, outline.source.at
+def view_of(outlines: Sequence[PlacedOutline]) -> Array | None:
+    """Return the axes (3, 3), in columns, of the vertical plane in which most of the outlines' area is drawn.
+
+    The first is horizontal, towards +x (or +y), the second is z, the third the plane's normal. None: the XY plane.
+    """
+    areas = np.zeros((len(outlines), 3))
+    for area, outline in zip(areas, outlines, strict=True):
+        if outline.closed and not outline.broken and len(outline.points) > 2:
+            arms = outline.points - outline.points[0]
+            area[:] = 0.5 * np.cross(arms[:-1], arms[1:]).sum(axis=0)
+    upright = areas[:, :2] * np.where(areas[:, :1] + 1e-9 * areas[:, 1:2] < 0.0, -1.0, 1.0)  # of one sense
+    normal = upright.sum(axis=0)
+    if not np.hypot(*normal) > abs(areas[:, 2]).sum():
+        return None
+    normal /= np.hypot(*normal)
+    along = np.array([-normal[1], normal[0], 0.0])
+    along *= -1.0 if along[0] + 1e-9 * along[1] < 0.0 else 1.0
+    return np.stack([along, (0.0, 0.0, 1.0), np.cross(along, (0.0, 0.0, 1.0))], axis=1)
+
+
+def fault_of(outline: PlacedOutline, scale: float, reach: float) -> Fault | None:
+    """Describe what keeps an outline from being a block, where (text in drawing units, places in m), and what to do.
+
+    Ends that are no farther apart than `reach` (m) can be closed, loops of less than its square (m²) taken off.
+    """
+    points, at, handle = outline.points, outline.source.at, outline.source.handle
     flat, line = points[:, :2], outline.line[:, :2]
 
-    def fault(text: str, *places: Array) -> Fault:
-        return Fault("outline", text, np.array([p[:2] for p in places]).reshape(-1, 2), (line,)).scaled(scale)
+    def fault(text: str, *places: Array, remedy: Remedy = "") -> Fault:
+        remedy = remedy if can_change(handle) else ""
+        where = np.array([p[:2] for p in places]).reshape(-1, 2)
+        return Fault("outline", text, where, (line,), remedy, (handle,)).scaled(scale)
 
     if outline.broken:
         text = f"{at(points[0])} {outline.broken}"
-        return fault(text, points[0]) if np.isfinite(points).all() else Fault("outline", text)
+        return fault(text, points[0]) if outline.is_near(scale) else Fault("outline", text)
     if not outline.closed:
         apart = float(np.linalg.norm(points[0] - points[-1]))
-        remedy = "close it, or freeze its layer if it is no block"
-        text = f"{at(points[0], points[-1])} is open, its ends {apart:.6g} apart; {remedy}"
-        return fault(text, points[0], points[-1])
+        what = "close it, or freeze its layer if it is no block"
+        text = f"{at(points[0], points[-1])} is open, its ends {apart:.6g} apart; {what}"
+        # of a thin outline the last edge may be what is missing, not what is too much
+        meant = len(points) > 3 and scale * apart <= reach
+        thin = meant and shapely.Polygon(flat).buffer(-0.5 * apart / SHARE).is_empty
+        return fault(text, points[0], points[-1], remedy="close" if meant and not thin else "")
     size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    if size and np.ptp(points[:, 2]) > SAME_POINT * size:
-        return fault(f"{at(points[0])} is not in the XY plane; flatten it", points[0])
+    if size and np.ptp(points[:, 2]) > FLAT * size:
+        text = f"is not in the XY plane, nor in a vertical one with the others, by {np.ptp(points[:, 2]):.3g}"
+        return fault(f"{at(points[0])} {text}; turn it there (ROTATE3D), or flatten it", points[0])
     if 0.0 < size * scale < SMALLEST:
         text = f"is {size * scale:.3g} m large, at least {SMALLEST:g} m; delete it or correct geometry.unit"
         return fault(f"{at(points[0])} {text}", points[0])
@@ -128,8 +166,41 @@ def fault_of(outline: PlacedOutline, scale: float) -> Fault | None:
         return fault(f"{at(*points[:1])} {text}", *points[:1])
     if not polygon.is_valid:
         place = np.array(shapely.is_valid_reason(polygon).partition("[")[2].strip("]").split(), dtype=float)
-        return fault(f"{at(place)} crosses or touches itself there; draw it as one simple outline", place)
+        text = f"{at(place)} crosses or touches itself there; draw it as one simple outline"
+        return fault(text, place, remedy="" if without_loops(outline, reach / scale) is None else "trim")
     return None
+
+
+def without_loops(outline: PlacedOutline, reach: float) -> Array | None:
+    """Return the ring (n, 3) that is left of an outline without loops and spikes of less than reach², drawing units².
+
+    None where that is not what was meant: several large parts, a hole, more vertices than before, arcs, or more than
+    MOST_CROSSINGS.
+    """
+    drawn = shapely.Polygon(outline.points[:, :2])
+    if drawn.is_valid or has_arcs(outline) or _crossings(outline.points[:, :2]) > MOST_CROSSINGS:
+        return None
+    parts = shapely.get_parts(shapely.make_valid(drawn, method="structure", keep_collapsed=False))
+    areas = shapely.area(parts)
+    if not areas.any() or areas.sum() - areas.max() > reach**2 or len(parts[areas.argmax()].interiors):
+        return None
+    ring = shapely.get_coordinates(shapely.get_exterior_ring(parts[areas.argmax()]))[:-1]
+    if len(ring) > len(file_points(outline)):
+        return None
+    return np.column_stack([ring, np.full(len(ring), outline.points[0, 2])])
+
+
+def _crossings(ring: Array) -> int:
+    """Return how often edges of a ring (n, 2) that do not follow each other meet; it stops beyond MOST_CROSSINGS."""
+    edges = shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1))
+    tree, last, found = shapely.STRtree(edges), len(edges) - 1, 0
+    for first in range(0, len(edges), CHUNK):
+        one, other = tree.query(edges[first : first + CHUNK], predicate="intersects")
+        apart = other - (one + first)
+        found += int(((apart > 1) & (apart < last)).sum())
+        if found > MOST_CROSSINGS:
+            break
+    return found
 
 
 def file_points(outline: PlacedOutline) -> Array:
@@ -184,10 +255,11 @@ def _is_flat(entity: Any) -> bool:
 def _vertices(entity: Any) -> tuple[Array, bool]:
     """Return the vertices (n, 4: x, y, z, bulge) of a polyline as drawn, and whether they close."""
     if isinstance(entity, LWPolyline):
-        rows = [(x, y, 0.0, bulge) for x, y, bulge in entity.get_points("xyb")]
-    else:
-        on_it = [v.dxf for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
-        rows = [(*v.get("location", NOWHERE).xyz, v.bulge if _is_flat(entity) else 0.0) for v in on_it]
+        found = np.asarray(entity.lwpoints.values, dtype=float).reshape(-1, 5)[:, [0, 1, 2, 4]]
+        found[:, 2] = 0.0  # a width
+        return found, bool(entity.closed)
+    on_it = [v.dxf for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
+    rows = [(*v.get("location", NOWHERE).xyz, v.bulge if _is_flat(entity) else 0.0) for v in on_it]
     return np.array(rows, dtype=float).reshape(-1, 4), bool(entity.is_closed)
 
 

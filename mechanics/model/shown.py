@@ -5,6 +5,7 @@ Whatever a drawing does not show is left out, or refused by name where what is m
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,14 +103,24 @@ def has_direction(entity: DXFGraphic) -> bool:
     return SAME_POINT < size < 1.0 / SAME_POINT
 
 
+def can_change(handle: str) -> bool:
+    """Whether the entity of a handle is an outline of its own: not one in an INSERT, or cut into blocks."""
+    return bool(handle) and not set(handle) & set("/:")
+
+
+def layer_key(name: str) -> str:
+    """Return what is the same of the name of a layer in any case of letters, accents composed or not."""
+    return unicodedata.normalize("NFC", name).lower()
+
+
 def placed_entities(document: Document, path: Path) -> list[Placed]:
     """Return all entities of model space, those inside INSERTs where these put them.
 
     Raises DrawingError for more than MOST_ENTITIES, and naming an INSERT that has no place, or of which it cannot be
     told what it shows.
     """
-    off = {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
-    frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
+    off = {layer_key(layer.dxf.name) for layer in document.layers if layer.is_off()}
+    frozen = {layer_key(layer.dxf.name) for layer in document.layers if layer.is_frozen()}
     states = _visibility_states(document)
     count = 0
 
@@ -124,13 +135,13 @@ def placed_entities(document: Document, path: Path) -> list[Placed]:
         nonlocal count
         for entity in space:
             own = entity.graphic_properties().get("layer", "0")
-            layer = outer if own == "0" else visible(own)[:LONGEST_NAME]
+            layer = outer if own == "0" else unicodedata.normalize("NFC", visible(own)[:LONGEST_NAME])
             handle = f"{above}{entity.dxf.handle}"
-            gone = hidden or _is_invisible(entity) or layer.lower() in frozen
+            gone = hidden or _is_invisible(entity) or layer_key(layer) in frozen
             block = entity.block() if isinstance(entity, Insert) else None
             if block is None or block.block is None or block.block.is_xref:
                 count += 1
-                yield Placed(entity, to_model, layer, handle, gone or layer.lower() in off, clips)
+                yield Placed(entity, to_model, layer, handle, gone or layer_key(layer) in off, clips)
                 continue
 
             def refused(why: str, name: str = f"{path}: INSERT {handle}") -> DrawingError:
@@ -235,22 +246,25 @@ def _is_undecided(block: Any, states: dict[str, list[set[str]]]) -> bool:
 
 
 def covered(
-    outlines: Iterable[tuple[Placed, Array]], placed: Sequence[Placed], space: Any
+    outlines: Iterable[tuple[Placed, Array]], placed: Sequence[Placed], space: Any, view: Array
 ) -> Iterator[tuple[int, str]]:
-    """Yield the number of each of the outlines (n, 3) that a WIPEOUT drawn over it covers, and the handle of that."""
+    """Yield the number of each of the outlines (n, 3) that a WIPEOUT drawn over it covers, and the handle of that.
+
+    `view` (3, 3): the axes of the drawing's plane, in columns, in which the outlines are.
+    """
     wipeouts = [p for p in placed if p.entity.dxftype() == "WIPEOUT" and not p.hidden]
     if not wipeouts:
         return
     order = {entity.dxf.handle: k for k, entity in enumerate(space.entities_in_redraw_order())}
-    place = {id(p): (order.get(p.handle.partition("/")[0], 0), k) for k, p in enumerate(placed)}
+    place = {p.handle: (order.get(p.handle.partition("/")[0], 0), k) for k, p in enumerate(placed)}
     rings = []
     for wipeout in wipeouts:
         entity: Any = wipeout.entity
         corners = wipeout.to_model.transform_vertices(entity.boundary_path_wcs())
-        rings.append(_polygon([(v.x, v.y) for v in corners]))
+        rings.append(_polygon((np.array([v.xyz for v in corners]) @ view)[:, :2].tolist()))
     for number, (source, points) in enumerate(outlines):
         for wipeout, ring in zip(wipeouts, rings, strict=True):
-            over = place[id(wipeout)] > place[id(source)]
+            over = place[wipeout.handle] > place[source.handle]
             if over and ring.is_valid and ring.covers(shapely.LineString(points[:, :2])):
                 yield number, wipeout.handle
                 break

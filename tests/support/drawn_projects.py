@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from mechanics import Assembly, Material, read_drawing
-from mechanics.model.dxf import Layer
+from mechanics.model.drawing import Layer
 from tests import ROOT
 
 FOLDER = ROOT / "projects"

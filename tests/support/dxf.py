@@ -9,7 +9,7 @@ from ezdxf.filemanagement import new
 
 from mechanics.errors import DrawingError
 from mechanics.model.block import Material
-from mechanics.model.dxf import Layer, read_drawing
+from mechanics.model.drawing import Layer, read_drawing
 
 STONE = Layer(Material(18.0), depth=1.0)
 

@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from assessment.runtime.errors import ProjectError, nearest
+from mechanics.model import layer_key
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -61,12 +62,11 @@ def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
 
 def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp]:
     """Return the blocks of the layers within the region, and those named by number; sorted."""
-    of_layer = [block.layer for block in model.blocks]
+    of_layer = {layer_key(block.layer): block.layer for block in model.blocks}
     for layer in entry.layers or ():
-        if layer not in of_layer:
-            raise ProjectError(
-                f'{key}.layers: no block on layer "{layer}"; {nearest(layer, sorted(set(of_layer)))}'
-            )
+        if layer_key(layer) not in of_layer:
+            names = sorted(set(of_layer.values()))
+            raise ProjectError(f'{key}.layers: no block on layer "{layer}"; {nearest(layer, names)}')
     for number in entry.blocks or ():
         if not 0 <= number < len(model.blocks):
             raise ProjectError(f"{key}.blocks: no block {number}; write 0 to {len(model.blocks) - 1}")
@@ -78,7 +78,7 @@ def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp
     if entry.layers or entry.region_m:
         chosen |= model.movable
     if entry.layers:
-        chosen &= np.isin(of_layer, entry.layers)
+        chosen &= np.isin([layer_key(block.layer) for block in model.blocks], [*map(layer_key, entry.layers)])
     if entry.region_m:
         region = _region(entry.region_m, key)
         chosen &= shapely.intersects(region, shapely.points([block.centroid for block in model.blocks]))

@@ -41,8 +41,9 @@ def build_model(project: Project) -> ProjectModel:
     that is no assembly, and ProjectError for a control point in a support, one, the end of a tie or a measurement
     outside every block, a crack or slip at no joint, or a mechanism whose blocks are not there.
     """
-    drawing = survey_drawing(*how_to_read(project))
-    geometry, (tolerance, warnings) = project.geometry, _laid_out(project, drawing)
+    geometry = project.geometry
+    drawing = survey_drawing(*how_to_read(project), geometry.tolerance_m)
+    tolerance, warnings = _laid_out(project, drawing)
     unset = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
     if unset and project.elastic:
         raise ProjectError(
@@ -108,7 +109,7 @@ def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[Message,
     tolerance = project.geometry.tolerance_m or default_tolerance(blocks)
     layout = survey_layout(blocks, tolerance, whole=not faults)
     if faults or layout.faults:
-        remedy = layout.remedy if not faults else UNSEEN
+        remedy = layout.hint if not faults else UNSEEN
         raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
     return tolerance, drawing.warnings + layout.warnings
 

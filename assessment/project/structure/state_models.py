@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from assessment.project.structure.points import block_at
 from assessment.runtime.errors import ProjectError, nearest
 from mechanics import Assembly, State, Tie
+from mechanics.model import layer_key
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -149,17 +150,17 @@ def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningT
     """Return the assembly with the joints of some layers changed."""
     if not made.layers:
         return model
-    layers = {block.layer.lower() for block in model.blocks}
+    layers = {layer_key(block.layer) for block in model.blocks}
     names = sorted({block.layer for block in model.blocks})
     number = project.strengthening.index(made) + 1
     for layer in made.layers:
-        if layer.lower() not in layers:
+        if layer_key(layer) not in layers:
             key = f"{project.source}: strengthening[{number}].layers.{layer}"
             raise ProjectError(f"{key}: no block on that layer; {nearest(layer, names)}")
-    tables = {layer.lower(): table for layer, table in made.layers.items()}
+    tables = {layer_key(layer): table for layer, table in made.layers.items()}
     blocks = [
-        replace(block, material=replace(block.material, **_values(tables[block.layer.lower()])))
-        if block.layer.lower() in tables
+        replace(block, material=replace(block.material, **_values(tables[layer_key(block.layer)])))
+        if layer_key(block.layer) in tables
         else block
         for block in model.blocks
     ]

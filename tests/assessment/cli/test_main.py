@@ -228,8 +228,14 @@ def test_check_repairs_a_drawing_beside_the_original_and_tells_every_change(proj
     assert drawn.read_bytes() == original
     assert "deleted, the same outline as" in out and out.count("moved by 2 mm") == 2
     assert f"3 changes: {project / 'geometry-repaired.dxf'}; to use it write" in out
-    assert main(["check", str(project), "--repair"]) == 2
-    assert "geometry-repaired.dxf: there is such a file already; delete it" in capsys.readouterr().err
+    repaired = (project / "geometry-repaired.dxf").read_bytes()
+    assert main(["check", str(project), "--repair"]) == 0
+    assert not (project / "geometry-repaired-2.dxf").exists()
+    (project / "geometry-repaired.dxf").write_bytes(b"changed by hand")
+    assert main(["check", str(project), "--repair"]) == 0
+    assert f"3 changes: {project / 'geometry-repaired-2.dxf'}; to use it" in capsys.readouterr().out
+    assert (project / "geometry-repaired.dxf").read_bytes() == b"changed by hand"
+    (project / "geometry-repaired.dxf").write_bytes(repaired)
     edit(project, 'drawing = "geometry.dxf"', 'drawing = "geometry-repaired.dxf"')
     assert main(["check", str(project), "--repair"]) == 0
     assert "geometry-repaired.dxf: nothing that can be repaired" in capsys.readouterr().out

@@ -24,7 +24,7 @@ from assessment.project.project import load_project
 from assessment.project.schema.index import keys_at
 from assessment.runtime.errors import ProjectError
 from mechanics import Material, limit_analysis, read_drawing
-from mechanics.model.dxf import Layer
+from mechanics.model.drawing import Layer
 from tests import ROOT
 from tests.support.template_assembly import template_assembly
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from mechanics import Assembly
 from mechanics.model.block import Material
-from mechanics.model.dxf import METRES, Layer
+from mechanics.model.drawing import METRES, Layer
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
 
 

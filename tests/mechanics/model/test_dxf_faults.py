@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from mechanics.errors import DrawingError
-from mechanics.model.dxf import read_drawing
+from mechanics.model.drawing import read_drawing
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
 
 
@@ -90,8 +90,11 @@ def test_out_of_the_plane(tmp_path):
     )
     upright = outline(space, SQUARE, "ARCH")
     upright.dxf.extrusion = (0, 1, 0)
+    outline(space, SQUARE, "ARCH")
+    outline(space, SQUARE, "ARCH")
     message = refused(document, tmp_path)
-    assert f'layer "ARCH", POLYLINE {wrong.dxf.handle} at (0, 0) is not in the XY plane' in message
+    assert f'layer "ARCH", POLYLINE {wrong.dxf.handle} at (0, 0) is not in the XY plane, nor' in message
+    assert "by 1; turn it there (ROTATE3D), or flatten it" in message
     assert f'layer "ARCH", LWPOLYLINE {upright.dxf.handle} at (0, 0) is not in the XY plane' in message
 
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from mechanics import Assembly
 from mechanics.errors import DrawingError
 from mechanics.model import default_tolerance, read_drawing, repair_drawing, survey_layout
-from mechanics.model.dxf import Layer
-from mechanics.model.model_checks import NEAR
+from mechanics.model.drawing import Layer
+from mechanics.model.layout import NEAR
 from tests.support.dxf import SQUARE, STONE, drawing, outline
 
 BASE = {"BASE": Layer(STONE.material, 1.0, support="base")}

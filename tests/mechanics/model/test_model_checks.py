@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from mechanics.errors import DrawingError
 from mechanics.faults import LISTED
 from mechanics.model.block import Block, Material
-from mechanics.model.model_checks import check_layout, survey_layout
-from mechanics.model.overlaps import overlaps_of
+from mechanics.model.layout import check_layout, find_overlaps, survey_layout
 
 STONE = Material(18.0)
 TOLERANCE = 1e-3
@@ -267,13 +266,13 @@ def test_what_overlaps_is_not_told_to_touch_nothing_as_well():
 def test_the_number_of_overlaps_is_bounded():
     shifted = [rectangle(0.01 * k, 0, 1 + 0.01 * k, 1, f"A{k}") for k in range(40)]
     polygons = shapely.polygons([block.polygon for block in shifted])
-    found = overlaps_of(shifted, polygons, 1e-3, most=30)
+    found = find_overlaps(shifted, polygons, 1e-3, most=30)
     assert found.cut_short and len(found.pairs) == 30
     assert any(
         "more than 30 pairs of blocks overlap, and no more were looked for" in fault.text
         for fault in found.faults
     )
-    assert not overlaps_of(shifted, polygons, 1e-3).cut_short
+    assert not find_overlaps(shifted, polygons, 1e-3).cut_short
 
 
 def test_a_tolerance_beyond_most_edges_is_refused_before_all_pairs_are_looked_at():

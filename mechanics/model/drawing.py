@@ -1,0 +1,396 @@
+"""A drawing as blocks: every closed outline of model space, with what its layer says of it, and all that is wrong."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from difflib import get_close_matches
+from functools import cached_property
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from ezdxf import units
+from ezdxf.document import Drawing as Document
+from ezdxf.entities.dxfentity import DXFTagStorage
+from ezdxf.math import Matrix44
+
+from mechanics.errors import DrawingError, require
+from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
+from mechanics.messages import Message, headed, message
+from mechanics.model.block import Block, Material
+from mechanics.model.dxf import open_document
+from mechanics.model.joints import default_tolerance
+from mechanics.model.layout import NEAR
+from mechanics.model.polylines import (
+    MOST_POINTS,
+    PlacedOutline,
+    fault_of,
+    is_polyline,
+    placed_outline,
+    view_of,
+)
+from mechanics.model.shown import Placed, covered, layer_key, placed_entities
+
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them
+SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
+UNEVEN = 1e-6  # m: heights out of the drawing's plane that are told
+SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """What the blocks of one drawing layer are; the fields are those of Block."""
+
+    material: Material
+    depth: float
+    support: str | None = None
+    vertical_load: float = 0.0
+    load_has_mass: bool = True
+    segments: int | None = None
+
+
+@dataclass(frozen=True)
+class Drawing(Sequence[Block]):
+    """Blocks of a drawing, warnings about it, and the largest distance (m) of an arc from its chords.
+
+    It is the sequence of its blocks: Assembly(read_drawing(…)). `faults`: what keeps outlines from being blocks, and
+    layers that are not there; `outlines`: all of them, to draw.
+    """
+
+    blocks: tuple[Block, ...]
+    warnings: tuple[Message, ...]
+    sagitta: float = 0.0
+    faults: tuple[Fault, ...] = ()
+    outlines: tuple[Outline, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of blocks."""
+        return len(self.blocks)
+
+    @overload
+    def __getitem__(self, index: int) -> Block: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Block, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Block | tuple[Block, ...]:
+        """Return a block by its number, or some."""
+        return self.blocks[index]
+
+
+def read_drawing(
+    path: str | Path,
+    unit: str,
+    default: Layer,
+    layers: Mapping[str, Layer] = {},
+    sagitta: float | None = None,
+) -> Drawing:
+    """Read the blocks of a DXF drawing (text or binary, R12 and later); their vertices are in m.
+
+    Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
+    (nested, scaled, mirrored, arrays; there layer 0 is the INSERT's layer). A polyline that ends
+    where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
+    layer name, in any case of letters. A front view, drawn in a vertical plane, is turned: z is up. What is frozen,
+    off, invisible or clipped away is left out with a warning: the place for closed outlines that are no blocks. An
+    open polyline is an error, but left out with a warning where `layers` names other layers and not its own, and no
+    closed one is there. Other shapes (lines, arcs, circles, …) are left out with a warning, annotation without.
+
+    Arcs become chords that are at no place further than `sagitta` (m) from the arc; by default a thousandth
+    of the arc's width (its chord; beyond half a circle, its diameter). An arc is divided evenly, so that
+    one shared by two blocks gives both the same vertices.
+
+    Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing
+    units: the file cannot be read or is cut off; an outline is open, self-crossing, without area or out
+    of the drawing's plane, cut by a clip or covered by a wipeout; a layer of `layers` is not in the drawing, or
+    hidden; nothing closed is in model space.
+
+    Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
+    """
+    drawing = survey_drawing(path, unit, default, layers, sagitta)
+    if drawing.faults:
+        raise FaultyDrawingError(str(path), drawing.faults, drawing.outlines)
+    return drawing
+
+
+def survey_drawing(
+    path: str | Path,
+    unit: str,
+    default: Layer,
+    layers: Mapping[str, Layer] = {},
+    sagitta: float | None = None,
+    tolerance: float | None = None,
+) -> Drawing:
+    """Return what `read_drawing` does, and its faults in place of raising them; `blocks` are then those without.
+
+    `tolerance` (m) of the joints, as of `Assembly`: beside it faults are small enough to be mended. Raises
+    DrawingError where the file cannot be read.
+    """
+    return Sheet.of(path, unit, default, layers, sagitta, tolerance).drawing
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A document as it is now, and how it becomes blocks; what is found in it is found once.
+
+    `damage`: what was mended to read it; `scale`: m per drawing unit; `layers` by the name that the project has.
+    """
+
+    document: Document
+    damage: Sequence[Message]
+    path: Path
+    unit: str
+    default: Layer
+    layers: Mapping[str, Layer]
+    sagitta: float | None
+    tolerance: float | None
+
+    @classmethod
+    def of(
+        cls,
+        path: str | Path,
+        unit: str,
+        default: Layer,
+        layers: Mapping[str, Layer],
+        sagitta: float | None,
+        tolerance: float | None,
+    ) -> Sheet:
+        """Open a drawing. Raises DrawingError where it cannot be read, ArgumentError for unit or sagitta."""
+        require(unit in METRES, "unit", unit, '"mm", "cm" or "m"')
+        require(sagitta is None or 0.0 < sagitta < np.inf, "sagitta", sagitta, "positive, in m, or None")
+        document, damage = open_document(Path(path))
+        return cls(document, damage, Path(path), unit, default, layers, sagitta, tolerance)
+
+    def again(self) -> Sheet:
+        """Return the sheet of the document after it was changed."""
+        return replace(self)
+
+    @property
+    def scale(self) -> float:
+        """Metres per drawing unit."""
+        return METRES[self.unit]
+
+    @cached_property
+    def named(self) -> dict[str, tuple[str, Layer]]:
+        """The layers that the project names, by key: name and what it says."""
+        return {layer_key(name): (name, layer) for name, layer in self.layers.items()}
+
+    @cached_property
+    def placed(self) -> list[Placed]:
+        """All entities of model space, those of INSERTs where these put them."""
+        return placed_entities(self.document, self.path)
+
+    @cached_property
+    def _shown(self) -> tuple[list[PlacedOutline], list[Placed], list[Message]]:
+        """The outlines that are shown, in the plane of the drawing, the polylines that clips hide, and warnings."""
+        outlines, clipped = [], []
+        count = 0
+        for source in self.placed:
+            if source.hidden or not is_polyline(source.entity):
+                continue
+            outline = placed_outline(source, self.scale, self.sagitta)
+            seen, insert = ("whole", "") if outline.broken else source.cut(outline.line)
+            if seen == "nothing":
+                clipped.append(source)
+                continue
+            if seen == "part":
+                why = f"is cut by the clip of INSERT {insert}; draw what is left of it, or take the clip off"
+                outline = replace(outline, broken=why)
+            outlines.append(outline)
+            count += len(outline.points)
+            if count > MOST_POINTS:
+                raise DrawingError(
+                    f"{self.path}: more than {MOST_POINTS} vertices, those of arcs included; simplify the outlines, "
+                    "or write a larger geometry.sagitta_m"
+                )
+        warnings = []
+        view = view_of(outlines)
+        if view is not None:
+            turn = Matrix44(np.block([[view, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]).ravel())
+            for k, old in enumerate(outlines):
+                source = replace(old.source, to_model=old.source.to_model * turn)
+                turned = placed_outline(source, self.scale, self.sagitta)
+                outlines[k] = replace(turned, broken=old.broken or turned.broken)
+            warnings.append(
+                message(
+                    "drawn in a vertical plane and turned: x of blocks and points is along ({x:.4g}, {y:.4g}, 0) of "
+                    "the drawing, z is its z",
+                    x=round(float(view[0, 0]), 6) + 0.0,
+                    y=round(float(view[1, 0]), 6) + 0.0,
+                )
+            )
+        drawn = [(o.source, o.line) for o in outlines]
+        space = self.document.modelspace()
+        for number, wipeout in covered(drawn, self.placed, space, np.eye(3) if view is None else view):
+            why = f"is covered by WIPEOUT {wipeout}; delete the one or the other"
+            outlines[number] = replace(outlines[number], broken=why)
+        return outlines, clipped, warnings
+
+    @cached_property
+    def closed(self) -> list[PlacedOutline]:
+        """The closed outlines that are shown."""
+        return [o for o in self._shown[0] if o.closed]
+
+    @cached_property
+    def outlines(self) -> list[PlacedOutline]:
+        """The outlines that are or should be blocks: of open ones, where layers are named, those beside blocks."""
+        holding = {layer_key(o.source.layer) for o in self.closed} | self.named.keys()
+        every = not self.layers or not self.closed
+        return [o for o in self._shown[0] if every or layer_key(o.source.layer) in holding]
+
+    @cached_property
+    def wrong(self) -> dict[str, Fault]:
+        """What keeps outlines from being blocks, by their handles."""
+        found = ((o, fault_of(o, self.scale, self.reach)) for o in self.outlines)
+        return {o.source.handle: fault for o, fault in found if fault is not None}
+
+    @cached_property
+    def sources(self) -> list[PlacedOutline]:
+        """The outline of each block."""
+        return [o for o in self.closed if o.source.handle not in self.wrong]
+
+    @cached_property
+    def reach(self) -> float:
+        """How far, m, a repair moves what is drawn, NEAR tolerances of the joints; 0: nothing tells them."""
+        if self.tolerance is not None:
+            return NEAR * self.tolerance
+        rings = [o.points[:, :2] for o in self.closed if not o.broken and len(o.points)]
+        return NEAR * self.scale * default_tolerance(rings) if rings else 0.0
+
+    def layer(self, outline: PlacedOutline) -> Layer:
+        """Return what the project says of the layer of an outline."""
+        return self.named.get(layer_key(outline.source.layer), ("", self.default))[1]
+
+    def block(self, outline: PlacedOutline) -> Block:
+        """Return the block of an outline."""
+        layer, source = self.layer(outline), outline.source
+        of_layer = {field.name: getattr(layer, field.name) for field in fields(layer)}
+        return Block(self.scale * outline.points[:, :2], **of_layer, layer=source.layer, handle=source.handle)
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """The blocks, and all that is wrong or odd."""
+        faults = [*self._layer_faults(), *self.wrong.values(), *self._frozen_on_sheets()]
+        if not self.closed and not faults:
+            faults = [Fault("layer", self._nothing())]
+        return Drawing(
+            tuple(map(self.block, self.sources)),
+            tuple(headed(self.path.name, warning) for warning in self._warnings()),
+            self.scale * max((o.sagitta for o in self.sources), default=0.0),
+            tuple(faults),
+            tuple(
+                Outline(
+                    self.scale * o.points[:, :2],
+                    o.source.layer,
+                    o.closed,
+                    self.layer(o).support is not None,
+                )
+                for o in self.outlines
+                if o.is_near(self.scale) and len(o.points) > 1
+            ),
+        )
+
+    def _layer_faults(self) -> Iterator[Fault]:
+        """Name the layers of the project that the drawing does not have or does not show."""
+        names = [
+            *(visible(layer.dxf.name) for layer in self.document.layers),
+            *(p.layer for p in self.placed),
+        ]
+        drawn = {layer_key(name): name for name in names}
+        hidden = Counter(layer_key(p.layer) for p in self._hidden())
+        for key, (name, _) in self.named.items():
+            if key not in drawn:
+                nearest = [drawn[each] for each in get_close_matches(key, drawn, n=1)]
+                has = ", ".join(listed(sorted(drawn.values())))
+                hint = f'did you mean "{nearest[0]}"?' if nearest else f"it has {has}"
+                yield Fault("layer", f'layer "{name}" is not in the drawing; {hint}')
+            elif n := hidden[key]:
+                remedy = "show them, or take the layer out of the project"
+                text = f'layer "{name}" has {n} polylines that are frozen, off or invisible; {remedy}'
+                yield Fault("layer", text)
+
+    def _hidden(self) -> Iterator[Placed]:
+        return (p for p in self.placed if p.hidden and is_polyline(p.entity))
+
+    def _frozen_on_sheets(self) -> Iterator[Fault]:
+        """Name the layers with outlines that every viewport hides, and that the project does not name."""
+        views: list[Any] = [
+            v for sheet in self.document.layouts for v in sheet.query("VIEWPORT") if v.dxf.id != 1
+        ]
+        frozen = [{layer_key(name) for name in view.frozen_layers} for view in views]
+        hidden = set.intersection(*frozen) if frozen else set()
+        for name in sorted({o.source.layer for o in self.closed}):
+            if layer_key(name) in hidden - self.named.keys():
+                remedy = f'freeze it there too, or write [layers."{name}"] in the project'
+                text = f'layer "{name}" is frozen in every viewport and shown in model space; {remedy}'
+                yield Fault("layer", text)
+
+    def _nothing(self) -> str:
+        """Describe what a drawing without polylines in model space has instead."""
+        paper = [
+            f'layer "{visible(e.dxf.layer)}", {e.dxftype()} {e.dxf.handle} of layout "{layout.name}"'
+            for layout in self.document.layouts
+            for e in layout
+            if not layout.is_modelspace and is_polyline(e)
+        ]
+        if paper:
+            return f"the polylines are in paper space ({paper[0]}, {len(paper)} in all); move them to model space"
+        counts = Counter(("hidden " if p.hidden else "") + p.entity.dxftype() for p in self.placed)
+        kinds = [f"{n} {visible(kind)}" for kind, n in counts.most_common()]
+        found = ", ".join(listed(kinds)) or "nothing at all"
+        return f"nothing closed is in model space, but {found}; draw each block as one closed polyline"
+
+    def _warnings(self) -> Iterator[Message]:
+        """Yield what is odd: the file, the unit, layers without blocks, and what looks like a block and is none."""
+        yield from self.damage
+        outlines, clipped, turned = self._shown
+        yield from turned
+        own = units.unit_name(self.document.units)
+        if own not in {"Unitless", "unitless", INSUNITS[self.unit]}:
+            yield message(
+                "$INSUNITS says {own}, the project {unit}, which is used; check the sizes",
+                own=own,
+                unit=self.unit,
+            )
+        heights = [np.ptp(o.points[:, 2]) for o in self.sources]
+        if uneven := [h for h in heights if h > 0.0 and h * self.scale > UNEVEN]:
+            yield message(
+                "heights out of the plane are left out, of up to {height:.3g} m; outlines: {count}",
+                height=self.scale * max(uneven),
+                count=len(uneven),
+            )
+        holding = {layer_key(o.source.layer) for o in self.closed}
+        for key, (name, _) in self.named.items():
+            if key not in holding:
+                yield message(
+                    'layer "{name}" holds no block: what the project says of it has no effect', name=name
+                )
+        for name, count in Counter(p.layer for p in self._hidden()).items():
+            yield message(
+                'layer "{name}": frozen, off or invisible polylines left out: {count}',
+                name=name,
+                count=count,
+            )
+        for name, count in Counter(p.layer for p in clipped).items():
+            yield message(
+                'layer "{name}": polylines left out that clips of INSERTs hide: {count}',
+                name=name,
+                count=count,
+            )
+        if open_ := [o for o in outlines if not o.closed]:
+            yield message(
+                "open polylines on layers without blocks left out: {count}, first: {where}",
+                count=len(open_),
+                where=open_[0].source.at(*open_[0].points[[0, -1]]),
+            )
+        rest = [p for p in self.placed if not (p.hidden or is_polyline(p.entity))]
+        shapes = [p for p in rest if p.entity.dxftype() in SHAPES or isinstance(p.entity, DXFTagStorage)]
+        if shapes:
+            kinds = Counter(p.entity.dxftype() for p in shapes)
+            yield message(
+                "left out, being no closed polylines: {found}, on layers {layers}",
+                found=listed([f"{n} {visible(kind)}" for kind, n in kinds.most_common()]),
+                layers=listed(sorted({p.layer for p in shapes})),
+            )
