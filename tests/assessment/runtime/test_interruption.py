@@ -152,8 +152,10 @@ def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, ca
     assert err.count("\n") == 1
     assert contents(project / "output") == before
     assert not multiprocessing.active_children()
-    left = plan["pushover"] if what == "pushover" else 0
-    assert counts(project, capsys) == (left, sum(plan.values()) - left)
+    assert counts(project, capsys)[1] >= sum(plan.values()) - plan["pushover"] - plan["second solver"]
+    left = computed(project)
+    left.pop("second solver")  # it begins where the largest multiplier is, which may have moved
+    assert {stage for stage, number in left.items() if number} == ({"pushover"} & {what})
 
 
 def test_memory_that_runs_out_is_told(project, capsys, monkeypatch):

@@ -139,7 +139,10 @@ def test_only_what_depends_on_an_edit_is_computed_again(done, capsys, what):
     if what == "nothing":
         forget(done / "output")
     assesto(done)
-    assert computed(done) == expected(before, planned(done), again)
+    found, due = computed(done), expected(before, planned(done), again)
+    if again == {"pushover": 1.0}:  # it begins where the largest multiplier is, which may have moved
+        assert found.pop("second solver") <= due.pop("second solver") + before["second solver"]
+    assert found == due
     resumed = output(done)
     assert counts(done, capsys, "--fresh")[1] == 0
     fresh = output(done)
