@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from assessment.analyses.checks.demand import demand_spectra
 from assessment.ntc.demand.hazard_grid import HazardError, read_grid, read_site_table
-from assessment.project.consistency.files import attachment_problems
+from assessment.project.consistency import attachment_problems
 from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.comments import commented_toml
 from assessment.project.project import load_project, survey_project

@@ -9,25 +9,16 @@ import json
 import re
 from collections.abc import Iterable, Mapping
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.schema import KeyPath
 from assessment.project.schema.index import keys_at
+from assessment.project.schema.values import SHOWN, KeyPath, Problem, key_of
 from assessment.runtime.errors import ProjectError, nearest, shortened
-
-
-class Problem(NamedTuple):
-    """What is wrong with the value at `path`, and the remedy."""
-
-    path: KeyPath
-    text: str
-
 
 _COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
 
-_SHOWN = 40  # characters of a value that a message shows
 _MOST_TOLD = 24  # problems of a file: one screen
 _MOST_UNKNOWN = 3  # unknown keys of a table that are told one by one
 
@@ -131,9 +122,7 @@ def _phrase(kind: str, context: Mapping[str, Any], detail: Mapping[str, Any]) ->
         return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
     expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
     if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
-        expected += (
-            f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', _SHOWN)}"
-        )
+        expected += f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', SHOWN)}"
     return expected
 
 
@@ -141,7 +130,7 @@ def _shown(value: Any) -> str:
     text = json.dumps(_pruned(value), ensure_ascii=False, default=str)
     for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
         text = own if text == name else text
-    return shortened(text, _SHOWN)
+    return shortened(text, SHOWN)
 
 
 def _pruned(value: Any, levels: int = 3) -> Any:
@@ -153,19 +142,8 @@ def _pruned(value: Any, levels: int = 3) -> Any:
     if levels == 0:
         return "…"
     if isinstance(value, dict):
-        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), _SHOWN)}
-    return [_pruned(each, levels - 1) for each in value[:_SHOWN]]
-
-
-def key_of(path: KeyPath) -> str:
-    """Return how a message names the value at a path: history[1].contacts."""
-    key = "" if path else "project"
-    for part in path:
-        if isinstance(part, int):
-            key += f"[{part + 1}]"
-        else:
-            key += "." * bool(key) + (part if re.fullmatch(r"[\w+-]+", part) else _shown(part))
-    return key
+        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), SHOWN)}
+    return [_pruned(each, levels - 1) for each in value[:SHOWN]]
 
 
 def _cell(path: KeyPath, cells: Mapping[KeyPath, str]) -> str:

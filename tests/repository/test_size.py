@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1900,
     "assessment/cli": 875,
     "assessment/ntc": 2750,
-    "assessment/project": 5310,
+    "assessment/project": 5125,
     "assessment/report": 8450,
     "assessment/results": 4150,
     "assessment/runtime": 1990,

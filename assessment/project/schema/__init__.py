@@ -13,18 +13,28 @@ from assessment.project.schema.assessment import (
     SiteTable,
 )
 from assessment.project.schema.content import ProjectContent, ReportTable
-from assessment.project.schema.dynamic import HistoryTable, IncrementalTable, MotionTable, StatesTable
 from assessment.project.schema.identification import IdentificationTable, MeasurementTable
-from assessment.project.schema.static import PushoverTable, SettlementTable
-from assessment.project.schema.strengthening import ChangedLayerTable, StrengtheningTable, TieTable
+from assessment.project.schema.motions import (
+    VARIED,
+    CampaignTable,
+    HistoryTable,
+    IncrementalTable,
+    MotionTable,
+    SensitivityTable,
+    StatesTable,
+)
 from assessment.project.schema.structure import (
+    ChangedLayerTable,
     ContactsTable,
     ControlTable,
     GeometryTable,
     LayerTable,
     MaterialTable,
+    PushoverTable,
+    SettlementTable,
+    StrengtheningTable,
+    TieTable,
 )
-from assessment.project.schema.studies import VARIED, CampaignTable, SensitivityTable
 from assessment.project.schema.values import (
     MOST_ENTRIES,
     ORIGINAL,

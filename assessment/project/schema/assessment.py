@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import json
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
+from assessment.ntc.confidence import COMPONENTS, confidence_factor
+from assessment.ntc.demand.return_period import return_period
 from assessment.project.schema.values import (
     MOST_ENTRIES,
     MOST_LAYERS,
     ORIGINAL,
     Acceleration,
     BlockNumber,
+    Contradiction,
     Coordinate,
+    FileName,
     Length,
     LimitStates,
     Name,
+    NameOf,
     Names,
     Pair,
+    Problem,
     Ratio,
     Seconds,
     Table,
     Text,
 )
+
+if TYPE_CHECKING:
+    from assessment.project.schema.content import ProjectContent
+
+HIGHEST = 40.0  # m: of a building whose period T_1 = 0.05 H^(3/4) gives (Circolare 7/2019, C7.3.3.2)
+RETURN_PERIOD_TOL = 0.02  # relative: typed values are rounded, 475 years for 474.6
+LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; below it the block does not turn
 
 
 class HazardTable(Table):
@@ -46,7 +61,7 @@ class SiteTable(Table):
     longitude: Annotated[float, Field(ge=-180, le=180)] | None = Field(
         default=None, description="longitude, degrees east"
     )
-    grid: Name | None = Field(
+    grid: Annotated[Name | None, FileName()] = Field(
         default=None,
         description="file of another hazard grid in the form of Allegato B, or of the nine lines of the site itself; "
         "absent: Allegato B of D.M. 14/01/2008, which comes with the program",
@@ -70,6 +85,31 @@ class SiteTable(Table):
         """The hazards that are typed in, by limit state; none where coordinates or a file give them."""
         return {key: table for key in ("SLD", "SLV", "SLC") if (table := getattr(self, key)) is not None}
 
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield a hazard that is missing, incomplete or given twice, and return periods of another life or class."""
+        placed = [key for key in ("latitude", "longitude", "grid") if getattr(self, key) is not None]
+        typed = self.typed
+        if placed and typed:
+            yield (), f"given twice, by {', '.join(placed)} and by {', '.join(typed)}; keep one of the two"
+        elif placed:  # a file alone may be the hazard of the site itself; its reader checks that
+            for key in {"latitude", "longitude"}.difference(placed) if placed != ["grid"] else ():
+                yield key, "missing; latitude and longitude go together"
+        elif not typed:
+            yield (), "no hazard; add latitude and longitude, or ag_g, F0 and Tc_star_s per limit state"
+        elif project.assessment:
+            for key, table in typed.items():
+                yield from self._return_period(key, table.return_period_years)
+            for key in (each for each in project.assessment.limit_states if each not in typed):
+                yield key, "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
+
+    def _return_period(self, limit_state: str, given: float | None) -> Iterator[Contradiction]:
+        """Yield a return period (years) that nominal life and use class do not make, but for rounding (§3.2.1)."""
+        by_life = return_period(limit_state, self.nominal_life_years, self.use_class)
+        if given is not None and abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
+            text = f"{given:g} years, but nominal_life_years = {self.nominal_life_years:g} and use_class = "
+            text += f'"{self.use_class}" make {by_life:.4g} at {limit_state}; correct one of them'
+            yield (limit_state, "return_period_years"), text
+
 
 class FloorTable(Table):
     """[assessment.floor]: the building that carries a mechanism at height, for the floor spectrum."""
@@ -92,6 +132,23 @@ class FloorTable(Table):
     higher_participations: Annotated[tuple[Ratio, ...], Field(strict=False, max_length=100)] = Field(
         default=(), description="their products γ_k ψ_k(z), participation times shape at the height z"
     )
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield keys that contradict another one, here or in [assessment]."""
+        if self.height_m > self.building_height_m:
+            text = f"{self.height_m:g} is above building_height_m ({self.building_height_m:g}); correct one of them"
+            yield "height_m", text
+        if self.period_s is None and self.building_height_m > HIGHEST:
+            text = f"missing; T_1 = 0.05 H^(3/4) holds up to a building_height_m of {HIGHEST:g}"
+            yield "period_s", f"{text}; write the period, in s"
+        if len(self.higher_periods_s) != len(self.higher_participations):
+            text = f"{len(self.higher_participations)} of {len(self.higher_periods_s)}; write one γ_k ψ_k for each of "
+            yield "higher_participations", f"{text}higher_periods_s, in the same order"
+        if project.assessment and self.higher_periods_s and project.assessment.circular == 2009:
+            text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
+            yield "higher_periods_s", text
+        if project.assessment and project.assessment.spectrum == "record":
+            yield (), 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out'
 
 
 class KnowledgeTable(Table):
@@ -143,6 +200,29 @@ class KnowledgeTable(Table):
         named = {key: getattr(self, key) for key in ("geometry", "construction", "mechanical", "ground")}
         return {key: value for key, value in named.items() if value is not None}
 
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield what F_C does not follow from: Circolare 7/2019, C8.5.4, for levels; DPCM 9/2/2011, §4.2, for F_Ck."""
+        given = self.components
+        if (self.level is None) == (not given):
+            text = "F_C follows from two things" if given else "F_C follows from nothing"
+            yield (), f"{text}; write level, or {', '.join(COMPONENTS)}"
+        elif given and len(given) < len(COMPONENTS):
+            yield (
+                (),
+                f"{', '.join(COMPONENTS.keys() - given.keys())} missing; the four components go together",
+            )
+        elif wrong := [key for key, value in given.items() if value not in COMPONENTS[key]]:
+            choices = ", ".join(f"{each:g}" for each in COMPONENTS[wrong[0]])
+            yield wrong[0], f"{given[wrong[0]]:g} is none of {choices}; write one of these"
+        elif project.assessment:
+            factor, follows = (
+                project.assessment.confidence_factor,
+                confidence_factor(self.level, given).factor,
+            )
+            if abs(follows - factor) > 1e-9:
+                text = f"{factor:g}, but assessment.knowledge makes {follows:g}; write {follows:g}, or correct it"
+                yield Problem(("assessment", "confidence_factor"), text)
+
 
 class AssessmentTable(Table):
     """[assessment]: the displacement-based check of every pushover curve."""
@@ -189,6 +269,23 @@ class AssessmentTable(Table):
         default=None, description="site, ground and use; needed by the ntc spectrum"
     )
 
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield tables and keys that the check needs and that are missing."""
+        needed = ["rigid"] if self.model == "none" else ["rigid", "elastic"]
+        if project.pushover is None:
+            yield (), "there is no pushover to assess; add [pushover] or leave [assessment] out"
+        elif missing := [contacts for contacts in needed if contacts not in project.pushover.contacts]:
+            text = f"{' and '.join(missing)} missing, but assessment.model asks for it; write {json.dumps(needed)}"
+            yield Problem(("pushover", "contacts"), text)
+        if self.spectrum == "record" and not project.history:
+            text = 'there is no record to take the spectrum of; add [[history]] or write spectrum = "ntc"'
+            yield "spectrum", text
+        if self.spectrum == "ntc" and self.site is None:
+            yield "site", 'missing; add [assessment.site] or write spectrum = "record"'
+        if self.method == "grid" and (self.site is None or self.site.typed):
+            text = "the hazard is typed in, there is no grid"
+            yield "method", f'{text}; write latitude and longitude of the site, or "demand-shape"'
+
 
 class MechanismTable(Table):
     """[[mechanism]]: a macro-block of a mechanism chosen by the user; entries of one name form one mechanism."""
@@ -214,6 +311,20 @@ class MechanismTable(Table):
     blocks: (
         Annotated[tuple[BlockNumber, ...], Field(strict=False, min_length=1, max_length=MOST_LAYERS)] | None
     ) = Field(default=None, description="numbers of further blocks, as in tables/blocks.csv")
-    state: Name = Field(
+    state: Annotated[Name, NameOf("state")] = Field(
         default=ORIGINAL, description="state in whose configuration the mechanism and its points are taken"
     )
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield a macro-block without blocks or rotation, or in another state than the first one of its mechanism."""
+        if not (self.layers or self.region_m or self.blocks):
+            yield (), "no block is chosen; write layers, region_m or blocks"
+        if self.region_m is not None and (len(self.region_m) < 4 or len(self.region_m) % 2):
+            yield (
+                "region_m",
+                "no corners; write x and z of two corners of a box, or of each corner of a polygon",
+            )
+        if abs(self.rotation) < LEAST_ROTATION:
+            yield "rotation", f"{self.rotation:g} does not move the macro-block; leave the entry out"
+        if self.state != next(each.state for each in project.mechanism if each.name == self.name):
+            yield "state", f'"{self.name}" has macro-blocks in another state; write one state'

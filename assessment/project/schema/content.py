@@ -2,33 +2,47 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from assessment.project.schema.assessment import AssessmentTable, MechanismTable
-from assessment.project.schema.dynamic import HistoryTable, IncrementalTable
 from assessment.project.schema.identification import IdentificationTable, MeasurementTable
-from assessment.project.schema.static import PushoverTable, SettlementTable
-from assessment.project.schema.strengthening import StrengtheningTable, TieTable
+from assessment.project.schema.motions import (
+    CampaignTable,
+    HistoryTable,
+    IncrementalTable,
+    MotionTable,
+    SensitivityTable,
+)
 from assessment.project.schema.structure import (
     ContactsTable,
     ControlTable,
     GeometryTable,
     LayerTable,
     MaterialTable,
+    PushoverTable,
+    SettlementTable,
+    StrengtheningTable,
+    TieTable,
 )
-from assessment.project.schema.studies import CampaignTable, SensitivityTable
 from assessment.project.schema.values import (
+    DISTINCT,
     MOST_ENTRIES,
     MOST_LAYERS,
     ORIGINAL,
     TABLES,
+    Contradiction,
+    FileName,
+    KeyPath,
     Members,
     Name,
     Table,
     Text,
     Tolerance,
+    key_of,
 )
 
 
@@ -55,7 +69,9 @@ class ReportTable(Table):
         default="short",
         description="short: the governing checks and the largest values; full: every table and figure",
     )
-    attachments: Annotated[tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES)] = Field(
+    attachments: Annotated[
+        tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES), FileName("picture")
+    ] = Field(
         default=(),
         description="photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",
     )
@@ -82,20 +98,20 @@ class ProjectContent(Table):
     contacts: ContactsTable = Field(
         default=ContactsTable(), description="how joints slide, and which blocks may touch"
     )
-    control: Annotated[tuple[ControlTable, ...], TABLES] = Field(
+    control: Annotated[tuple[ControlTable, ...], TABLES, DISTINCT] = Field(
         default=(), description="control points; the first one is the default"
     )
-    settlements: Annotated[tuple[SettlementTable, ...], TABLES] = Field(
+    settlements: Annotated[tuple[SettlementTable, ...], TABLES, DISTINCT] = Field(
         default=(), description="support movements to review, each one a state"
     )
-    tie: Annotated[tuple[TieTable, ...], TABLES] = Field(
+    tie: Annotated[tuple[TieTable, ...], TABLES, DISTINCT] = Field(
         default=(), description="tie rods between two points of blocks or supports"
     )
-    strengthening: Annotated[tuple[StrengtheningTable, ...], TABLES] = Field(
+    strengthening: Annotated[tuple[StrengtheningTable, ...], TABLES, DISTINCT] = Field(
         default=(), description="strengthened states: ties that are set, and layers changed, after a movement"
     )
     pushover: PushoverTable | None = Field(default=None, description="pushover analysis")
-    history: Annotated[tuple[HistoryTable, ...], TABLES] = Field(
+    history: Annotated[tuple[HistoryTable, ...], TABLES, DISTINCT] = Field(
         default=(), description="time histories, one per record and state"
     )
     incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
@@ -112,7 +128,7 @@ class ProjectContent(Table):
     identification: IdentificationTable | None = Field(
         default=None, description="the support movement that explains what was measured"
     )
-    measurement: Annotated[tuple[MeasurementTable, ...], TABLES] = Field(
+    measurement: Annotated[tuple[MeasurementTable, ...], TABLES, DISTINCT] = Field(
         default=(), description="what was measured: cracks, slips, leans, relative displacements"
     )
     report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
@@ -158,3 +174,59 @@ class ProjectContent(Table):
         there = tuple(each for each in self.tie if each.states is None or moved in each.states)
         later = (each for each in self.tie if made and each not in there and made.name in (each.states or ()))
         return there, tuple(later)
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield stiffnesses that elastic analyses lack, strengths that rigid motions forget, and what nothing uses."""
+        if needed_by := self._elastic_keys():
+            text = f"missing, but {', '.join(needed_by)} ask for elastic contacts; add it, in kN/m³ "
+            yield ("material", "normal_stiffness_kN_m3"), f'{text}(or write contacts "rigid", model "none")'
+        rigid = (
+            [name for name, motion in self._motions() if motion.contacts == "rigid"]
+            if self._crushes()
+            else []
+        )
+        if rigid:
+            also = (
+                f" (also {', '.join(f'{key_of(path)}.contacts' for path in rigid[1:])})" if rigid[1:] else ""
+            )
+            text = (
+                f'"rigid" joints do not remember in a motion what was crushed{also}; write "elastic", with '
+            )
+            text += "normal_stiffness_kN_m3, or leave compressive_strength_kN_m2 out, with confidence_factor = 1.35"
+            yield (*rigid[0], "contacts"), text
+        if self.strengthening and not (self.pushover or self.history or self.incremental):
+            text = "nothing pushes or shakes the strengthened state; add [pushover], [[history]] or [incremental]"
+            yield "strengthening", text
+        if self.measurement and self.identification is None:
+            yield "measurement", "nothing uses the measurements; add [identification]"
+
+    def _motions(self) -> list[tuple[KeyPath, MotionTable]]:
+        """Return the tables of motions with their paths."""
+        found: list[tuple[KeyPath, MotionTable]] = [
+            (("history", k), each) for k, each in enumerate(self.history)
+        ]
+        single = (("incremental", self.incremental), ("campaign", self.campaign))
+        return found + [((name,), table) for name, table in single if table]
+
+    def _elastic_keys(self) -> list[str]:
+        """Return the keys that ask for elastic contacts where no layer has a stiffness; blocks are for the model."""
+        if self.material.normal_stiffness_kN_m3 or any(
+            each.normal_stiffness_kN_m3 for each in self.layers.values()
+        ):
+            return []
+        pushed = self.pushover is not None and "elastic" in self.pushover.contacts
+        found = [
+            f"{key_of(path)}.contacts" for path, motion in self._motions() if motion.contacts == "elastic"
+        ]
+        found += ["pushover.contacts"] * pushed
+        return found + ["assessment.model"] * (
+            self.assessment is not None and self.assessment.model != "none"
+        )
+
+    def _crushes(self) -> bool:
+        """Whether some joint has a compressive strength."""
+        strengths = [self.material.compressive_strength_kN_m2]
+        strengths += [each.compressive_strength_kN_m2 or math.inf for each in self.layers.values()]
+        for made in self.strengthening:
+            strengths += [each.compressive_strength_kN_m2 or math.inf for each in made.layers.values()]
+        return min(strengths) < math.inf

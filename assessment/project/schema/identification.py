@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from assessment.project.schema.values import ENTRIES, Name, Pair, Table, unique
+from assessment.project.schema.values import ENTRIES, Contradiction, Name, NameOf, Pair, Table, unique
+
+if TYPE_CHECKING:
+    from assessment.project.schema.content import ProjectContent
 
 Unknown = Literal["x", "z", "rotation"]
 Unknowns = Annotated[tuple[Unknown, ...], ENTRIES, AfterValidator(unique)]
@@ -24,6 +28,7 @@ VALUE_KEYS: dict[str, str] = {
 }
 """The key of the measured value, by kind."""
 
+PLACING = ("component", "from_m")  # keys of relative measurements alone
 SIGMA_KEYS: dict[str, str] = {kind: f"sigma_{key.rpartition('_')[2]}" for kind, key in VALUE_KEYS.items()}
 """The key of its standard deviation, by kind."""
 
@@ -31,10 +36,25 @@ SIGMA_KEYS: dict[str, str] = {kind: f"sigma_{key.rpartition('_')[2]}" for kind, 
 class IdentificationTable(Table):
     """[identification]: the movements of supports that may explain the measurements; each hypothesis is fitted."""
 
-    hypotheses: Annotated[tuple[Hypothesis, ...], Field(strict=False, min_length=1, max_length=20)] = Field(
+    hypotheses: Annotated[
+        tuple[Hypothesis, ...], Field(strict=False, min_length=1, max_length=20), NameOf("support")
+    ] = Field(
         description='supports that may have moved, each with its unknowns: [{ right = ["x", "z", "rotation"] }]'
     )
     downward_only: bool = Field(default=True, description="supports do not rise")
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield hypotheses that name no support, ask too much, or are there twice; and that nothing is measured."""
+        given = len(project.measurement)
+        if not given:
+            yield (), "there is nothing to explain; add [[measurement]]"
+        for index, hypothesis in enumerate(self.hypotheses):
+            if hypothesis in self.hypotheses[:index]:
+                yield ("hypotheses", index), "the same as an earlier hypothesis; leave it out"
+            unknowns = sum(map(len, hypothesis.values()))
+            if 0 < given < unknowns:
+                text = f"{unknowns} unknowns from {given} measurements: many movements fit exactly"
+                yield ("hypotheses", index), f"{text}; measure more, or leave unknowns out"
 
 
 class MeasurementTable(Table):
@@ -80,3 +100,21 @@ class MeasurementTable(Table):
     def unit(self) -> str:
         """The unit, mm or mrad."""
         return VALUE_KEYS[self.kind].rpartition("_")[2]
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield keys that a measurement of its kind lacks, or does not have."""
+        own = {VALUE_KEYS[self.kind], SIGMA_KEYS[self.kind]}
+        own |= set(PLACING) if self.kind == "relative" else set()
+        for key in sorted({*VALUE_KEYS.values(), *SIGMA_KEYS.values(), *PLACING}):
+            if key in own and getattr(self, key) is None:
+                yield key, f'missing; a measurement of kind "{self.kind}" needs it'
+            elif key not in own and getattr(self, key) is not None:
+                text = (
+                    f'does not go with kind = "{self.kind}", which has {", ".join(sorted(own))}; leave it out'
+                )
+                yield key, text
+        value = getattr(self, VALUE_KEYS[self.kind])
+        if self.kind in ("crack", "slip") and value is not None and value < 0.0:
+            yield VALUE_KEYS[self.kind], f"{value:g} is negative; it has no sign, write 0 or more"
+        if self.kind == "relative" and self.from_m == self.point_m:
+            yield "from_m", 'the same point as point_m; write another point, or "benchmark"'

@@ -1,35 +1,63 @@
-"""Geometry and material: [geometry], [material], [layers], [contacts], [[control]]."""
+"""The structure and its static analyses: geometry, material, layers, contacts, control points, settlements, ties."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
+from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
 from assessment.project.schema.values import (
+    MOST_LAYERS,
+    ORIGINAL,
+    Angle,
+    AngleStep,
+    BarStiffness,
+    ContactsList,
+    Contradiction,
+    Direction,
+    Directions,
     Drawn,
+    FileName,
     Friction,
     Length,
     Load,
+    Movement,
     Name,
+    NameOf,
+    Names,
     Pair,
+    Problem,
     Rigidity,
     Segments,
     Share,
+    Step,
     Stiffness,
     Strength,
     Table,
+    Tension,
     UnitWeight,
     UseCategory,
+    Yield,
     without_default,
 )
+from assessment.runtime.errors import nearest
+
+if TYPE_CHECKING:
+    from assessment.project.schema.content import ProjectContent
+
+MOST_INCREMENTS = 100_000
+LEAST_MOVEMENT = 1e-7
+"""Movements below it, m and rad, are slips of the unit, and no longer told from rounding."""
+SHORTEST_TIE = 1e-6  # m
 
 
 class GeometryTable(Table):
     """[geometry]: the drawing and how it becomes blocks and joints."""
 
-    drawing: Name = Field(description="DXF file with one closed polyline per block")
+    drawing: Annotated[Name, FileName()] = Field(description="DXF file with one closed polyline per block")
     unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
     depth_m: Length = Field(description="out-of-plane depth, m; default of every layer")
     segments_per_joint: Segments | None = Field(
@@ -110,6 +138,25 @@ class LayerTable(Table):
     psi_2: Share | None = Field(default=None, description="ψ₂, instead of that of use_category")
     load_has_mass: bool = Field(default=True, description="the loads also count as seismic mass")
 
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield upward loads with mass, and variable loads without ψ₂ (NTC 2018, §2.5.3, Tab. 2.5.I)."""
+        if self.vertical_load_kN < 0.0 and self.load_has_mass:
+            text = f"{self.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
+            yield "vertical_load_kN", text
+        category, psi_2 = self.use_category, self.psi_2
+        if self.variable_load_kN == 0.0:
+            for key in ("use_category", "psi_2"):
+                if getattr(self, key) is not None:
+                    yield key, "there is no variable load; add variable_load_kN or leave it out"
+        elif psi_2 is None and category is None:
+            yield "variable_load_kN", "ψ₂ is not known; add use_category (NTC 2018, Tab. 2.5.I), or psi_2"
+        elif psi_2 is None and category in OWN_PSI_2:
+            text = f"{category} has no ψ₂ in NTC 2018, Tab. 2.5.I, it is to be judged case by case; add psi_2"
+            yield "use_category", text
+        elif psi_2 is not None and PSI_2.get(category or "", psi_2) != psi_2:
+            own = PSI_2[category or ""]
+            yield "psi_2", f'{psi_2:g}, but use_category = "{category}" has {own:g}; leave one of them out'
+
 
 class ContactsTable(Table):
     """[contacts]: how joints slide, and whether blocks that are apart may come to touch."""
@@ -128,3 +175,183 @@ class ControlTable(Table):
 
     name: Name = Field(description="name of the control point")
     point_m: Pair = Field(description="x and z, m, in or on a block; the point moves with it")
+
+
+class SettlementTable(Table):
+    """[[settlements]]: a support movement, and with it a state beside the state "original"."""
+
+    name: Name = Field(description="name of the settled state")
+    support: Annotated[Name, NameOf("support")] = Field(
+        description="the support that moves, as named in [layers]"
+    )
+    displacement_m: Movement = Field(default=(0.0, 0.0), description="movement along x and z, m")
+    rotation_rad: Angle = Field(
+        default=0.0, description="rotation about the support's centroid, anticlockwise, rad"
+    )
+    increment_m: Step = Field(default=0.001, description="step of the largest component of the movement, m")
+    increment_rad: AngleStep = Field(default=0.001, description="largest step of the rotation, rad")
+    to_collapse: bool = Field(
+        default=False, description="also look for the ultimate movement along the same direction"
+    )
+    after: Annotated[Name | None, NameOf("settlement")] = Field(
+        default=None,
+        description="name of the settlement in whose state this movement begins, and from which it counts; default as "
+        "drawn",
+    )
+    steps: Annotated[int, Field(ge=2, le=100)] | None = Field(
+        default=None, description="review the capacity after each of so many equal parts of the movement too"
+    )
+
+    @property
+    def increments(self) -> int:
+        """Number of equal increments that keep within both limits, at least one."""
+        movement = max(map(abs, self.displacement_m)) / self.increment_m
+        return max(1, math.ceil(max(movement, abs(self.rotation_rad) / self.increment_rad) - 1e-9))
+
+    @property
+    def largest(self) -> float:
+        """The largest of the components of the movement (m) and its rotation (rad)."""
+        return max(*map(abs, self.displacement_m), abs(self.rotation_rad))
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield movements of nothing, increments too long or too short, and what a movement cannot begin after."""
+        if self.name == ORIGINAL:
+            yield "name", f'"{ORIGINAL}" is the state before any settlement; write another name'
+        shift = max(map(abs, self.displacement_m))
+        least = self.largest / (self.steps or 1)
+        if self.largest == 0.0:
+            yield "displacement_m", "nothing moves; write a displacement or a rotation_rad"
+        elif least < LEAST_MOVEMENT:
+            text = f"{least:g} m (or rad) moves nothing; write {LEAST_MOVEMENT:g} or more"
+            yield "displacement_m", text if self.steps is None else f"in steps, {text}"
+        elif "increment_m" in self.model_fields_set and self.increment_m > shift > 0.0:
+            text = f"{self.increment_m:g} is larger than the movement; write {shift:g} or less"
+            yield "increment_m", text
+        if self.increments > MOST_INCREMENTS:
+            text = f"the movement takes {self.increments} increments; write longer ones, for {MOST_INCREMENTS} or fewer"
+            turns = abs(self.rotation_rad) / self.increment_rad > shift / self.increment_m
+            yield "increment_rad" if turns else "increment_m", text
+        if self.steps and not project.pushover:
+            yield (
+                "steps",
+                "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out",
+            )
+        if self.after is not None:
+            yield from self._after(self.after, project)
+
+    def _after(self, before: str, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield why the movement cannot begin in the state `before`, or is asked for what begins as drawn."""
+        settlements = project.unstrengthened[1:]
+        if before in settlements and project.movements_to(self.name)[0].after is not None:
+            yield "after", "the movements begin in each other's states; let one of them begin as drawn"
+            return
+        if before in settlements:
+            there, earlier = (project.ties_of(name)[0] for name in (self.name, before))
+            for tie in (each for each in project.tie if (each in there) != (each in earlier)):
+                text = f'the tie "{tie.name}" is there in one of "{before}" and "{self.name}" alone'
+                yield "after", f"{text}; write both in its states, or none"
+        if self.steps:
+            yield (
+                "steps",
+                "capacities after parts of a movement are those of one that begins as drawn; leave it out",
+            )
+        campaign = project.campaign
+        if campaign and self.name in (campaign.settlements or settlements):
+            text = f'shares of a movement begin as drawn, "{self.name}" does not; write the names of others'
+            yield Problem(("campaign", "settlements"), text)
+
+
+class PushoverTable(Table):
+    """[pushover]: lateral loads proportional to weight, from every state."""
+
+    contacts: ContactsList = Field(default=("rigid",), description="contact models: rigid, elastic or both")
+    directions: Directions = Field(default=("+x", "-x"), description="directions of the lateral loads")
+    increment_m: Step = Field(default=0.001, description="step of the control point's displacement, m")
+    control: Annotated[
+        Name | Annotated[dict[Direction, Name], Field(min_length=1)] | None, NameOf("control point")
+    ] = Field(
+        default=None,
+        description='control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first',
+    )
+
+
+class TieTable(Table):
+    """[[tie]]: a tie rod (catena) between two points of blocks or supports; it pulls and never pushes."""
+
+    name: Name = Field(description="name of the tie")
+    from_m: Pair = Field(description="x and z, m, of one end as drawn, in or on a block")
+    to_m: Pair = Field(description="x and z, m, of the other end, in or on another block")
+    yield_force_kN: Yield = Field(
+        default=math.inf,
+        description="force, kN, at which it lengthens without bearing more: of bar, anchorage or masonry under the "
+        "plate, the least; inf (default): none",
+        json_schema_extra=without_default,
+    )
+    stiffness_kN_m: BarStiffness | None = Field(
+        default=None, description="stiffness E A / L of the whole tie, kN/m; absent: rigid"
+    )
+    pretension_kN: Tension = Field(
+        default=0.0, description="tension, kN, when it is set; counts in elastic analyses only"
+    )
+    states: Annotated[Names | None, NameOf("state")] = Field(
+        default=None, description="states in which it is there; default every state, from the beginning"
+    )
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield a tie that joins nothing, is set beyond its yield force, or is there before it is set."""
+        if max(abs(one - other) for one, other in zip(self.from_m, self.to_m, strict=True)) < SHORTEST_TIE:
+            yield "to_m", "the same point as from_m; write the point of another block"
+        if self.pretension_kN >= self.yield_force_kN:
+            text = f"{self.pretension_kN:g} kN is not below yield_force_kN = {self.yield_force_kN:g}"
+            yield "pretension_kN", f"{text}, and the tie would yield as it is set; write less"
+        for place, name in enumerate(self.states or ()):
+            made = project.strengthening_of(name)
+            if made and made.of in (self.states or ()):
+                text = f'the tie is in "{made.of}" already, which "{name}" strengthens; name one of the two'
+                yield ("states", place), text
+
+
+class ChangedLayerTable(Table):
+    """[strengthening.layers.NAME]: what repointing or injection makes of the joints of a layer."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1})
+
+    friction: Friction | None = Field(default=None, description="tangent of the friction angle from then on")
+    normal_stiffness_kN_m3: Stiffness | None = Field(
+        default=None, description="normal stiffness from then on, kN/m³"
+    )
+    tangential_stiffness_kN_m3: Rigidity | None = Field(
+        default=None, description="tangential stiffness from then on, kN/m³"
+    )
+    compressive_strength_kN_m2: Strength | None = Field(
+        default=None, description="compressive strength from then on, kN/m²"
+    )
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield a change of nothing."""
+        if all(getattr(self, key) is None for key in type(self).model_fields):
+            yield (), "changes nothing; write what it makes of the joints, or leave it out"
+
+
+class StrengtheningTable(Table):
+    """[[strengthening]]: a state beside the one that it strengthens: its movement first, then ties and layers."""
+
+    name: Name = Field(description="name of the strengthened state, for `states` of its ties")
+    of: Name = Field(description='state that it strengthens: "original" or the name of a settlement')
+    layers: Annotated[dict[Name, ChangedLayerTable], Field(max_length=MOST_LAYERS)] = Field(
+        default={}, description="layers whose joints it changes"
+    )
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield a name that another state has, a strengthening of none, or one that changes nothing."""
+        if self.name in project.unstrengthened:
+            yield "name", f'"{self.name}" is the name of another state; write another'
+            return
+        if project.strengthening_of(self.of):
+            text = f'"{self.of}" is a strengthening itself; write the state that it is of, and name its ties here too'
+            yield "of", text
+        elif self.of not in project.unstrengthened:
+            yield "of", f'no state to strengthen "{self.of}"; {nearest(self.of, project.unstrengthened)}'
+        if not self.layers and not project.ties_of(self.name)[1]:
+            text = f'changes nothing; add a [[tie]] with states = ["{self.name}"], or [strengthening.layers.NAME]'
+            yield (), text

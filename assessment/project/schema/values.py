@@ -2,13 +2,66 @@
 
 from __future__ import annotations
 
+import json
 import math
-from typing import Annotated, Any, Literal, TypeVar
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
+from assessment.runtime.errors import shortened
+
+if TYPE_CHECKING:
+    from assessment.project.schema.content import ProjectContent
+
 KeyPath = tuple[str | int, ...]
 """Where a value stands in the project's content, list entries counted from 0."""
+
+
+def key_of(path: KeyPath) -> str:
+    """Return how a message names the value at a path: history[1].contacts."""
+    key = "" if path else "project"
+    for part in path:
+        if isinstance(part, int):
+            key += f"[{part + 1}]"
+        else:
+            plain = re.fullmatch(r"[\w+-]+", part)
+            key += "." * bool(key) + (
+                part if plain else shortened(json.dumps(part, ensure_ascii=False), SHOWN)
+            )
+    return key
+
+
+class Problem(NamedTuple):
+    """What is wrong with the value at `path`, and the remedy."""
+
+    path: KeyPath
+    text: str
+
+
+Contradiction = tuple[str | KeyPath, str] | Problem
+"""A key of a table, or a path below it, () for the table itself, and what is wrong there; a Problem where elsewhere."""
+
+
+@dataclass(frozen=True)
+class NameOf:
+    """Marks a key whose names are those of something else in the project."""
+
+    what: Literal["control point", "support", "settlement", "state"]
+
+
+@dataclass(frozen=True)
+class FileName:
+    """Marks a key whose names are those of files in the project's folder; `kind`: what may stand there beside."""
+
+    kind: Literal["file", "pattern", "picture"] = "file"
+
+
+SHOWN = 40  # characters of a value, or of a key in quotes, that a message shows
+DISTINCT = "distinct"
+"""Marks a list of tables whose names are different."""
 
 ORIGINAL = "original"
 """Name of the state before any settlement."""
@@ -109,3 +162,7 @@ class Table(BaseModel):
     """A table of the project file: exact types, finite numbers, no other keys, not to be changed."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+        """Yield what does not go together in this table, or with others of the `project`; names and files apart."""
+        yield from ()

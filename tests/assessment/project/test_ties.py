@@ -9,11 +9,11 @@ import pytest
 
 from assessment.analyses.static.ensemble import shaken_corners
 from assessment.analyses.static.states import Request, _beginnings
-from assessment.project.consistency.strengthening import SHORTEST
 from assessment.project.formats.convert import convert
 from assessment.project.formats.toml import read_toml
 from assessment.project.plausibility import HEAVIEST_TIE
 from assessment.project.project import ProjectError, load_project
+from assessment.project.schema.structure import SHORTEST_TIE as SHORTEST
 from assessment.project.structure.model import build_model
 from assessment.project.structure.state_models import tie_lengths
 from assessment.results.configurations.tie_ends import ties_of
