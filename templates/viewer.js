@@ -238,7 +238,7 @@
       [words.forces, `N = ${number(joint.N)}, T = ${number(joint.T)} kN`],
       [words.eccentricity, `${millimetres(joint.eccentricity)} mm`],
       [words.contact, `${millimetres(joint.contact)} mm`],
-      [words.pressure, `${joint.pressure === Infinity ? "∞" : number(joint.pressure)} kN/m²`]);
+      [words.pressure, `${joint.pressure === Infinity ? "∞" : number(0.001 * joint.pressure)} MPa`]);
     return rows(`${words.joint} ${index} (${a}–${b})`, told);
   };
   const tieTip = (index) => {

@@ -18,7 +18,7 @@ from assessment.report.tables.structure.joints import bounded, crushes, edge_pre
 from assessment.report.tables.structure.joints import printed as printed_joints
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.messages import translated
-from assessment.report.text.quantities import COARSE
+from assessment.report.text.quantities import COARSE, told
 from assessment.results.configurations.hand_check import (
     BY_HAND,
     figures_of,
@@ -166,7 +166,7 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
     yield from _bed(results.echo, words) if elastic else [words("text.rigid_joints")]
     strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
     limits = sorted({each for each in strengths if each is not None})
-    strength = "; ".join(words.number(each) for each in limits)
+    strength = "; ".join(told("compressive_strength_kN_m2", each, words) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=strength)
     pressed = edge_pressures(results)
@@ -174,7 +174,7 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Iterator[Markup]
         most = pressed[0]
         yield words(
             "text.greatest_pressure",
-            pressure=words.number(most.edge_pressure_kN_m2),
+            pressure=told("edge_pressure_kN_m2", most.edge_pressure_kN_m2, words),
             state=words.state(most.state),
             first=most.block_a,
             second=most.block_b,

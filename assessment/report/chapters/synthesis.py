@@ -17,7 +17,7 @@ from assessment.report.tables.synthesis import (
     least_row,
 )
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import heading, written
+from assessment.report.text.quantities import heading, told, written
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.echo import coulomb
 from assessment.results.schema import Results
@@ -32,44 +32,37 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
     if not rows:
         return None
     first = index_limit(results)
-    limits = [
-        *([first] if first else []),
-        *dict.fromkeys(k for row in rows for k in row.checks if k != first),
-    ]
+    limits = list(dict.fromkeys([*filter(None, [first]), *(limit for row in rows for limit in row.checks)]))
     listed = [name for name in LISTED if any(getattr(row, name) is not None for row in rows)]
     if "alpha_0" in listed and "alpha_u" in listed:
         listed.remove("alpha_u")
-    changed = any(check.loss is not None for row in rows for check in row.checks.values())
-    head = [heading("state", words), words("synthesis.direction")]
-    head += [
-        words("synthesis.index" if limit == first else "synthesis.ratio", limit=limit) for limit in limits
-    ]
-    head += [words("synthesis.change")] if changed else []
-    head += [heading(name, words) for name in listed]
-    head += [heading("mechanism", words), *([heading("verified", words)] if limits else [])]
-    grid = []
-    for row in rows:
-        cells = [Markup.escape(words.state(row.state)), Markup.escape(direction_name(row.direction or "–"))]
-        cells += [_ratio(row, limit, words) for limit in limits]
+    farthest = "/".join(sorted({row.limit_state for row in rows if row.limit_state}))
+    changed = bool(first) and any(row.checks[first].loss is not None for row in rows if first in row.checks)
+    dash = words("value.none")
+
+    def cells(row: SummaryRow) -> Iterator[str]:
+        yield from (words.state(row.state), direction_name(row.direction or "–"))
+        yield from (_ratio(row, limit, words) for limit in limits)
         if changed:
-            check = row.checks.get(first) if first else None
-            loss = check.loss if check else None
-            known = row.state != ORIGINAL and loss is not None
-            cells.append(Markup.escape(words.per_cent(-loss) if known and loss is not None else "–"))
-        cells += [
-            words("value.none") if getattr(row, name) is None else written(name, getattr(row, name), words)
-            for name in listed
-        ]
-        named = row.mechanism and row.direction
-        cells.append(
-            Markup.escape(
-                mechanism_name(results, row.state, row.direction, words) if named and row.direction else "–"
-            )
-        )
+            loss = row.checks[first].loss if first and row.state != ORIGINAL else None
+            yield dash if loss is None else words.per_cent(-loss)
+        values = {name: getattr(row, name) for name in listed}
+        yield from (dash if value is None else written(name, value, words) for name, value in values.items())
+        known = row.direction if row.mechanism else None
+        yield mechanism_name(results, row.state, known, words) if known else dash
         if limits:
-            cells.append(written("verified", row.verified, words))
-        grid.append(cells)
-    text = [True, True, *[False] * (len(limits) + changed + len(listed)), True, *([True] if limits else [])]
+            yield written("verified", row.verified, words)
+
+    texts = ["mechanism", *(["verified"] if limits else [])]
+    indices = ["index" if limit == first else "ratio" for limit in limits]
+    head = [heading("state", words), words("synthesis.direction")]
+    head += [words(f"synthesis.{kind}", limit=limit) for kind, limit in zip(indices, limits, strict=True)]
+    head += [words("synthesis.change")] if changed else []
+    for name in [*listed, *texts]:
+        static = name == "static_pga_g"
+        head.append(words("synthesis.static", limit=farthest) if static else heading(name, words))
+    text = [True, True, *[False] * (len(head) - 2 - len(texts)), *[True] * len(texts)]
+    grid = [[Markup.escape(cell) for cell in cells(row)] for row in rows]
     return Grid(words("caption.synthesis"), head, grid, text)
 
 
@@ -179,9 +172,9 @@ def _pressure(results: Results, words: Words) -> Iterator[Markup]:
     limits = [each for each in strengths if each is not None]
     pressed = edge_pressures(results)
     known = bool(pressed) and bounded(pressed)
-    most = words.number(0.001 * pressed[0].edge_pressure_kN_m2) if known else ""
+    most = told("edge_pressure_kN_m2", pressed[0].edge_pressure_kN_m2, words) if known else ""
     if limits:
-        strength = words.number(0.001 * min(limits))
+        strength = told("compressive_strength_kN_m2", min(limits), words)
         yield words(
             "synthesis.strength" if known else "synthesis.strength_alone", strength=strength, pressure=most
         )

@@ -37,11 +37,7 @@ LETTER_MM, KEY_MM = (
     1.4,
     9.0,
 )  # of a legend: an average letter; the key before the words and the gap after them
-LINE_MM, FREE_MM, SCALE_MM = (
-    3.8,
-    2.0,
-    4.0,
-)  # of a legend: a line, what is free around; height of the scale of lengths
+LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
 STYLE = {
     "font.family": "DejaVu Sans",  # shipped with matplotlib
@@ -64,14 +60,8 @@ STYLE = {
     "lines.linewidth": 1.0,
 }
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
-COLOURS = (
-    "#000000",
-    "#1b4f9c",
-    "#a33c0a",
-    "#2f6b2a",
-    "#6b2c82",
-    "#5a4a1f",
-)  # of states: dark, so that grey prints
+# of states: dark, so that grey prints
+COLOURS = ("#000000", "#1b4f9c", "#a33c0a", "#2f6b2a", "#6b2c82", "#5a4a1f")
 SYMBOL = re.compile(
     r"(?<![\w$\\])(α_[yu0]|d_[y0]|S_(?:De|[ea])|a_g|R_[xz]|(?:T|d\*)_SL[OVDC]|α₀|d₀|T₀)(?!\w)"
 )
@@ -237,21 +227,24 @@ def sheet(
     below_mm: float = 4.0,
     most_mm: float = 105.0,
 ) -> Sheet:
-    """Lay out `count` panels, two in a row unless the model is wide, three if three, at the largest usual scale.
+    """Lay out `count` panels, two in a row, three if three, or below one another, at the largest usual scale.
 
     bounds (x0, z0, x1, z1) in m; every panel has a free border, `below_mm` high at its foot; `foot_mm` is kept below
     all of them for a legend; `most_mm`: height of a panel that stands alone.
     """
     x0, z0, x1, z1 = bounds
     width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
-    columns = 1 if count == 1 or width > 2.0 * height else 3 if count == 3 else 2
-    rows = math.ceil(count / columns)
     head_mm = 9.0
-    room_x = WIDTH_MM / columns - 2.0 * border_mm
     most = most_mm if count == 1 else 85.0  # of several, so that two figures stand on a page
-    room_z = min(most, (height_mm - foot_mm) / rows - head_mm) - border_mm - below_mm
-    needed = max(width / room_x, height / room_z) * 1000.0
-    scale = next((s for s in SCALES if s >= needed - 1e-9), needed)
+
+    def denominator(columns: int) -> float:
+        across = WIDTH_MM / columns - 2.0 * border_mm
+        up = min(most, (height_mm - foot_mm) / math.ceil(count / columns) - head_mm) - border_mm - below_mm
+        needed = max(width / across, height / max(up, 1.0)) * 1000.0
+        return next((scale for scale in SCALES if scale >= needed - 1e-9), needed)
+
+    columns = min({1: (1,), 3: (3, 1)}.get(count, (2, 1)), key=denominator)  # of equal scales the flattest
+    scale, rows = denominator(columns), math.ceil(count / columns)
     cell = (WIDTH_MM / columns, height * 1000.0 / scale + border_mm + below_mm)
     total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)
     figure = Figure(figsize=(total[0] * MM, total[1] * MM))

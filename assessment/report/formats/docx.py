@@ -76,16 +76,19 @@ def _cover(document: Any, cover: Element) -> None:
 
 
 def _contents(document: Any, nav: Element) -> None:
-    """Write the table of contents as a field: the chapters now, their pages once Word has updated it."""
+    """Write the contents: the chapters, and the pages on which the program that shows the document has them."""
     styles.paragraph(document, styles.CONTENTS_HEADING).add_run(nav.findtext("h2"))
-    styles.contents_field(document, [each.text_content() for each in nav.iterfind(".//li")])
+    styles.contents(document, {each.get("href")[1:]: each.text_content() for each in nav.iterfind(".//a")})
     document.add_page_break()
 
 
 def _block(document: Any, element: Element, folder: Path) -> None:
     """Write an element of the report's body."""
     if element.tag in HEADINGS:
-        _words(styles.paragraph(document, HEADINGS[element.tag]), element)
+        heading = styles.paragraph(document, HEADINGS[element.tag])
+        _words(heading, element)
+        if (name := element.get("id")) is not None:
+            styles.named(heading, name, len(document.element.body))
     elif element.tag == "p":
         _words(styles.paragraph(document, "Quote" if "draft" in element.classes else "Body Text"), element)
     elif element.tag in {"ul", "ol"}:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from docx.enum.style import WD_STYLE_TYPE
-from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_TAB_ALIGNMENT
+from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_TAB_ALIGNMENT, WD_TAB_LEADER
 from docx.oxml import OxmlElement, parse_xml
 from docx.oxml.ns import nsdecls, qn
 from docx.shared import Emu, Mm, Pt, RGBColor
@@ -17,12 +17,8 @@ PAGE, MARGIN = (Mm(210), Mm(297)), Mm(20)
 WIDTH = PAGE[0] - 2 * MARGIN
 RIGHT, CENTRE = WD_ALIGN_PARAGRAPH.RIGHT, WD_ALIGN_PARAGRAPH.CENTER
 TABLE, FIGURE, TABLE_CAPTION = "Report Table", "Figure", "Table Caption"
-TABLE_TEXT, TABLE_HEAD, SMALL_TEXT, AFTER_TABLE = (
-    "Table Text",
-    "Table Head",
-    "Table Text Small",
-    "After Table",
-)
+TABLE_TEXT, TABLE_HEAD = "Table Text", "Table Head"
+SMALL_TEXT, AFTER_TABLE = "Table Text Small", "After Table"
 CONTENTS, CONTENTS_HEADING = "toc 1", "Contents Heading"
 WHOLE = 0.5 * (PAGE[1] - Mm(24) - MARGIN)  # of height: a table of no more stands on one page
 LINE, BETWEEN = Pt(9.8), Pt(2)  # of a row of a table: each of its lines, and above and below them
@@ -160,23 +156,32 @@ def kept_with_next(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> set[
     return {*range(min(together, len(rows) - 1)), *range(max(0, len(rows) - together), len(rows) - 1)}
 
 
-def contents_field(document: Any, chapters: Sequence[str]) -> None:
-    """Write a table of contents which Word fills in, over the chapters as they are."""
-    paragraphs = [paragraph(document, CONTENTS) for _ in chapters]
-    _mark(paragraphs[0], "begin").set(qn("w:dirty"), "true")
-    _instruction(paragraphs[0], 'TOC \\o "1-1" \\h \\z')
-    _mark(paragraphs[0], "separate")
-    for place, chapter in zip(paragraphs, chapters, strict=True):
-        place.add_run(chapter)
-    _mark(paragraphs[-1], "end")
+def contents(document: Any, chapters: Mapping[str, str]) -> None:
+    """Write the chapters, by their names, each with the page on which `named` has put its name: a field."""
+    for name, chapter in chapters.items():
+        line = paragraph(document, CONTENTS)
+        line.paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT, WD_TAB_LEADER.DOTS)
+        line.add_run(f"{chapter}\t")
+        _field(line, f"PAGEREF _{name} \\h", "–").set(qn("w:dirty"), "true")
 
 
-def _field(paragraph: Any, instruction: str, shown: str) -> None:
-    _mark(paragraph, "begin")
+def named(heading: Any, name: str, number: int) -> None:
+    """Give a heading the name by which the contents know it; `number`: its own, from 0."""
+    for tag, attributes in (("w:bookmarkStart", {"w:name": f"_{name}"}), ("w:bookmarkEnd", {})):
+        mark = OxmlElement(tag)
+        for key, value in {"w:id": str(number), **attributes}.items():
+            mark.set(qn(key), value)
+        heading._p.append(mark)
+
+
+def _field(paragraph: Any, instruction: str, shown: str) -> Any:
+    """Add a field to a paragraph, as shown until it is updated; return its beginning."""
+    begin = _mark(paragraph, "begin")
     _instruction(paragraph, instruction)
     _mark(paragraph, "separate")
     paragraph.add_run(shown)
     _mark(paragraph, "end")
+    return begin
 
 
 def _mark(paragraph: Any, kind: str) -> Any:

@@ -18,13 +18,20 @@ from assessment.results.plain import ratio_decimals
 from assessment.results.schema import Results
 
 LANGUAGES = ("it", "en")
-# blanks at which no line ends: before a unit, and around the equals sign before a number
+# blanks at which no line ends: before a unit that stands in the text, around the equals sign before a number
 KEPT = re.compile(
     r"(?<=\d) (?=(?:mm|cm|m|kN|kNm|rad|mrad|°|%|s|g)(?!\w))|(?<=[\w>*]) = (?=[−\d])|(?<=[≤≥×]) (?=\d)"
 )
 NO_BREAK = "\u00a0"
 Label = TypeVar("Label", str, Markup)
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+class _Shown(str):
+    """A value as it is written; the format of its field is its unit, which no line parts from it."""
+
+    def __format__(self, unit: str) -> str:
+        return f"{self}{NO_BREAK}{unit}" if unit else str(self)
 
 
 @dataclass(frozen=True)
@@ -40,12 +47,16 @@ class Words:
         return cls(language, _strings(language))
 
     def __call__(self, key: str, **values: object) -> Markup:
-        """Return the string as HTML, its {fields} shown by `show` and escaped."""
-        return Markup(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
+        """Return the string as HTML, its {fields}, or {fields:unit}, shown by `show` and escaped."""
+        return Markup(self._find(key)).format(**self._shown(values))
 
     def plain(self, key: str, **values: object) -> str:
         """Return the string as plain text, for figures."""
-        return str(self._find(key)).format(**{name: self.show(value) for name, value in values.items()})
+        return str(self._find(key)).format(**self._shown(values))
+
+    def _shown(self, values: Mapping[str, object]) -> dict[str, Any]:
+        shown = {name: self.show(value) for name, value in values.items()}
+        return {name: text if isinstance(text, Markup) else _Shown(text) for name, text in shown.items()}
 
     def name(self, table: str, name: str, default: str | None = None) -> str:
         """Return what a name of the program is called in a table of the strings; where it has none, the default or it.
@@ -117,7 +128,7 @@ def joined(text: Label) -> Label:
 
 
 def plain_text(html: Markup) -> str:
-    """Return a sentence of the report without HTML: subscripts after an underscore."""
+    """Return a sentence of the report without HTML: subscripts after an underscore, every blank a plain one."""
     return Markup(re.sub(r"<sub>(.*?)</sub>", r"_\1", str(html))).striptags()
 
 

@@ -153,6 +153,11 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
     return Markup.escape(words.show(value))
 
 
+def told(name: str, value: float, words: Words) -> str:
+    """Write a number of a quantity in the unit of reports, which a sentence gives to its field: `{name:unit}`."""
+    return number(quantity(name), value, words)
+
+
 def number(found: Quantity, value: float, words: Words, significant: int = 3) -> str:
     """Write a number of a quantity in the unit of reports, without it."""
     if found.ratio:

@@ -66,8 +66,10 @@ class Derived(Part):
     tangential_stiffness_kN_m3: float = column("kN/m³", "k_t")
     block_a: float = column("", ("Blocco a", "Block a"))
     block_b: float = column("", ("Blocco b", "Block b"))
-    edge_pressure_kN_m2: float = column("kN/m²", ("Pressione al bordo", "Edge pressure"))
-    uncrushed_pressure_kN_m2: float = column("kN/m²", ("Senza schiacciamento", "Without crushing"))
+    edge_pressure_kN_m2: float = column("kN/m²", ("Pressione al bordo", "Edge pressure"), shown="MPa")
+    uncrushed_pressure_kN_m2: float = column(
+        "kN/m²", ("Senza schiacciamento", "Without crushing"), shown="MPa"
+    )
     displacement_x_m: float = column("m", "δ_x", shown="mm")
     displacement_z_m: float = column("m", "δ_z", shown="mm")
     ultimate_rigid_m: float = column("m", ("Ultimo, rigido", "Ultimate, rigid"), shown="mm")

@@ -97,7 +97,7 @@ class Face(Part):
     )
     depth_m: float = key("depth out of plane, the lesser of the two", "m")
     compressive_strength_kN_m2: float | None = key(
-        "strength; null: it does not crush", "kN/m²", ("Resistenza", "Strength")
+        "strength; null: it does not crush", "kN/m²", ("Resistenza", "Strength"), shown="MPa"
     )
 
 

@@ -114,7 +114,7 @@ def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collaps
     panels = [axes for axes in figure.axes if axes.axison]
     assert len(panels) == len(SHARES)
     for axes, share in zip(panels, SHARES, strict=True):
-        assert axes.get_title() == (f"{100.0 * share:g} % del cedimento" if share else "originale")
+        assert axes.get_title() == (f"{100.0 * share:g}\u00a0% del cedimento" if share else "originale")
         own = [row for row in results["campaign"]["combinations"] if row["share"] == share]
         curves = [line for line in lines_of(axes) if len(line[0]) > 1]
         crosses = [line for line in lines_of(axes) if len(line[0]) == 1]
@@ -204,7 +204,7 @@ def test_the_legend_of_the_fragility_has_the_circles_of_its_curves():
     assert [line.get_markerfacecolor() for line in told] == [line.get_markerfacecolor() for line in drawn]
     assert [line.get_linestyle() for line in told] == [line.get_linestyle() for line in axes.lines[::2]]
     assert [text.get_text().partition(":")[0] for text in legend.get_texts()] == [
-        "originale", "50 % del cedimento", "100 % del cedimento"
+        "originale", "50\u00a0% del cedimento", "100\u00a0% del cedimento"
     ]  # fmt: skip
     least = min(min(line.get_xdata()) for line in drawn)
     assert 0.1 <= axes.get_xlim()[0] < least

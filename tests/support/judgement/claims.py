@@ -16,7 +16,7 @@ from assessment.report.tables import index as tables
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.convergence import convergence_tables
 from assessment.report.tables.structure import mechanisms as mechanism_tables
-from assessment.report.text.language import direction_name, words_of
+from assessment.report.text.language import NO_BREAK, direction_name, words_of
 from assessment.report.text.quantities import check_name
 from assessment.results.configurations.hand_check import hand_check
 from assessment.results.configurations.reactions import balance
@@ -352,7 +352,8 @@ def pattern(key: str) -> re.Pattern[str]:
     """What a sentence of the judgement looks like; its fields as named groups."""
 
     def fields(text: str) -> str:
-        named = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(text))
+        joined = re.sub(r"\{(\w+):([^{}]+)\}", r"{\1} \2", text)  # what a value and its unit look like
+        named = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(joined))
         named = named.replace("(?P<dynamic>.+?)", r"(?P<dynamic>\S+?)")  # a number
         return named.replace("(?P<among>.+?)", "(?P<among>.*?)")  # nothing where all are known
 
@@ -378,7 +379,7 @@ def hold(results: Results) -> list[str]:
     said_all = draft_judgement(found_results, words)
     assert said_all[: len(answer)] == answer
     for sentence in said_all[len(answer) :]:
-        text = Markup(sentence).unescape()
+        text = Markup(sentence).unescape().replace(NO_BREAK, " ")
         found = {key: match for key, each in PATTERNS.items() if (match := each.fullmatch(text))}
         assert len(found) == 1, text
         [(key, match)] = found.items()

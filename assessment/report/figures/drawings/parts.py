@@ -41,10 +41,8 @@ LETTER, BOLD, LINE = (
     0.75,
     1.2,
 )  # of the size of a font: width of a digit, of a bold one, height of a line
-RINGS_MM, TURNS = (
-    (3.0, 5.0, 7.0, 9.0, 12.0, 16.0),
-    12,
-)  # about a place that is taken: where a number may stand
+# about a place that is taken: where a number may stand
+RINGS_MM, TURNS = (3.0, 5.0, 7.0, 9.0, 12.0, 16.0), 12
 
 
 def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:

@@ -55,7 +55,11 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     handles += tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
     page = sheet(
-        union(shapes), len(shown), border_mm=above, foot_mm=foot([each.get_label() for each in handles])
+        union(shapes),
+        len(shown),
+        border_mm=above,
+        foot_mm=foot([each.get_label() for each in handles]),
+        height_mm=150.0,
     )
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))

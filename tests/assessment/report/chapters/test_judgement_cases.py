@@ -7,7 +7,7 @@ import re
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.curves import draw_pushdown
 from assessment.report.figures.drawings.deformed import draw_settlement
-from assessment.report.text.language import words_of
+from assessment.report.text.language import NO_BREAK, words_of
 from tests.support.analysed import analysed
 from tests.support.judgement.claims import Results, hold
 from tests.support.judgement.random_results import summed_up
@@ -17,7 +17,7 @@ from tests.support.typed import typed
 
 def text_of(results: Results) -> str:
     hold(results)
-    return " ".join(draft_judgement(typed(results), words_of(typed(results))))
+    return " ".join(draft_judgement(typed(results), words_of(typed(results)))).replace(NO_BREAK, " ")
 
 
 def capacity_of(results: Results, state: str, direction: str, check: str, a_g: float | None) -> None:

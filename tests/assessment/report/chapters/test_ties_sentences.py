@@ -88,4 +88,4 @@ def test_what_a_collapsing_structure_withstood_is_not_called_its_peak():
     ]
     shared = typed(results)
     titles = [axes.get_title() for axes in draw_shapes(shared, words_of(shared), "original", 0).axes]
-    assert titles == ["Largest withstood before collapse, 2.34 s", "At collapse, 5.32 s"]
+    assert titles == ["Largest withstood before collapse, 2.34\u00a0s", "At collapse, 5.32\u00a0s"]

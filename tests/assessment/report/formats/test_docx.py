@@ -122,6 +122,20 @@ def test_rows_that_go_with_the_next(rows, words, kept):
     assert len(found) == kept and 0 in found and rows - 2 in found and rows - 1 not in found
 
 
+def test_contents_refer_to_the_pages_of_the_headings(made):
+    _, folder = made
+    document = Document(folder / "report.docx")
+    headings = [p for p in document.paragraphs if p.style.name == "Heading 1"]
+    entries = [p for p in document.paragraphs if p.style.name == "toc 1"]
+    assert [p.text.partition("\t")[0] for p in entries] == [p.text for p in headings]
+    for entry, heading in zip(entries, headings, strict=True):
+        [field] = [each.text.split() for each in entry._p.iter(qn("w:instrText"))]
+        [start] = heading._p.iter(qn("w:bookmarkStart"))
+        assert field[:2] == ["PAGEREF", start.get(qn("w:name"))]
+    numbers = [each.get(qn("w:id")) for each in document.element.body.iter(qn("w:bookmarkStart"))]
+    assert len(set(numbers)) == len(numbers) == len(headings)
+
+
 def test_running_heads_reach_the_right_margin(made):
     """One tab stop, at the right margin: the styles of the library bring others."""
     _, folder = made
@@ -143,7 +157,7 @@ def test_same_report_same_bytes(made):
 
 def test_spaces_between_words_of_different_format_are_kept(tmp_path):
     cover = "<section class='cover'><p class='subtitle'>s</p><h1>t</h1><p class='program'>p</p></section>"
-    page = f"""<html lang='en'><body>{cover}<nav><h2>c</h2><ul><li>1</li></ul></nav><main>
+    page = f"""<html lang='en'><body>{cover}<nav><h2>c</h2><ul><li><a href='#a'>1</a></li></ul></nav><main>
         <p>  Let <b>a<sub>g</sub></b> be
         <i>given</i> <b>here</b>: 0.3 g. </p></main></body></html>"""
     document = Document(io.BytesIO(to_docx(page, tmp_path)))
