@@ -6,11 +6,10 @@ scheduler gives it to another one.
 
 from __future__ import annotations
 
-import math
 import platform
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,11 +17,10 @@ from typing import Any, TypeVar, TypeVarTuple
 
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.fingerprint import program
-from assessment.runtime.processes.pool import LOOK, KilledError
+from assessment.runtime.processes.pool import KilledError, Pool
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
-TOPIC = "assesto: share that is done"  # one for all runs: a scheduler keeps a log of each
 GONE = ("closing", "closed")  # status of a client without its scheduler
 LOST = "the Dask scheduler or its workers were lost; start them and run again"
 NONE_LEFT = "the Dask scheduler has had no worker for {seconds:g} s; start one (dask worker) and run again"
@@ -51,20 +49,19 @@ class Patience:
 PATIENCE = Patience()
 
 
-class Cluster:
+class Cluster(Pool):
     """Computes functions on the workers of the scheduler at an address such as tcp://host:8786.
 
-    Functions are found by their names and arguments are pickled, as by Pool. Raises ProjectError where dask.distributed
+    Shares that are done of a task are not told. Raises ProjectError where dask.distributed
     is not installed or no scheduler is at the address, KilledError where what is there says nothing.
     """
 
     def __init__(self, address: str, patience: Patience = PATIENCE) -> None:
         self._patience = patience
         self._client = _connected(address, patience.answer)
-        self._executor = self._client.get_executor(pure=False)
+        self._workers = self._client.get_executor(pure=False)
         self._open: set[Future[Any]] = set()
-        self._shares: dict[int, float] = {}
-        self._client.subscribe_topic(TOPIC, self._hear)
+        self._board = None
         self._closed = threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
@@ -74,7 +71,7 @@ class Cluster:
         self._open.add(done)
         done.add_done_callback(self._open.discard)
         try:
-            remote = self._executor.submit(_outcome, program(), function, arguments)
+            remote = self._workers.submit(_outcome, program(), function, arguments)
         except Exception as error:
             if self._client.status not in GONE and not _is_of_cluster(error):
                 raise
@@ -82,24 +79,6 @@ class Cluster:
             return done
         remote.add_done_callback(lambda ended: _hand_over(ended, done))
         return done
-
-    def teller(self, number: int) -> Callable[[float | None], None]:
-        """Return what reports, in a worker, the share that is done of the task of that number; None: it has ended."""
-        return _Teller(self._client.id, number)
-
-    def shares(self) -> Mapping[int, float]:
-        """Return the share that is done of the tasks at work, by the numbers under which they report it."""
-        return dict(self._shares)
-
-    def _hear(self, event: tuple[float, Any]) -> None:
-        """Take over what a worker reports; others have tasks for this scheduler too."""
-        _, (client, number, share) = event
-        if client != self._client.id:
-            return
-        if share is None:
-            self._shares.pop(number, None)
-        else:
-            self._shares[number] = share
 
     def close(self, at_once: bool) -> None:
         """Leave the cluster; its work for this process is given up."""
@@ -168,22 +147,6 @@ def _within(seconds: float, call: Callable[[], Any]) -> Any:
     thread.start()
     thread.join(seconds)
     return found[0] if found else LateError()
-
-
-@dataclass
-class _Teller:
-    """Sends the share that is done of a task of a client from a worker, every LOOK s at most; None: it has ended."""
-
-    client: str
-    number: int
-    latest: float = -math.inf
-
-    def __call__(self, share: float | None) -> None:
-        from distributed import get_worker
-
-        if share is None or time.monotonic() - self.latest >= LOOK:
-            self.latest = time.monotonic()
-            get_worker().log_event(TOPIC, (self.client, self.number, share))
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,10 @@ from assessment.runtime.processes import cluster
 from assessment.runtime.processes.cluster import Cluster, Patience
 from assessment.runtime.processes.pool import KilledError
 from assessment.runtime.progress import Show
-from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from tests.support.block_project import command, contents, edit, timeless, write_block
 from tests.support.campaign_project import SEARCHES, write_campaign
 from tests.support.scheduler import LONG, scheduler
-from tests.support.told import Seen, quarter
 
 distributed = pytest.importorskip("distributed")
 
@@ -63,30 +61,6 @@ def test_a_worker_that_is_killed_costs_what_it_was_at_and_no_result(local, tmp_p
     assert timeless(plain(away.results)) == timeless(plain(run(project, model, jobs=1).results))
     again = run(project, model, store=store, scheduler=local.scheduler_address)
     assert (again.computed, again.taken) == (0, away.computed)  # kept by the machine that asked for them
-
-
-def test_how_far_an_analysis_is_gets_told_by_the_workers(local, tmp_path):
-    """Of the first a quarter of 8 is done, of the second one of 24: the time left was silent on a cluster."""
-    show = Seen(tmp_path / "told")
-    with Workers(show=show, scheduler=local.scheduler_address) as workers:
-        tasks = [(str(show.flag),)] * 2
-        assert workers.each("stage", quarter, tasks, [""] * 2, True, [8.0, 24.0]) == [True] * 2
-        assert workers.engine.shares() == {}
-    events = [event for event, _ in show.lines]
-    first = [done for _, done in show.lines[1 : events.index("advance")]]
-    assert first and {*first} <= {2.0, 6.0, 8.0}  # of one of them, or of both
-    assert show.lines[-1] == ("advance", 32.0)
-
-
-def test_what_is_told_to_another_run_on_the_cluster_is_not_heard(local):
-    one, other = (Cluster(local.scheduler_address) for _ in range(2))
-    assert one.submit(one.teller(3), 0.5).result(timeout=LONG) is None
-    assert other.submit(divmod, 3, 2).result(timeout=LONG) == (1, 1)  # the event came before
-    assert (one.shares(), other.shares()) == ({3: 0.5}, {})
-    assert one.submit(one.teller(3), None).result(timeout=LONG) is None
-    assert one.shares() == {}
-    one.close(at_once=False)
-    other.close(at_once=False)
 
 
 def test_an_error_on_the_cluster_is_the_error(local):
