@@ -6,11 +6,12 @@ from typing import Any
 
 from assessment.results.schema.model import Echo
 from assessment.results.schema.part import present
-from mechanics.model import layer_key
 
 
 def material(echo: Echo, layer: str) -> dict[str, Any]:
     """Return what the blocks of a layer are made of and loaded by: the layer's own keys before those of [material]."""
+    from mechanics.model import layer_key  # late: a run in which nothing has changed needs no mechanics
+
     own = {layer_key(name): table for name, table in (echo.layers or {}).items()}
     return {**echo.material, **present(own.get(layer_key(layer)) or {})}
 

@@ -14,7 +14,7 @@ from assessment.project.schema import ORIGINAL
 from assessment.project.structure.model import ProjectModel, build_model
 from assessment.results.schema import Results
 from assessment.workflow.description import describe
-from assessment.workflow.dynamic import Motions, read_motions
+from assessment.workflow.motions import Motions, read_motions
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from assessment.results.quality import quality_of
 from assessment.results.schema import Results, State
@@ -12,6 +11,10 @@ from assessment.results.schema.model import QualityRow
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.summary import summary_of
 from mechanics.messages import Message
+
+if TYPE_CHECKING:
+    from assessment.analyses.dynamic.time_history import DynamicResult
+    from assessment.studies.campaign.incremental import Found
 
 
 @dataclass
@@ -47,12 +50,12 @@ class Draft:
         """Add the computing time (s) of a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
-    def take(
-        self, warnings: Iterable[Message], failures: Iterable[Message], rows: Iterable[QualityRow]
-    ) -> None:
-        """Add the messages and certificates of an analysis."""
-        self.warnings += [*warnings, *failures]
-        self.quality += rows
+    def add(self, stage: str, found: DynamicResult[Any] | Found) -> bool:
+        """Add messages, certificates and time of an analysis of a stage; return whether it was completed."""
+        self.warnings += [*found.warnings, *found.failures]
+        self.quality += found.quality
+        self.took(stage, found.seconds)
+        return not found.failures
 
     def finished(self) -> Results:
         """Return the results with warnings, certificates, estimated errors and computing times."""

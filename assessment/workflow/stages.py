@@ -6,11 +6,16 @@ import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from assessment.analyses.checks.capacity import Assessed, assess
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
 from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
 from assessment.analyses.checks.governing import Governed, Run, governed
 from assessment.analyses.checks.indices import governing, knowledge_of, safety_index, state_indices
+from assessment.analyses.dynamic.histories import histories
+from assessment.analyses.dynamic.inputs import MotionInputs, starts_of, ultimates
+from assessment.analyses.dynamic.time_history import motion_part
 from assessment.analyses.found import Found
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.increments import refined
@@ -19,31 +24,43 @@ from assessment.analyses.static.paths import stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
+from assessment.results.quality import joined
 from assessment.results.schema.part import known, present
 from assessment.results.undetermined import without
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
+from assessment.studies.campaign.incremental import incremental
 from assessment.studies.campaign.scans import Scans
+from assessment.studies.campaign.stage import campaign
 from assessment.studies.convergence import Convergence, converge
-from assessment.studies.variants import Statics
+from assessment.studies.identification.stage import identification
+from assessment.studies.scenarios import asks_for_scenarios, scenarios
+from assessment.studies.sensitivity import sensitivity
+from assessment.studies.variants import Statics, Study
 from assessment.workflow.comparison import comparison, strengthened
 from assessment.workflow.description import describe
 from assessment.workflow.draft import Draft
-from assessment.workflow.dynamic import add_dynamics, read_motions
-from assessment.workflow.studies import add_studies
+from assessment.workflow.motions import Motions, read_motions
+from mechanics.messages import message
 
 if TYPE_CHECKING:
+    from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.structure.model import ProjectModel
     from assessment.project.structure.state_models import StateModel
     from assessment.results.schema import Results
+    from assessment.results.schema.campaign import Campaign
     from assessment.results.schema.checks import Direction
+    from assessment.results.schema.identification import Identification
     from assessment.results.schema.static import Pushovers
+    from assessment.results.schema.studies import Scenarios, Sensitivity
     from assessment.runtime.cache import Store
     from mechanics import Assembly
 
     States = Mapping[str, StateModel]
 
+PERIODS = np.linspace(0.0, 4.0, 201)  # s, of the spectra of motions
+FEW = 3  # warnings of a study that are repeated among those of the run
 Ensemble = Sequence[Run]
 """The further runs of a state."""
 
@@ -82,63 +99,49 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
     draft = Draft(describe(project, model))
     draft.warnings += [*chosen, *motions.notes, *implausible_hazard(project, demands.spectra)]
-    if _falls_by_itself(draft, states[ORIGINAL].assembly, workers):
-        return draft.finished(), False
-
-    converged = _converged(project, states, demands, workers)
-    ensembles = _ensembles(project, states, converged, workers)
-    _add_states(draft, converged)
-    assessed, reported = _add_capacities(draft, project, states, demands, converged, ensembles)
-    _add_second_solver(draft, reported, workers)
-
-    statics = Statics(draft.states, converged.stages, converged.halvings)
-    scans = Scans(project, workers)
-    shaken = add_dynamics(draft, project, states, motions, converged.stages, scans)
-    studied = add_studies(draft, project, states, statics, demands, motions.campaign, scans)
-    if project.assessment or project.incremental:
-        draft.put(comparison=comparison(draft.states))
-    if project.strengthening:
-        draft.put(strengthening=strengthened(draft.states))
-    settled = not any(stage.failures for stage in converged.stages)
-    return draft.finished(), assessed and studied and shaken and settled
-
-
-def _falls_by_itself(draft: Draft, assembly: Assembly, workers: Workers) -> bool:
-    """Return whether the structure as drawn cannot carry its own weight; the results then hold the reason."""
-    [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
+    [unstable] = workers.each(
+        "self-weight", stand, [(model.assembly,)], ["self-weight"], large(model.assembly)
+    )
     if unstable:
         draft.put(model=draft.results.model.replace(self_weight_stable=False))
         draft.warnings.append(unstable)
-    return bool(unstable)
-
-
-def _converged(project: Project, states: States, demands: Demands, workers: Workers) -> Convergence:
-    """Analyse the settlement and pushover of every state, in increments halved until its capacity has converged."""
+        return draft.finished(), False
 
     def analyse(finer: Project, names: Collection[str]) -> list[StateResult]:
         requests = _requests(finer, states)
         return analyse_states([request for request in requests if request.state in names], workers)
 
-    return converge(project, states, demands, analyse)
-
-
-def _ensembles(
-    project: Project, states: States, converged: Convergence, workers: Workers
-) -> Mapping[str, Ensemble]:
-    """Repeat the states whose paths scatter, in the increments at which they converged; by state, by member."""
+    converged = converge(project, states, demands, analyse)
     requests = [
         request.within(refined(project, converged.halvings.get(request.state, 0)))
         for request in _requests(project, states)
     ]
-    return members(requests, converged.stages, workers)
+    ensembles = members(requests, converged.stages, workers)
+    settled = _add_states(draft, converged)
+    assessed, reported = _add_capacities(draft, project, states, demands, converged, ensembles)
+    _add_second_solver(draft, reported, workers)
+
+    scans = Scans(project, workers)
+    shaken = _add_dynamics(draft, project, states, motions, converged.stages, scans)
+    statics = Statics(draft.states, converged.stages, converged.halvings)
+    studied = _add_studies(draft, project, states, statics, demands, motions.campaign, scans)
+    if project.assessment or project.incremental:
+        draft.put(comparison=comparison(draft.states))
+    if project.strengthening:
+        draft.put(strengthening=strengthened(draft.states))
+    return draft.finished(), settled and assessed and shaken and studied
 
 
-def _add_states(draft: Draft, converged: Convergence) -> None:
-    """Add configuration of every state, certificates, times, failures and estimated errors of its analyses."""
+def _add_states(draft: Draft, converged: Convergence) -> bool:
+    """Add configuration of every state, certificates, times, failures and estimated errors of its analyses.
+
+    Return whether all were completed.
+    """
     draft.warnings += converged.warnings
     draft.errors += converged.rows
     for stage in converged.stages:
-        draft.take([], stage.failures, stage.quality)
+        draft.warnings += stage.failures
+        draft.quality += stage.quality
         for name, seconds in stage.seconds.items():
             draft.took(name, seconds)
     for name in dict.fromkeys(stage.state for stage in converged.stages):
@@ -146,6 +149,7 @@ def _add_states(draft: Draft, converged: Convergence) -> None:
         reached = present({stage.behaviour: stage.configuration for stage in own})
         if configuration := reached.get("rigid") or reached.get("elastic"):
             draft.put_state(name, configuration=configuration)
+    return not any(stage.failures for stage in converged.stages)
 
 
 def _add_capacities(
@@ -246,3 +250,88 @@ def _requests(project: Project, states: States) -> list[Request]:
         for name in project.states
         for behaviour in (pushed if name == ORIGINAL else settled)
     ]
+
+
+def _add_dynamics(
+    draft: Draft,
+    project: Project,
+    models: States,
+    motions: Motions,
+    stages: Iterable[StateResult],
+    scans: Scans,
+) -> bool:
+    """Compute [[history]] and [incremental] from the states that `stages` reached, and add them to the results.
+
+    Return whether every analysis was completed. Raises KilledError where a process was ended from outside.
+    """
+    starts = starts_of(project.dynamic_contacts, models, stages)
+    pushovers = {name: state.pushover for name, state in draft.states.items()}
+    inputs = MotionInputs(project, starts, ultimates(pushovers), scans.workers)
+    complete = True
+    if project.history:
+        draft.put(motions=[motion_part(motion, PERIODS) for motion in motions.history])
+        for each in histories(inputs, motions.history):
+            complete = draft.add("history", each) and complete
+            draft.put_state(each.state, history=[*draft.states[each.state].history, each.numbers])
+            draft.errors += [each.convergence] if each.convergence else []
+    if project.incremental:
+        found = incremental(inputs, motions.incremental, scans)
+        complete = draft.add("incremental", found) and complete
+        draft.search_errors += found.errors
+        for state, part in found.states.items():
+            draft.put_state(state, incremental=part)
+    return complete
+
+
+def _add_studies(
+    draft: Draft,
+    project: Project,
+    states: States,
+    statics: Statics,
+    demands: Demands,
+    records: Sequence[BaseMotion],
+    scans: Scans,
+) -> bool:
+    """Fit movements, compare scenarios, vary properties and run the campaign, each where asked for; add the results.
+
+    `records`: of the files that [campaign] names. Return whether all was completed. Raises KilledError where a process
+    was ended from outside, ProjectError for a property that gives no model.
+    """
+    workers, settling = scans.workers, states[ORIGINAL].settling
+    made: dict[str, Callable[[Study], Scenarios | Sensitivity | Identification | Campaign]] = {}
+    if project.identification:
+        made["identification"] = lambda study: identification(project, settling, workers, study)
+    if asks_for_scenarios(project):
+        made["scenarios"] = lambda study: scenarios(project, states, statics, demands, workers, study)
+    if project.sensitivity:
+        made["sensitivity"] = lambda study: sensitivity(project, statics.halvings, demands, workers, study)
+    if project.campaign:
+        made["campaign"] = lambda study: campaign(project, states, records, statics, demands, scans, study)
+    complete = True
+    for name, make in made.items():
+        study = Study()
+        draft.put(**{name: make(study)})
+        draft.took(name, study.seconds)
+        complete = complete and not study.failures
+        if study.quality:
+            draft.quality.append(joined(None, name, study.quality))
+        # what is told of single runs repeats what is told of the states: of many the number
+        warnings, failures = study.warnings, study.failures
+        if len(warnings) > FEW:
+            several = message(
+                "{study}: {count} warnings of single runs, in results.json; the first: {text}",
+                study=name,
+                count=len(warnings),
+                text=warnings[0],
+            )
+            warnings = [several]
+        if len(failures) > FEW:
+            several = message(
+                "{study}: {count} failures of single runs, in results.json; the first: {text}",
+                study=name,
+                count=len(failures),
+                text=failures[0],
+            )
+            failures = [several]
+        draft.warnings += [*warnings, *study.findings, *failures]
+    return complete

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -42,7 +42,6 @@ from mechanics.messages import Message, linked, message
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import AssessmentTable
     from mechanics import Assembly
 
 
@@ -121,8 +120,13 @@ def _assessed(
     assessment, rigid, elastic = known(project.assessment), curves.rigid, curves.elastic
     if rigid is None:
         raise CapacityError(message("it needs the rigid pushover curve"))
-    _refuse_other_mechanism(rigid)
-    if elastic is None and assessment.model != "none" and _asked_for_elastic(project):
+    # no finite multiplier is a contradiction too: the horizontal load does no work on the mechanism
+    alpha, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
+    virtual_work = math.inf if by_work is None else by_work
+    if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
+        raise CapacityError(other_mechanism(virtual_work, alpha))
+    asked = project.pushover is not None and "elastic" in project.pushover.contacts
+    if elastic is None and assessment.model != "none" and asked:
         raise CapacityError(
             message(
                 "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
@@ -130,17 +134,24 @@ def _assessed(
                 model=assessment.model,
             )
         )
-    given = project, model, direction, curves, demands
-    own = _by_law(*given, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
+    curve = project, model, direction, curves, demands
+    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
     other, counts = None, False
     if (law := _other_law(rigid)) is not None:
         with suppress(CapacityError):
-            other = _by_law(*given, law)
+            other = _by_law(*curve, law)
         counts = law.factor < 1.0 and "sliding" not in project.contacts.model_fields_set  # none was asked for
     used, apart = (other, own) if other is not None and counts else (own, other)
     capacity, checks, method = used.capacity, used.checks, used.method
-    beyond = _beyond_loss(assessment, rigid.local_loss)
-    notes = [*beyond, *dict.fromkeys(note for check in checks.values() for note in check.notes)]
+    notes = list(dict.fromkeys(note for check in checks.values() for note in check.notes))
+    given, loss = assessment.local_displacement_limit_m, rigid.local_loss
+    if loss is not None and given is not None and given > loss.displacement_m:
+        beyond = message(
+            "local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
+            given=given,
+            reason=loss_sentence(loss),
+        )
+        notes.insert(0, beyond)
 
     made = _capacity(used)
     if curves.run is not None:
@@ -150,7 +161,12 @@ def _assessed(
         if ratios := _apart(checks, apart.checks):
             ratio = {name: check.zeta_E for name, check in apart.checks.items() if check.zeta_E is not None}
             beside = beside.replace(zeta_E=ratio)
-            notes.append(_of_law(apart.law.sliding, ratios, counts))
+            by, listed = FRICTION[apart.law.sliding], linked(ratios)
+            notes.append(
+                message("by {law} {ratios}; the lower α0 counts", law=by, ratios=listed)
+                if counts  # as no law was asked for
+                else message("by {law} {ratios}", law=by, ratios=listed)
+            )
         made = made.replace(other_law=beside)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
@@ -229,30 +245,11 @@ def _apart(checks: Mapping[str, Check], others: Mapping[str, Check]) -> list[Mes
     ]
 
 
-def _of_law(sliding: static.Sliding, ratios: Sequence[Message], counts: bool) -> Message:
-    """Return what the law that does not count gives; `counts`: whether the lower α0 does, as none was asked for."""
-    law, listed = FRICTION[sliding], linked(ratios)
-    if counts:
-        return message("by {law} {ratios}; the lower α0 counts", law=law, ratios=listed)
-    return message("by {law} {ratios}", law=law, ratios=listed)
-
-
 def activation_of(rigid: RigidPush) -> Activation | None:
     """Return what activates the first mechanism, where that of α0 moves only once blocks have met others (C8.7.1.2)."""
     if rigid.onset is None:
         return None
     return Activation(rigid.alpha_onset, known(rigid.onset.e_star))
-
-
-def _refuse_other_mechanism(rigid: RigidPush) -> None:
-    """Raise CapacityError where virtual work on the mechanism contradicts the multiplier of the curve.
-
-    No finite multiplier is a contradiction too: the mechanism moves, and the horizontal load does no work on it.
-    """
-    alpha, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
-    virtual_work = math.inf if by_work is None else by_work
-    if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
-        raise CapacityError(other_mechanism(virtual_work, alpha))
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:
@@ -318,10 +315,6 @@ def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: M
     return check_of(parts.NominalCheck, check, 0, limit_state=limit)
 
 
-def _asked_for_elastic(project: Project) -> bool:
-    return project.pushover is not None and "elastic" in project.pushover.contacts
-
-
 def along_push(curve: static.Curve, direction: Direction) -> Curve:
     """Return a curve of the results with displacements (m) positive along the push."""
     return sense(direction) * np.array(curve.displacement_m), np.array(curve.multiplier)
@@ -380,17 +373,6 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
             second=second,
         ),
     )
-
-
-def _beyond_loss(assessment: AssessmentTable, loss: LocalLoss | None) -> Iterator[Message]:
-    """Yield a warning if the project's local limit lies beyond the local loss of the path."""
-    given = assessment.local_displacement_limit_m
-    if loss is not None and given is not None and given > loss.displacement_m:
-        yield message(
-            "local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
-            given=given,
-            reason=loss_sentence(loss),
-        )
 
 
 def _capacity(by: _ByLaw) -> Capacity:

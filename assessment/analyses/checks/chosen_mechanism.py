@@ -45,12 +45,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-CURVE = {
-    "F_C",
-    "a_0_star",
-    "d_0",
-    "d_0_star",
-}  # steps of the capacity curve that are added to those of virtual work
+CURVE = {"F_C", "a_0_star", "d_0", "d_0_star"}  # steps of the capacity curve beside those of virtual work
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +169,25 @@ def evaluate(
 
     met = Met(model)
     sliding = met.numbers(motion.contacts, motion.slides)[motion.sliding].tolist()
-    notes = _notes(motion.penetration, motion.pair, sliding)
+    notes = []
+    if motion.penetration > GIVEN.rounding:
+        notes.append(
+            message(
+                "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
+                "as with a hinge set back from the edge",
+                block=motion.pair[0],
+                other=motion.pair[1],
+                share=100.0 * motion.penetration,
+            )
+        )
+    if sliding:
+        notes.append(
+            message(
+                "joints that slide as the mechanism moves: {count}; their friction is left out, so that alpha_0 is "
+                "lower than with it",
+                count=len(sliding),
+            )
+        )
     fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
     if demands.keys() & {"SLV", "SLC"}:
         try:
@@ -193,7 +206,10 @@ def evaluate(
         notes=notes,
         trace=lines(steps),
     )
-    return found.with_checks(_checks(capacity, demands, method))
+    checks = verify(capacity, demands, method)
+    if capacity.d_0_star is None:  # the finite motion is not known
+        checks = {name: check for name, check in checks.items() if check.method == "linear"}
+    return found.with_checks(checks_of(capacity, checks))
 
 
 def _given(
@@ -296,19 +312,6 @@ def _fit(model: Assembly, positions: Array, chosen: Chosen, closed: Closed, cont
     return replace(fit_rigid((d, path.multiplier)), source="virtual work, hinges followed")
 
 
-def _checks(
-    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method
-) -> dict[str, parts.Check]:
-    """Return the linear checks up to SLV and, where the motion is known, the nonlinear ones (C8.7.1.2)."""
-    whole = capacity.d_0_star is not None
-    answers = {
-        name: check
-        for name, check in verify(capacity, demands, method).items()
-        if whole or check.method == "linear"
-    }
-    return checks_of(capacity, answers)
-
-
 def compared(
     found: parts.GivenMechanism, alpha_0: float | None, alpha_onset: float | None
 ) -> parts.GivenMechanism:
@@ -335,29 +338,6 @@ def compared(
             )
         )
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
-
-
-def _notes(penetration: float, pair: tuple[int, int], sliding: list[int]) -> list[Message]:
-    notes = []
-    if penetration > GIVEN.rounding:
-        notes.append(
-            message(
-                "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
-                "as with a hinge set back from the edge",
-                block=pair[0],
-                other=pair[1],
-                share=100.0 * penetration,
-            )
-        )
-    if sliding:
-        notes.append(
-            message(
-                "joints that slide as the mechanism moves: {count}; their friction is left out, so that alpha_0 is "
-                "lower than with it",
-                count=len(sliding),
-            )
-        )
-    return notes
 
 
 def assess_chosen(

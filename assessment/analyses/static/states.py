@@ -213,9 +213,14 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     for request in requests:
         movement = settled.get(request.settling) if request.settling else None
         result = _result(request, movement, begun.get(id(request)))
-        found = {way: pushed[id(request), way] for way in request.directions if (id(request), way) in pushed}
-        result.pushed = {way: _of_run(request, each) for way, each in found.items()}
-        result.scatters |= any(each.scatters for each in found.values())
+        for way in request.directions:
+            if (found := pushed.get((id(request), way))) is None:
+                continue
+            if found.value is not None:
+                run = Run(increment_m=known(request.project.pushover).increment_m, member=request.member)
+                found = replace(found, value=replace(found.value, curves=found.value.curves.replace(run=run)))
+            result.pushed[way] = found
+            result.scatters |= found.scatters
         if (reason := restless.get(id(request))) is not None:
             result.own_failures.append(headed(path_title(request.state, request.behaviour), reason))
         results.append(result)
@@ -298,10 +303,10 @@ def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict
             [
                 (
                     each.model,
-                    _alone(each.settlement),
+                    each.settlement.model_copy(update={"steps": None}),  # the whole movement knows no sweep
                     each.behaviour,
                     waiting[each].sliding,
-                    _first_control(each.project),
+                    next(iter(each.project.control), None),
                     _reached(found[each.before]) if each.before else None,
                 )
                 for each in followed
@@ -396,7 +401,11 @@ def _result(request: Request, settled: Found[Settled] | None, begun: Beginning |
     if settled is not None:
         result.scatters = settled.scatters
         if not request.strengthens:
-            result.moved = _movement_of_run(request, settled)
+            result.moved = settled
+            if (moved := settled.value) and request.settlement:
+                increment = moved.path.applied_movement_m / request.settlement.increments
+                path = moved.path.replace(run=Run(increment_m=increment, member=request.member))
+                result.moved = replace(settled, value=replace(moved, path=path))
         elif begun is None:
             title = path_title(request.state, request.behaviour)
             missing = message("the state that it strengthens was not reached")
@@ -406,25 +415,6 @@ def _result(request: Request, settled: Found[Settled] | None, begun: Beginning |
         if begun.state is not None and settled is not None:
             result.configuration = configuration(begun.model, begun.state)
     return result
-
-
-def _movement_of_run(request: Request, found: Found[Settled]) -> Found[Settled]:
-    """Return a movement with the run that it is of."""
-    if found.value is None or request.settlement is None:
-        return found
-    path = found.value.path
-    increment = path.applied_movement_m / request.settlement.increments
-    run = Run(increment_m=increment, member=request.member)
-    return replace(found, value=replace(found.value, path=path.replace(run=run)))
-
-
-def _of_run(request: Request, found: Found[Pushed]) -> Found[Pushed]:
-    """Return a curve with the run that it is of."""
-    table, pushed = request.project.pushover, found.value
-    if table is None or pushed is None:
-        return found
-    run = Run(increment_m=table.increment_m, member=request.member)
-    return replace(found, value=replace(pushed, curves=pushed.curves.replace(run=run)))
 
 
 def _push_arguments(
@@ -440,13 +430,3 @@ def _push_arguments(
         request.behaviour, request.sliding, project.pushover.increment_m, 0.0 if whole else PAST_PEAK
     )
     return begun.model, request.state, begun.state, setting, together, controls
-
-
-def _alone(settlement: SettlementTable | None) -> SettlementTable:
-    """Return the settlement without its sweep, on which the whole movement does not depend."""
-    assert settlement is not None
-    return settlement.model_copy(update={"steps": None})
-
-
-def _first_control(project: Project) -> ControlTable | None:
-    return project.control[0] if project.control else None

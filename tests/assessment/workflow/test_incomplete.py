@@ -106,11 +106,13 @@ def test_a_direction_without_capacity_is_incomplete_and_its_state_has_no_index(p
     complete = read_results(project / "output")["states"]["original"]
     assert complete["indices"] and complete["safety_index"] and complete["governing"]
 
-    def refuse(rigid):
-        if rigid.curve.displacement_m[-1] < 0.0:
+    def refuse(rigid, gamma_star, direction):
+        if direction == "-x":
             raise CapacityError(message("α = 0"))
+        return way(rigid, gamma_star, direction)
 
-    monkeypatch.setattr(capacity, "_refuse_other_mechanism", refuse)
+    way = capacity.way_of_blocks
+    monkeypatch.setattr(capacity, "way_of_blocks", refuse)
     capsys.readouterr()
     assert run(project, "--jobs", "1", "--fresh", "--json") == 3
     assert json.loads(capsys.readouterr().out)["complete"] is False
