@@ -17,9 +17,12 @@ from mechanics.procedures.pushdown import (
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
 from mechanics.procedures.step_control import PATH
+from mechanics.procedures.time_history import HISTORY, SEARCH
 
 __all__ = [
+    "HISTORY",
     "PATH",
+    "SEARCH",
     "Mirror",
     "Pushdown",
     "Pushover",

@@ -14,18 +14,21 @@ from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
 from mechanics.kernels.bed_law import bed_forces
-from mechanics.kernels.dynamics.march import march
+from mechanics.kernels.dynamics.march import FAR, RESTS, UNSOLVED, march
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
     JOINT,
     LARGEST,
     LONGER,
+    RATE,
+    SPEED,
     SPRING,
     SUNK,
     remember,
     strain_energy,
 )
+from mechanics.kernels.dynamics.program import KEPT
 from mechanics.kernels.joint import H, U
 from mechanics.kernels.law import BED, LEFT, SHEAR
 from mechanics.kernels.linalg.factors import cholesky, substitute
@@ -40,7 +43,45 @@ from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import Array, Index
 
+LONG = 10  # computed steps at rest after which it is tried how far rest goes
 AHEAD = 0.05  # of the block size: how far a corner may move before contacts are looked for again
+
+
+@dataclass(eq=False)
+class Rest:
+    """The accelerations (m/s²) under which rigid joints rest where they are, from `low` to `high`, and their forces.
+
+    From v₀ = 0 the one solution of a step is v₁ = 0 where, and only where, forces within their bounds that press closed
+    joints alone balance the loads. Loads are affine in the acceleration and bounds are convex, so what rests under two
+    accelerations rests under all between, with the forces (j, 3) between. `computed`: steps that have
+    found it so far; `tried`: accelerations that were tried ahead.
+    """
+
+    low: float
+    high: float
+    forces_low: Array
+    forces_high: Array
+    computed: int = 1
+    tried: list[float] = field(default_factory=list)
+
+    def grow(self, at: float, forces: Array) -> None:
+        """Take an acceleration up under which a step has found rest."""
+        self.computed += 1
+        if at < self.low:
+            self.low, self.forces_low = at, forces
+        if at > self.high:
+            self.high, self.forces_high = at, forces
+
+    def steps(self, a: Array) -> int:
+        """Return during how many steps from the first on base accelerations a (k + 1,) stay inside, at both ends."""
+        outside = np.flatnonzero((a < self.low) | (a > self.high))
+        return max(int(outside[0]) - 1, 0) if outside.size else len(a) - 1
+
+    def forces(self, a: Array) -> Array:
+        """Return forces (k, j, 3) at accelerations a (k,)."""
+        share = (a - self.low) / max(self.high - self.low, 1e-300)
+        found: Array = self.forces_low + share[:, None, None] * (self.forces_high - self.forces_low)
+        return found
 
 
 @dataclass(eq=False)
@@ -48,13 +89,15 @@ class Motion:
     """Blocks in motion, changed step by step.
 
     `blocks` (3, b, 3): positions, velocities and mean accelerations of the last step, 0 after an impact; `joints`
-    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.dynamics.motion; `halved`: how often the last step was.
+    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.dynamics.motion; `halved`: how often the last step was; `rest`:
+    None while it moves.
     """
 
     blocks: Array
     joints: Array
     energy: Array
     halved: int = 0
+    rest: Rest | None = None
 
     @property
     def shear(self) -> Array:
@@ -82,6 +125,10 @@ class Recorded:
     def until(self, last: int) -> Recorded:
         """Return the first steps, up to the `last`."""
         return Recorded(*(values[: last + 1] for values in (self.x, self.v, self.forces, self.energy)))
+
+    def since(self, first: int) -> Recorded:
+        """Return the steps from the `first` on, which is their row 0."""
+        return Recorded(*(values[first:] for values in (self.x, self.v, self.forces, self.energy)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +158,9 @@ class DynamicSystem:
 
     `theta`: share of a step at which the equations of motion hold; `damping` (s): viscous contact force over the
     stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps; `accepted`:
-    residual of a program, per weight and span, that is accepted. `counts` (6,): programs, iterations, halvings, cold
-    starts, the worst residual of force, per weight, and the largest energy (kNm) that errors of velocities may have.
+    residual of a program, per weight and span, that is accepted. `counts` (7,): programs, iterations, halvings, cold
+    starts, the worst residual of force, per weight, the largest energy (kNm) that errors of velocities may have, and
+    steps at rest that were not computed; `skips`: whether there are any.
     """
 
     system: StaticSystem
@@ -121,7 +169,8 @@ class DynamicSystem:
     restitution: float
     halving: Halving
     accepted: float
-    counts: Array = field(default_factory=lambda: np.zeros(6))
+    counts: Array = field(default_factory=lambda: np.zeros(7))
+    skips: bool = True
 
     @property
     def model(self) -> Assembly:
@@ -139,6 +188,34 @@ class DynamicSystem:
         model = self.model
         return Elimination.of(self.system.dof, model.initial.positions[model.movable, :2])
 
+    @cached_property
+    def central(self) -> Array:
+        """What the program of a step keeps for the next one, see kernels.dynamics.program."""
+        return np.zeros(2 + KEPT * len(self.contacts) + 3 * int(self.model.movable.sum()))
+
+    @property
+    def _central_joints(self) -> Array:
+        """Forces, gaps and slips (j, KEPT) of that."""
+        count = len(self.contacts)
+        return self.central[2 : 2 + KEPT * count].reshape(count, KEPT)
+
+    @property
+    def _central_moves(self) -> Array:
+        """Displacements (b, 3) of that, 0 of supports."""
+        found, first = np.zeros((len(self.first), 3)), self.first
+        moves = self.central[2 + KEPT * len(self.contacts) :]
+        for e in range(3):
+            found[first >= 0, e] = moves[first[first >= 0] + e]
+        return found
+
+    def _central(self, step: float, joints: Array, moves: Array) -> Array:
+        """Return `central` of forces, gaps and slips (j, KEPT) and displacements (b, 3) of a step, s; 0: of none."""
+        count, movable = len(self.contacts), self.first >= 0
+        ordered = np.zeros(len(self.central) - 2 - KEPT * count)
+        for e in range(3):
+            ordered[self.first[movable] + e] = moves[movable, e]
+        return np.concatenate([[float(step > 0.0), step], joints.ravel(), ordered])
+
     @property
     def margin(self) -> float:
         """How far (m) a corner may move before contacts are looked for again."""
@@ -150,8 +227,14 @@ class DynamicSystem:
         if system is self.system:
             return self
         found = replace(self, system=system)
+        motion.rest = None
         if np.array_equal(before.edges, system.contacts.edges):
             found.__dict__["layout"] = self.layout
+        found.central[:] = found._central(
+            float(self.central[1]),
+            moved_over(self._central_joints, before, system.contacts),
+            self._central_moves,
+        )
         kept = moved_over(np.ones((len(before), 1)), before, system.contacts)[:, 0] > 0.0
         motion.joints = moved_over(motion.joints, before, system.contacts)
         if not self.system.rigid:
@@ -195,10 +278,11 @@ class DynamicSystem:
 
     def remembered(self, motion: Motion) -> MotionMemory:
         """Return what a motion goes on from."""
-        joints = np.column_stack([self.contacts.edges, motion.joints])
+        joints = np.column_stack([self.contacts.edges, motion.joints, self._central_joints])
         return MotionMemory(
-            self.system.rigid, motion.blocks[2].copy(), joints, float(motion.energy[LARGEST]), motion.halved
-        )
+            self.system.rigid, motion.blocks[2].copy(), joints, float(motion.energy[LARGEST]), motion.halved,
+            float(self.central[1]), self._central_moves,
+        )  # fmt: skip
 
     def _recall(self, memory: MotionMemory, places: Array, motion: Motion) -> None:
         """Go on from what a motion remembers; contacts at places (j, PLACE) that it does not know are new."""
@@ -208,34 +292,94 @@ class DynamicSystem:
         if not self.system.rigid:
             motion.joints[:, SUNK] = _deep(places)
         known = {(int(e), int(f)): row for e, f, *row in memory.joints}
+        begun = np.zeros((len(self.contacts), KEPT))
         for k, (e, f) in enumerate(self.contacts.edges.tolist()):
             if (e, f) in known:
-                motion.joints[k] = known[e, f]
+                motion.joints[k], begun[k] = known[e, f][:JOINT], known[e, f][JOINT:]
+        self.central[:] = self._central(memory.step, begun, memory.moves)
 
     @one_thread()
-    def march(self, motion: Motion, base: Array, step: float) -> Recorded:
+    def march(
+        self, motion: Motion, base: Array, step: float, ahead: tuple[float, float] | None = None
+    ) -> Recorded:
         """Advance a motion in place under base accelerations (k + 1, 3), m/s², one `step` (s) apart; return its steps.
 
-        The motion stops early after the step in which a corner has moved farther than the margin. Raises
-        ConvergenceError if even the shortest step is not solved.
+        Rigid joints that rest are not computed while the acceleration is one under which they have rested; `ahead`:
+        least and largest horizontal one still to come, None: of these. The motion stops early after the step in which
+        a corner has moved farther than the margin. Raises ConvergenceError if even the shortest step is not solved.
         """
+        steps = len(base) - 1
+        found, begun = self._recorded(motion, steps), motion.blocks[0].copy()
+        skips, done, reason = self.skips and not base[:, 1].any(), 0, 0
+        ahead = ahead or (float(base[:, 0].min()), float(base[:, 0].max()))
+        while done < steps and reason != FAR:
+            rest = motion.rest
+            if rest is not None and (still := rest.steps(base[done:, 0])):
+                row = slice(done + 1, done + still + 1)
+                found.x[row], found.v[row], found.energy[row] = motion.blocks[0], 0.0, motion.energy
+                found.forces[row] = rest.forces(base[row, 0])
+                self.counts[6] += still
+                done += still
+                continue
+            until = steps if rest is None else done + 1
+            gone, reason = self._compute(motion, base[done : until + 1], step, begun, found.since(done))
+            done += gone
+            if reason == UNSOLVED:
+                raise ConvergenceError(
+                    message("a step of the motion was not solved, {count} steps on", count=int(done))
+                )
+            if reason != RESTS or not skips:
+                motion.rest = None
+                continue
+            at = float((1.0 - self.theta) * base[done - 1, 0] + self.theta * base[done, 0])
+            forces = found.forces[done].copy()
+            if rest is None:
+                rest = motion.rest = Rest(at, at, forces, forces)
+            else:
+                rest.grow(at, forces)
+                motion.blocks[0] = found.x[done] = found.x[done - 1]
+            motion.blocks[1:], motion.joints[:, SPEED : RATE + 1], motion.halved = 0.0, 0.0, 0
+            found.v[done] = 0.0
+            if rest.computed >= LONG:
+                self._look_ahead(motion, rest, ahead, step)
+        return found.until(done)
+
+    def _recorded(self, motion: Motion, steps: int) -> Recorded:
+        """Return room for so many steps, the first row that of the motion."""
+        count, blocks = len(self.contacts), len(self.model.blocks)
+        found = Recorded(
+            np.empty((steps + 1, blocks, 3)),
+            np.empty((steps + 1, blocks, 3)),
+            np.zeros((steps + 1, count, 3)),
+            np.empty((steps + 1, ENERGIES)),
+        )
+        found.x[0], found.v[0], found.energy[0] = motion.blocks[0], motion.blocks[1], motion.energy
+        return found
+
+    def _compute(
+        self, motion: Motion, base: Array, step: float, begun: Array, found: Recorded
+    ) -> tuple[int, int]:
+        """Compute steps into `found`; how many, and why they end, see kernels.dynamics.march."""
         model, c = self.model, self.contacts
-        steps, count = len(base) - 1, len(c)
-        xs, vs = (np.empty((steps + 1, len(model.blocks), 3)) for _ in range(2))
-        fs, es = np.zeros((steps + 1, count, 3)), np.empty((steps + 1, ENERGIES))
-        xs[0], vs[0], es[0] = motion.blocks[0], motion.blocks[1], motion.energy
-        done, reason, motion.halved = march(
+        gone, reason, motion.halved = march(
             c.a, c.b, c.faces, self.system.law, self.layout.row, self.first, model.mass, model.dead_load,
             base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
-            (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin,
-            model.radius, motion.halved, xs[0].copy(), xs, vs, fs, es, self.counts, self.layout.work_space,
-            self.layout.packed,
+            (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin, model.radius,
+            motion.halved, begun, found.x, found.v, found.forces, found.energy, self.counts, self.layout.work_space,
+            self.layout.packed, self.central,
         )  # fmt: skip
-        if reason == 2:
-            raise ConvergenceError(
-                message("a step of the motion was not solved, {count} steps on", count=int(done))
-            )
-        return Recorded(xs[: done + 1], vs[: done + 1], fs[: done + 1], es[: done + 1])
+        return gone, reason
+
+    def _look_ahead(self, motion: Motion, rest: Rest, ahead: tuple[float, float], step: float) -> None:
+        """Try whether blocks that have rested for long also rest under the extremes of what is to come."""
+        for extreme in ahead:
+            if rest.low <= extreme <= rest.high or extreme in rest.tried:
+                continue
+            rest.tried.append(extreme)
+            trial = Motion(motion.blocks.copy(), motion.joints.copy(), motion.energy.copy())
+            found, base = self._recorded(trial, 1), np.array([[extreme, 0.0, 0.0]] * 2)
+            if self._compute(trial, base, step, trial.blocks[0].copy(), found)[1] == RESTS:
+                rest.grow(extreme, found.forces[1])
 
 
 def _deep(places: Array) -> Array:

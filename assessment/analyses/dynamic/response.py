@@ -10,6 +10,7 @@ import numpy as np
 from assessment.results.schema.dynamic import Energy
 from mechanics import Assembly, State, TimeHistory, time_history
 from mechanics.messages import Message
+from mechanics.procedures import HISTORY, SEARCH
 from mechanics.progress import stretch
 from mechanics.types import GRAVITY, Array
 
@@ -17,13 +18,16 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.schema import ControlTable, MotionTable
 
-TAIL = 2.0  # s of free motion after the record, where the blocks still move
-TAILS = 10  # at most, while the control point moves farther than before: a fall is followed to its end
+TAIL = 2.0  # s of free motion that are followed at a time
+TAILS = 15  # at most
+SPENT = (
+    0.5  # of the potential energy from which the structure has come back: with less in all it will not fall
+)
 LATELY = 0.5  # s
 STILL = 0.01  # of √(g·size): speed below which a block rests
-STORED = ("kinetic", "potential", "elastic")
-TAKEN = ("friction", "impact", "viscous", "integrator")
-ENERGIES = (*STORED, "input", *TAKEN, "residual")
+ENERGIES = (
+    "kinetic", "potential", "elastic", "input", "friction", "impact", "viscous", "integrator", "residual",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -86,19 +90,25 @@ class Response:
         return Energy(**changes)
 
     def integrator_share(self) -> float:
-        """Return the share of the integrator in all dissipated energy."""
-        energy = self.energy()
-        taken = sum(getattr(energy, f"{name}_kNm") for name in TAKEN)
-        return abs(energy.integrator_kNm) / taken if taken > 0.0 else 0.0
+        """Return what the integrator took over the energy turned over, of all runs; see mechanics' Energy."""
+        turnover = max(part.energy.turnover for part in self.parts)
+        taken = sum(float(part.energy.integrator[-1] - part.energy.integrator[0]) for part in self.parts)
+        return abs(taken) / turnover if turnover > 0.0 else 0.0
 
 
 def respond(
-    model: Assembly, motion: BaseMotion, setting: Setting, start: State, factor: float = 1.0
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    start: State,
+    factor: float = 1.0,
+    to_rest: bool = True,
 ) -> Response:
-    """Return the response to a base motion times `factor`, and the free motion after it if blocks still move.
+    """Return the response to a base motion times `factor`, and the free motion after it until blocks rest.
 
-    That is followed for TAIL; farther, TAILS times at most, as long as the control point moves farther than before.
-    Raises ConvergenceError if a step is not solved.
+    Free motion gains no energy. It ends before rest where what is left is less than SPENT of that from which the
+    structure has come back; with rigid joints, which come to rest, only if `to_rest` is false. Followed are TAILS times
+    TAIL at most. Raises ConvergenceError if a step is not solved.
     """
     table, point = setting.table, setting.control.point_m
     step = motion.record.time_step
@@ -107,6 +117,7 @@ def respond(
         return time_history(
             model, acceleration, step, table.contacts, state, table.integrator, vertical,
             damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
+            tolerances=HISTORY if to_rest else SEARCH,
         )  # fmt: skip
 
     vertical = None if motion.vertical is None else factor * motion.vertical
@@ -114,7 +125,7 @@ def respond(
     record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
     with stretch(0.0, record):
         parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
-    while _goes_on(model, parts):
+    while len(parts) <= TAILS and _goes_on(model, parts, to_rest and table.contacts == "rigid"):
         with stretch(record if len(parts) == 1 else 1.0, 1.0):
             parts.append(run(free, None, parts[-1].final, None))
     return _joined(parts)
@@ -130,12 +141,20 @@ def speed_at_end(model: Assembly, last: TimeHistory) -> float:
     return speed if speed > STILL * np.sqrt(GRAVITY * model.size) else 0.0
 
 
-def _goes_on(model: Assembly, parts: list[TimeHistory]) -> bool:
-    """Whether free motion follows: blocks move after the record, or a block falls."""
-    if parts[-1].collapsed or not speed_at_end(model, parts[-1]):
+def _goes_on(model: Assembly, parts: list[TimeHistory], to_rest: bool) -> bool:
+    """Whether free motion follows: blocks move, and may fall; of motions followed `to_rest` whether they move."""
+    last = parts[-1]
+    if last.collapsed or not speed_at_end(model, last):
         return False
-    moved = abs(_joined(parts).displacement)
-    return len(parts) == 1 or (len(parts) <= TAILS and int(moved.argmax()) == len(moved) - 1)
+    if to_rest:
+        return True
+    begun = np.cumsum([0.0, *(float(part.energy.potential[-1]) for part in parts[:-1])])
+    stored = np.concatenate(
+        [part.energy.potential + part.energy.elastic + high for part, high in zip(parts, begun, strict=True)]
+    )
+    lowest = float(stored[-len(last.time) :].min())
+    left = float(stored[-1] + last.energy.kinetic[-1]) - lowest
+    return left >= SPENT * (float(stored.max()) - lowest)
 
 
 def _joined(parts: list[TimeHistory]) -> Response:

@@ -235,7 +235,7 @@ class _Motions:
         done = self.counts["motions"]
         expected = max(len(self.reach.stripes) or EXPECTED, done + 1)
         with stretch(done / expected, (done + 1) / expected):
-            response = respond(self.model, self.motion, self.setting, self.start, factor)
+            response = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
         self.counts["motions"] += 1
         for name in ("steps", "skipped", "programs", "iterations"):
             self.counts[name] += response.total(name)

@@ -104,7 +104,7 @@ def history(shaking: Shaking) -> DynamicResult[History]:
     elif speed := speed_at_end(model, last):
         moving = message(
             "blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this moment, "
-            "not of rest; a record with zeros at its end is followed farther",
+            "not of rest",
             speed=speed,
         )
         result.warnings.append(headed(title, moving))
@@ -160,7 +160,10 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         integrator=last.integrator,
         integrator_chosen=last.chosen,
         integrator_share=response.integrator_share(),
+        steps=response.total("steps"),
+        skipped=response.total("skipped"),
         programs=response.total("programs"),
+        iterations=response.total("iterations"),
         halvings=response.total("halvings"),
         notes=list(response.notes),
     )

@@ -126,12 +126,15 @@ class History(Part):
     energy: Energy | None = optional("its energies")
     integrator_chosen: str | None = optional("why that integrator")
     integrator_share: float | None = optional(
-        "of all that was dissipated, taken by the integrator",
+        "what the integrator took, over the energy turned over",
         "–",
         ("Quota integraz.", "Integrator’s share"),
         shown="%",
     )
+    steps: int | None = optional("time steps")
+    skipped: int | None = optional("of these, at rest and not computed")
     programs: int | None = optional("programs solved")
+    iterations: int | None = optional("their iterations")
     halvings: int | None = optional("halvings of the time step where a step was not solved")
     notes: list[Sentence] | None = optional("what to know about it")
     seconds: float | None = optional("computing time", "s")

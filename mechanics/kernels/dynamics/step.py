@@ -39,7 +39,7 @@ from mechanics.kernels.dynamics.motion import (
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V
-from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -54,16 +54,16 @@ STILL = 1e-3  # of its speed before: a slide that has come to rest
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
-    resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
+    resultants: Array, stored_matrix: Array, packed: Any, cold: bool, kept: Array,
 ) -> tuple[bool, int, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
     span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
-    have; `resultants` (j, 3): N, P and T found; `cold`: the program begins from the gaps alone. Returns whether a
-    solution was found, the number of iterations, the energy that the step took, that which its length leaves uncertain
-    (slides that turn back; elastic joints: of contacts under way), the residual of force, and the energy (kNm) that
-    errors of velocities may have.
+    have; `resultants` (j, 3): N, P and T found; `cold`: the program begins from the gaps alone; `kept`: see program.
+    Returns whether a solution was found, the number of iterations, the energy that the step took, that which its length
+    leaves uncertain (slides that turn back; elastic joints: of contacts under way), the residual of force, and the
+    energy (kNm) that errors of velocities may have.
 
     Joints that stay open bear nothing: those too far apart to close in the step are left out of its program, and it is
     solved again with those that its motion has closed all the same.
@@ -106,7 +106,7 @@ def attempt(
         closed = max(accepted, errors / products)
         more, force, _, product = solve(
             row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed), cold, elastic,
-            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen,
+            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, kept, h,
         )  # fmt: skip
         done += more
         if not (force <= accepted and product <= closed):  # nor if they are no numbers
@@ -182,7 +182,8 @@ def _closed_all_the_same(
         p = places[k]
         du, dphi, dv = motion(p, row[k, 0], row[k, 1], dx)
         slip = p[V] + dv - law[k, SLID]
-        u, tilt = p[U] + du - law[k, FRICTION] * abs(slip), p[H] * (p[PHI] + dphi)
+        lift = law[k, DILATION] * law[k, FRICTION] * abs(slip)
+        u, tilt = p[U] + du - lift, p[H] * (p[PHI] + dphi)
         joints[k, GAPS], joints[k, GAPS + 1] = u - tilt, u + tilt
         joints[k, GAPS + 2], joints[k, GAPS + 3] = max(slip, 0.0), max(-slip, 0.0)
         if u < abs(tilt):

@@ -10,12 +10,21 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
+from mechanics.kernels.joint import H
 from mechanics.messages import message
-from mechanics.model.contacts import end_gaps
+from mechanics.model.contacts import end_gaps, forces_on_blocks
 from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.procedures.time_history import HistoryTolerances, Integrator
 from mechanics.steps import dynamic_system
-from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
+from mechanics.types import GRAVITY
+from tests.support.structures import (
+    arch_on_piers,
+    block_on_base,
+    column,
+    rectangle,
+    running_bond,
+    semicircular_arch,
+)
 from tests.support.wording import in_italian
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
@@ -435,3 +444,58 @@ def test_bad_arguments_are_named(change: dict[str, object], message: str) -> Non
     arguments = {"acceleration": np.zeros(10), "time_step": STEP} | change
     with pytest.raises(ValueError, match=message):
         time_history(block_on_base(), **arguments)
+
+
+# Rest that is not computed
+
+
+def two_pulses(step: float) -> np.ndarray:
+    """Weak shaking of 12 s with two strong stretches, g."""
+    time = np.arange(0.0, 12.0, step)
+    strong = np.exp(-(((time - 2.0) / 0.5) ** 2)) + 0.8 * np.exp(-(((time - 8.0) / 0.4) ** 2)) + 0.05
+    return np.asarray(0.3 * strong * np.sin(2.0 * np.pi * 1.5 * time) * np.sin(9.0 * time + 1.0))
+
+
+@pytest.mark.parametrize("model", [block_on_base(0.6, 3.0), column(0.4, 1.6, 3)], ids=["block", "column"])
+def test_a_motion_whose_rest_is_skipped_is_the_whole_motion(model: Assembly) -> None:
+    """A third of the steps and more are not computed; the peak is that of the whole motion, to 1e-5.
+
+    Programs are solved to 1e-9: the usual 1e-7 leave more open, 1e-4 of the block's peak and 4e-3 of the column's.
+    """
+    base = two_pulses(STEP)
+    skipped, whole = (
+        time_history(model, base, STEP, tolerances=HistoryTolerances(skips=skips, accepted=1e-9))
+        for skips in (True, False)
+    )
+    moved = [abs(motion.positions - motion.positions[0]) for motion in (skipped, whole)]
+    assert skipped.skipped > 0.3 * skipped.steps and whole.skipped == 0
+    assert moved[1].max() > 1e-3
+    assert moved[0].max() == pytest.approx(moved[1].max(), rel=1e-5)
+    assert skipped.energy.imbalance <= 1e-4
+
+
+def test_a_record_below_activation_costs_ten_steps_and_a_try_how_far_rest_goes() -> None:
+    """Of 2400 steps tens are computed; blocks stay exactly where they are, and joints carry what balances."""
+    model = running_bond(3, 3)
+    base = 0.2 * two_pulses(STEP)
+    motion = time_history(model, base, STEP)
+    assert motion.steps - motion.skipped < 30 and motion.programs < 40
+    resting = np.flatnonzero(~motion.velocities.any(axis=(1, 2)))[1:]
+    assert abs(motion.positions[resting] - motion.positions[0]).max() < 1e-7
+    contacts, places = model.contacts, model.contacts.places(motion.positions[-1])
+    for k in resting[:: len(resting) // 20]:
+        forces = motion.forces[k]
+        assert (abs(forces[:, 1]) <= places[:, H] * forces[:, 0] + 1e-6).all()
+        assert (abs(forces[:, 2]) <= contacts.friction * forces[:, 0] + 1e-6).all()
+        total = np.zeros((len(model.blocks), 3))
+        np.add.at(total, contacts.a, forces_on_blocks(places, forces)[:, :3])
+        np.add.at(total, contacts.b, forces_on_blocks(places, forces)[:, 3:])
+        total += model.dead_load
+        total[:, 0] -= model.mass[:, 0] * GRAVITY * base[k]
+        assert abs(total[model.movable]).max() < 1e-2 * model.weight * abs(base).max() + 1e-6
+
+
+def test_elastic_joints_and_vertical_shaking_skip_nothing() -> None:
+    base = 0.1 * two_pulses(0.02)
+    assert time_history(block_on_base(), base, 0.02, "elastic").skipped == 0
+    assert time_history(block_on_base(), base, 0.02, vertical_acceleration=0.1 * base).skipped == 0

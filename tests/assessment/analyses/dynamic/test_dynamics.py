@@ -179,7 +179,7 @@ def test_energy_balance_closes(outcome):
             energy = entry["energy"]
             assert abs(energy["residual_kNm"]) < 0.01 * energy["input_kNm"]
             taken = sum(energy[f"{name}_kNm"] for name in ("friction", "impact", "viscous", "integrator"))
-            assert entry["integrator_share"] == pytest.approx(abs(energy["integrator_kNm"]) / taken)
+            assert entry["integrator_share"] <= abs(energy["integrator_kNm"]) / taken
             start, end = (
                 np.array(each)[:, 1] for each in (state["configuration"], entry["final_configuration"])
             )
@@ -347,8 +347,12 @@ def setting():
 def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
     """The parts join: time goes on evenly, displacement without a jump; a record that ends at rest has one part."""
     model = block_on_base(0.6, 2.4)
-    response = respond(model, _motion(Record(0.6 * WAVE[:60], STEP, "cut")), setting, model.initial)
-    assert len(response.parts) == 2
+    response = respond(model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial)
+    assert len(response.parts) > 1 and not response.last.velocities[-1].any()
+    searched = respond(
+        model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial, to_rest=False
+    )
+    assert 1 <= len(searched.parts) < len(response.parts)
     np.testing.assert_allclose(np.diff(response.time), STEP)
     jumps = abs(np.diff(response.displacement))
     assert jumps[59] < 2.0 * jumps[[58, 60]].max()
@@ -479,13 +483,12 @@ def test_a_record_is_not_followed_along_the_grid(tmp_path):
         run(project.model_copy(update={"assessment": gridded}), build_model(project), jobs=1)
 
 
-def test_blocks_that_still_move_at_the_end_are_told_and_those_that_rest_are_not(tmp_path):
-    """Two seconds of free motion do not bring the block to rest; twenty of zeros at the end of the record do."""
+def test_free_motion_is_followed_to_rest_and_what_still_moves_is_told(tmp_path, monkeypatch):
+    """Two seconds do not bring the block to rest, which are what is followed where no more is allowed."""
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), 'states = ["original"]\n')
+    rests = run(project, build_model(project), jobs=1).results
+    monkeypatch.setattr(response, "TAILS", 1)
     moving = run(project, build_model(project), jobs=1).results
-    padded = np.column_stack([STEP * np.arange(1101), np.append(0.5 * WAVE, np.zeros(1000))])
-    np.savetxt(project.folder / "wave.csv", padded, delimiter=",", fmt="%.8f")
-    rests = run(load_project(project.folder), build_model(project), jobs=1).results
     [told] = [each for each in moving.quality.warnings if "blocks still move" in each]
     assert "residual displacement is that of this moment" in told
     assert not [each for each in rests.quality.warnings if "blocks still move" in each]
