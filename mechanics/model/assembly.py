@@ -33,19 +33,16 @@ Direction = Literal["+x", "-x"]
 class MotionMemory:
     """What a motion of `rigid` or elastic joints goes on from, beside positions and velocities.
 
-    `accelerations` (b, 3): mean ones of the last step, m/s² and rad/s²; `joints` (k, 2 + JOINT + KEPT): the two edges
-    of each contact, what is known of it and where the next program begins (kernels.dynamics.motion and program);
-    `largest` kinetic energy so far, kNm; `halved`: how often the last step was; `step`, s, and `moves` (b, 3): where
-    the next program begins, too.
+    `blocks` (2, b, 3): mean accelerations of the last step, m/s² and rad/s², and velocities at which the next program
+    begins; `joints` (k, 2 + JOINT): the two edges of each contact and what is known of it (kernels.dynamics.motion);
+    `largest` kinetic energy so far, kNm; `halved`: how often the last step was.
     """
 
     rigid: bool
-    accelerations: Array
+    blocks: Array
     joints: Array
     largest: float
     halved: int
-    step: float
-    moves: Array
 
 
 @dataclass(frozen=True, eq=False)

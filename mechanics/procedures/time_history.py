@@ -20,6 +20,7 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
+from mechanics.procedures.elastic_periods import contact_period, first_frequency
 from mechanics.procedures.energy import Energy
 from mechanics.progress import tell
 from mechanics.steps.contact_values import carried, with_springs
@@ -28,8 +29,6 @@ from mechanics.steps.dynamic_system import (
     Halving,
     Motion,
     Recorded,
-    contact_period,
-    first_frequency,
 )
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
@@ -412,11 +411,10 @@ def _notes(
     notes = () if model.collisions else passing_through(model, last)
     moves = energy.turnover > tolerances.nothing * model.weight * model.size
     if moves and energy.imbalance > tolerances.balanced:
-        notes += (
-            message(
-                "the energy balance leaves {share:.1%} of what was turned over open: "
-                "a step is not solved as accurately as it should be; take a shorter one",
-                share=energy.imbalance,
-            ),
+        text = message(
+            "the energy balance leaves {share:.1%} of what was turned over open: "
+            "a step is not solved as accurately as it should be; take a shorter one",
+            share=energy.imbalance,
         )
+        return (*notes, text)
     return notes

@@ -9,11 +9,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError
-from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.dynamics.march import FAR, RESTS, UNSOLVED, march
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
@@ -28,11 +25,7 @@ from mechanics.kernels.dynamics.motion import (
     remember,
     strain_energy,
 )
-from mechanics.kernels.dynamics.program import KEPT
 from mechanics.kernels.joint import H, U
-from mechanics.kernels.law import BED, LEFT, SHEAR
-from mechanics.kernels.linalg.factors import cholesky, substitute
-from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, MotionMemory, State
 from mechanics.model.contacts import Contacts, end_gaps
@@ -40,7 +33,7 @@ from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
 from mechanics.steps.contact_values import moved_over, spring_forces
-from mechanics.steps.static_system import StaticSystem, static_system
+from mechanics.steps.static_system import StaticSystem
 from mechanics.types import Array, Index
 
 LONG = 10  # computed steps at rest after which it is tried how far rest goes
@@ -53,8 +46,8 @@ class Rest:
 
     From v₀ = 0 the one solution of a step is v₁ = 0 where, and only where, forces within their bounds that press closed
     joints alone balance the loads. Loads are affine in the acceleration and bounds are convex, so what rests under two
-    accelerations rests under all between, with the forces (j, 3) between. `computed`: steps that have
-    found it so far; `tried`: accelerations that were tried ahead.
+    accelerations rests under all between, with the forces (j, 3) between. `computed`: steps that have found it so far;
+    `tried`: accelerations that were tried ahead.
     """
 
     low: float
@@ -88,9 +81,9 @@ class Rest:
 class Motion:
     """Blocks in motion, changed step by step.
 
-    `blocks` (3, b, 3): positions, velocities and mean accelerations of the last step, 0 after an impact; `joints`
-    (j, JOINT) and `energy` (ENERGIES,) kNm: see kernels.dynamics.motion; `halved`: how often the last step was; `rest`:
-    None while it moves.
+    `blocks` (4, b, 3): positions, velocities, mean accelerations of the last step, 0 after an impact, and velocities at
+    which the program of the next one begins; `joints` (j, JOINT) and `energy` (ENERGIES,) kNm: see
+    kernels.dynamics.motion; `halved`: how often the last step was; `rest`: None while it moves.
     """
 
     blocks: Array
@@ -188,34 +181,6 @@ class DynamicSystem:
         model = self.model
         return Elimination.of(self.system.dof, model.initial.positions[model.movable, :2])
 
-    @cached_property
-    def central(self) -> Array:
-        """What the program of a step keeps for the next one, see kernels.dynamics.program."""
-        return np.zeros(2 + KEPT * len(self.contacts) + 3 * int(self.model.movable.sum()))
-
-    @property
-    def _central_joints(self) -> Array:
-        """Forces, gaps and slips (j, KEPT) of that."""
-        count = len(self.contacts)
-        return self.central[2 : 2 + KEPT * count].reshape(count, KEPT)
-
-    @property
-    def _central_moves(self) -> Array:
-        """Displacements (b, 3) of that, 0 of supports."""
-        found, first = np.zeros((len(self.first), 3)), self.first
-        moves = self.central[2 + KEPT * len(self.contacts) :]
-        for e in range(3):
-            found[first >= 0, e] = moves[first[first >= 0] + e]
-        return found
-
-    def _central(self, step: float, joints: Array, moves: Array) -> Array:
-        """Return `central` of forces, gaps and slips (j, KEPT) and displacements (b, 3) of a step, s; 0: of none."""
-        count, movable = len(self.contacts), self.first >= 0
-        ordered = np.zeros(len(self.central) - 2 - KEPT * count)
-        for e in range(3):
-            ordered[self.first[movable] + e] = moves[movable, e]
-        return np.concatenate([[float(step > 0.0), step], joints.ravel(), ordered])
-
     @property
     def margin(self) -> float:
         """How far (m) a corner may move before contacts are looked for again."""
@@ -230,11 +195,6 @@ class DynamicSystem:
         motion.rest = None
         if np.array_equal(before.edges, system.contacts.edges):
             found.__dict__["layout"] = self.layout
-        found.central[:] = found._central(
-            float(self.central[1]),
-            moved_over(self._central_joints, before, system.contacts),
-            self._central_moves,
-        )
         kept = moved_over(np.ones((len(before), 1)), before, system.contacts)[:, 0] > 0.0
         motion.joints = moved_over(motion.joints, before, system.contacts)
         if not self.system.rigid:
@@ -254,7 +214,8 @@ class DynamicSystem:
         `lifted` (j,) m: gaps at the beginning that count as closed. A motion before goes on as if it had not ended.
         """
         places, rigid = self.system.places(start.positions, start), self.system.rigid
-        blocks = np.stack([start.positions, start.velocities, np.zeros_like(start.positions)])
+        still = np.zeros_like(start.positions)
+        blocks = np.stack([start.positions, start.velocities, still, still])
         motion = Motion(blocks, np.zeros((len(self.contacts), JOINT)), np.zeros(ENERGIES))
         joints = motion.joints
         joints[:, SUNK] = lifted
@@ -278,25 +239,24 @@ class DynamicSystem:
 
     def remembered(self, motion: Motion) -> MotionMemory:
         """Return what a motion goes on from."""
-        joints = np.column_stack([self.contacts.edges, motion.joints, self._central_joints])
+        joints = np.column_stack([self.contacts.edges, motion.joints])
         return MotionMemory(
-            self.system.rigid, motion.blocks[2].copy(), joints, float(motion.energy[LARGEST]), motion.halved,
-            float(self.central[1]), self._central_moves,
-        )  # fmt: skip
+            self.system.rigid, motion.blocks[2:].copy(), joints, float(motion.energy[LARGEST]), motion.halved
+        )
 
     def _recall(self, memory: MotionMemory, places: Array, motion: Motion) -> None:
         """Go on from what a motion remembers; contacts at places (j, PLACE) that it does not know are new."""
-        motion.blocks[2], motion.energy[LARGEST], motion.halved = (
-            memory.accelerations, memory.largest, memory.halved,
-        )  # fmt: skip
+        motion.blocks[2:], motion.energy[LARGEST], motion.halved = (
+            memory.blocks,
+            memory.largest,
+            memory.halved,
+        )
         if not self.system.rigid:
             motion.joints[:, SUNK] = _deep(places)
         known = {(int(e), int(f)): row for e, f, *row in memory.joints}
-        begun = np.zeros((len(self.contacts), KEPT))
         for k, (e, f) in enumerate(self.contacts.edges.tolist()):
             if (e, f) in known:
-                motion.joints[k], begun[k] = known[e, f][:JOINT], known[e, f][JOINT:]
-        self.central[:] = self._central(memory.step, begun, memory.moves)
+                motion.joints[k] = known[e, f]
 
     @one_thread()
     def march(
@@ -338,7 +298,7 @@ class DynamicSystem:
             else:
                 rest.grow(at, forces)
                 motion.blocks[0] = found.x[done] = found.x[done - 1]
-            motion.blocks[1:], motion.joints[:, SPEED : RATE + 1], motion.halved = 0.0, 0.0, 0
+            motion.blocks[1:3], motion.joints[:, SPEED : RATE + 1], motion.halved = 0.0, 0.0, 0
             found.v[done] = 0.0
             if rest.computed >= LONG:
                 self._look_ahead(motion, rest, ahead, step)
@@ -366,7 +326,7 @@ class DynamicSystem:
             base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
             (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin, model.radius,
             motion.halved, begun, found.x, found.v, found.forces, found.energy, self.counts, self.layout.work_space,
-            self.layout.packed, self.central,
+            self.layout.packed,
         )  # fmt: skip
         return gone, reason
 
@@ -386,61 +346,3 @@ def _deep(places: Array) -> Array:
     """Return how deep (j,) m, negative, faces penetrate: a contact found for the first time carries nothing there."""
     deep: Array = end_gaps(places).min(axis=1).clip(max=0.0)
     return deep
-
-
-def contact_period(model: Assembly) -> float:
-    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass: a contact lasts π times it."""
-    contacts, mass = model.contacts, np.where(model.movable, model.mass[:, 0], np.inf)
-    contacts = contacts.take(np.flatnonzero(~contacts.ties))
-    stiffness = contacts.bed * 2.0 * contacts.places(model.initial.positions)[:, H]
-    with np.errstate(divide="ignore"):
-        lightness = 1.0 / mass[contacts.a] + 1.0 / mass[contacts.b]
-    return float(1.0 / np.sqrt((stiffness * lightness).max(initial=1e-300)))
-
-
-RIGID_SHEAR = 1e3  # tangential over normal stiffness that replaces an infinite one in the first frequency
-
-
-def first_frequency(model: Assembly) -> float:
-    """Return the lowest circular frequency (rad/s) of the blocks as drawn: all joints closed and sticking, ties taut.
-
-    It is 0 if some blocks are loose.
-    """
-    from scipy.sparse.linalg import LinearOperator, eigsh
-
-    system = static_system(model, "elastic")
-    layout = Elimination.of(system.dof, model.initial.positions[model.movable, :2])
-    places = system.contacts.places(model.initial.positions)
-    ties, normal = system.contacts.ties, system.law[:, BED] * 2.0 * places[:, H]
-    with np.errstate(divide="ignore"):
-        shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
-    mass, stored = model.mass[model.movable].ravel()[layout.order], layout.triangle()
-    diagonal(np.zeros(len(mass)), stored, layout.pattern)
-    for k, (i, j) in enumerate(layout.row):
-        _, _, _, _, turns = bed_forces(
-            system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0
-        )  # all of it pressed, none crushed
-        turns, slides = (0.0, 0.0) if ties[k] else (turns, shear[k])
-        law = np.array([normal[k], 0.0, 0.0, turns, 0.0, slides, 0.0, 0.0])
-        stiffen(k, places[k], i, j, law, stored, layout.pattern)
-    if _some_are_loose(model) or not cholesky(stored, layout.pattern):
-        return 0.0
-    root = np.sqrt(mass)
-
-    def flexibility(x: Array) -> Array:
-        y: Array = root * x.ravel()
-        substitute(stored, stored, layout.pattern, y)
-        return root * y
-
-    operator = LinearOperator((len(mass), len(mass)), matvec=flexibility, dtype=float)
-    largest = eigsh(operator, k=1, which="LA", v0=root, return_eigenvectors=False)
-    # with few distinct modes ARPACK restarts from random vectors, and its last digits are not repeatable
-    return float(f"{1.0 / np.sqrt(largest[0]):.10g}")
-
-
-def _some_are_loose(model: Assembly) -> bool:
-    """Whether some block is connected to no support by joints (a frequency of rounding alone might hide it)."""
-    joints, count = model.joints, len(model.blocks)
-    links = sparse.coo_matrix((np.ones(len(joints.a)), (joints.a, joints.b)), shape=(count, count))
-    _, part = connected_components(links, directed=False)
-    return not np.isin(part, part[~model.movable]).all()

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, State, time_history
+from mechanics.procedures.elastic_periods import first_frequency
 from mechanics.procedures.time_history import Integrator
-from mechanics.steps.dynamic_system import first_frequency
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base, rectangle
 

@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from mechanics.types import Array
 
-PEAK = "peak_displacement_m"
-
 
 def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[DynamicResult[History]]:
     """Return every time history that the project asks for, in the order of their tasks."""
@@ -116,7 +114,7 @@ class Study:
             same = len(courses) < PAIR or agree(courses[0], courses[1], self.scatter.tolerance, self._size)
             other = peak(more[0]) if more else None
             apart.append(0.0 if same or other is None or values[-1] is None else abs(other - values[-1]))
-        return Refinement(PEAK, tuple(values), tuple(apart), NOISE * self._size)
+        return Refinement(tuple(values), tuple(apart), NOISE * self._size)
 
     def at(self, level: int, member: int) -> Shaking:
         """Return the task of a member at a halved time step; `level`: how often it is halved."""

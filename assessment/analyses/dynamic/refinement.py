@@ -1,4 +1,4 @@
-"""Error of a quantity from three or more levels of the time step, by the observed order, or its scatter.
+"""Error of a peak from three or more levels of the time step, by the observed order, or its scatter.
 
 v₀, v₁, v₂… at time steps h, h/2, h/4…, and at each how far a perturbed pair is apart
 three levels are always there: two may agree by chance
@@ -15,20 +15,19 @@ from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, observed_order
 from assessment.results.schema.studies import ConvergenceRow
 from mechanics.messages import Message, headed, message
 
+PEAK = "peak_displacement_m"
+
 
 @dataclass(frozen=True)
 class Refinement:
-    """A `quantity` at time steps h, h/2, h/4…: its `values`, None for a collapse, and the `scatter` of each level.
+    """The peak displacement at time steps h, h/2, h/4…: `values` (m), None for a collapse, and `scatter` of each level.
 
-    `least`: a value that is none; `resolution`: what every value is known to; `result`: which level is the result.
+    `least`: a value that is none.
     """
 
-    quantity: str
     values: tuple[float | None, ...]
     scatter: tuple[float, ...]
     least: float
-    resolution: float = 0.0
-    result: int = -1
 
     @property
     def collapsed(self) -> bool:
@@ -54,21 +53,19 @@ class Refinement:
 
     @property
     def error(self) -> float | None:
-        """Estimated error of the finest level plus the distance of the result from it; None if not known."""
-        result = self.values[self.result]
-        if not self._known or result is None:
+        """Estimated error of the finest level; None if not known."""
+        if not self._known:
             return None
         _, b, c = self._known
-        left = max(self._known) - min(self._known)
-        if self.order is not None:
-            left = abs(c - b) / (min(2.0**self.order, FIRST_ORDER) - 1.0)
-        return left + abs(result - c) + self.resolution
+        if self.order is None:
+            return max(self._known) - min(self._known)
+        return abs(c - b) / (min(2.0**self.order, FIRST_ORDER) - 1.0)
 
     @property
     def unsure(self) -> float | None:
-        """Scatter or error, relative to the value of the result."""
+        """Scatter or error, relative to the value of the finest level."""
         amount = self.error if self.scatters is None else self.scatters
-        return None if amount is None else amount / max(abs(self.values[self.result] or 0.0), self.least)
+        return None if amount is None else amount / max(abs(self.values[-1] or 0.0), self.least)
 
     def within(self, tolerance: float) -> bool:
         """Whether scatter or error is within the tolerance."""
@@ -82,45 +79,41 @@ class Refinement:
 
     def row(self, state: str, record: str, tolerance: float) -> ConvergenceRow:
         """Return the row of the results: order, error or scatter, the same relative to the value, and the levels."""
-        stem, _, unit = self.quantity.rpartition("_")
         found = ConvergenceRow(
-            state=state,
-            record=record,
-            met=self.within(tolerance),
-            levels={self.quantity: list(self.values)},
+            state=state, record=record, met=self.within(tolerance), levels={PEAK: list(self.values)}
         )
         if self.scatters is not None:
-            scatter = {f"{stem}_scatter_{unit}": self.scatters}
-            return found.replace(relative_scatter=self.unsure, **scatter)
+            return found.replace(relative_scatter=self.unsure, peak_displacement_scatter_m=self.scatters)
         if self.collapsed:
             return found
-        error = {f"{stem}_error_{unit}": self.error}
-        return found.replace(order=self.order, relative_error=self.unsure, **error)
+        return found.replace(
+            order=self.order, relative_error=self.unsure, peak_displacement_error_m=self.error
+        )
 
-    def missed(self, title: Message, tolerance: float, keys: str = "time_step_s") -> list[Message]:
-        """Return a warning if the tolerance is not met; `keys`: of the project that may help."""
-        return [] if self.within(tolerance) else [headed(title, self._missed(tolerance, keys))]
+    def missed(self, title: Message, tolerance: float) -> list[Message]:
+        """Return a warning if the tolerance is not met."""
+        return [] if self.within(tolerance) else [headed(title, self._missed(tolerance))]
 
-    def _missed(self, tolerance: float, keys: str) -> Message:
+    def _missed(self, tolerance: float) -> Message:
         if len(self.values) < LEVELS:
             return message("discretisation error not known")
         if self.unsure is None:
-            return message("error of {key} not known: not every time step reaches it", key=self.quantity)
+            return message("error of {key} not known: not every time step reaches it", key=PEAK)
         unsure, asked = 100.0 * self.unsure, 100.0 * tolerance
         if self.scatters is not None:
             return message(
                 "{key} scatters by {error:.2g} % between records that differ by 1 %, more than between time steps, "
                 "tolerance {tolerance:.2g} %; the range tells how sure it is",
-                key=self.quantity,
+                key=PEAK,
                 error=unsure,
                 tolerance=asked,
             )
         return message(
             "estimated error of {key} {error:.2g} % by time steps down to 1/{times} of those given, "
             "tolerance {tolerance:.2g} %; take a smaller {keys}",
-            key=self.quantity,
+            key=PEAK,
             error=unsure,
             times=2 ** (len(self.values) - 1),
             tolerance=asked,
-            keys=keys,
+            keys="time_step_s",
         )

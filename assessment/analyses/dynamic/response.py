@@ -20,9 +20,7 @@ if TYPE_CHECKING:
 
 TAIL = 2.0  # s of free motion that are followed at a time
 TAILS = 15  # at most
-SPENT = (
-    0.5  # of the potential energy from which the structure has come back: with less in all it will not fall
-)
+SPENT = 0.5  # of the potential energy from which the structure has come back: with less it does not fall
 LATELY = 0.5  # s
 STILL = 0.01  # of √(g·size): speed below which a block rests
 ENERGIES = (

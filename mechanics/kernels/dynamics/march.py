@@ -36,7 +36,7 @@ def march(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, dead: Array,
     base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
     sizes: Any, halving: Any, margin: float, radius: Array, halved: int, begun: Array, xs: Array, vs: Array, fs: Array,
-    es: Array, counts: Any, stored_matrix: Array, packed: Any, kept: Array,
+    es: Array, counts: Any, stored_matrix: Array, packed: Any,
 ) -> tuple[int, int, int]:  # fmt: skip
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
@@ -49,7 +49,7 @@ def march(
     iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy (kNm) that errors
     of velocities may have. Returns the number of steps done; why the march ends, 0: all steps are done, 1: a corner has
     moved by the margin, 2: a program is not solved (the motion is as before it), 3: rigid joints rested before the last
-    step and do after it (REST); how often it was halved. `kept`: see program.
+    step and do after it (REST); how often it was halved.
     """
     # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
@@ -84,7 +84,7 @@ def march(
                 found, done, taken, turned, force, errors = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
                     restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, packed,
-                    start > 0, kept,
+                    start > 0,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += done
@@ -96,7 +96,7 @@ def march(
             over = abs(taken) / small + turned / (small if rigid else meeting)
             if (deep < most and not found) or (deep < levels and over > 1.0 and once):
                 # but the forces and gaps found: the parts begin near them
-                blocks[:], energy[:] = kept_blocks, kept_energy
+                blocks[:3], energy[:] = kept_blocks[:3], kept_energy
                 joints[:, SPRING:] = kept_joints[:, SPRING:]
                 counts[2] += 1
                 deep += 1

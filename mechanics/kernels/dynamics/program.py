@@ -23,9 +23,6 @@ CENTRAL_RIGID, CENTRAL_ELASTIC = 0.1, 1.0
 # of rigid joints the program begins at the central iterate of the last one, the first with products and with forces
 # missed by no more than these, and with no product of an end below LIFTED: they would drift to the bounds otherwise
 CENTRAL, CENTRAL_FORCE, LIFTED = 0.1, 1e-2, 0.01
-# of a central iterate kept (2 + 7j + m,): 1, or 0: none; length of its step, s; N₁, N₂, T, y₁, y₂, λ₊
-# and λ₋ of each joint, 0 of those that were not in the program; displacements
-KEPT = 7
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
@@ -43,6 +40,27 @@ def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> Non
 
 
 @compiled
+def _part_evenly(weight: float, span: float, product: float, e: int, f: Array, y: Array) -> None:
+    """Give force and gap of an end this product, per weight and span, at the same difference, both scaled."""
+    carries = 0.5 * (f[e] / weight - y[e] / span)
+    large = abs(carries) + np.sqrt(carries * carries + product)
+    small = product / large
+    f[e], y[e] = weight * small, span * large
+    if carries > 0.0:
+        f[e], y[e] = weight * large, span * small
+
+
+@compiled
+def _within_friction(law: Array, weight: float, span: float, product: float, f: Array, y: Array) -> None:
+    """Bring the force of friction within its bounds, and enlarge slips, up to the span, to the least product."""
+    bound = law[FRICTION] * (f[0] + f[1])
+    f[2] = min(max(f[2], -WITHIN * bound), WITHIN * bound)
+    for e in range(2):
+        least = product * weight * span / (bound + (1 - 2 * e) * f[2])
+        y[2 + e] = max(y[2 + e], min(least, span))
+
+
+@compiled
 def _begin_near(laws: Array, weight: float, span: float, central: float, f: Array, y: Array) -> None:
     """Bring forces and gaps of an earlier solution within their bounds.
 
@@ -52,67 +70,27 @@ def _begin_near(laws: Array, weight: float, span: float, central: float, f: Arra
     """
     for k in range(len(f)):
         for e in range(2):
-            carries = 0.5 * (f[k, e] / weight - y[k, e] / span)
-            large = abs(carries) + np.sqrt(carries * carries + central)
-            small = central / large
-            f[k, e], y[k, e] = weight * small, span * large
-            if carries > 0.0:
-                f[k, e], y[k, e] = weight * large, span * small
-        bound = laws[k, FRICTION] * (f[k, 0] + f[k, 1])
-        f[k, 2] = min(max(f[k, 2], -WITHIN * bound), WITHIN * bound)
-        for e in range(2):
-            least = central * weight * span / (bound + (1 - 2 * e) * f[k, 2])
-            y[k, 2 + e] = max(y[k, 2 + e], min(least, span))
-
-
-@compiled
-def _keep_central(found: bool, h: float, chosen: Any, dx: Array, f: Array, y: Array, kept: Array) -> None:
-    """Keep an iterate of a step of length h for the next program; none if it is not `found`."""
-    count = (len(kept) - 2 - len(dx)) // KEPT
-    kept[0], kept[1] = 1.0 if found else 0.0, h if found else 0.0
-    kept[2 : 2 + KEPT * count] = 0.0
-    for q in range(len(chosen)):
-        place = 2 + KEPT * chosen[q]
-        kept[place : place + 3], kept[place + 3 : place + KEPT] = f[q], y[q]
-    kept[2 + KEPT * count :] = dx
+            _part_evenly(weight, span, central, e, f[k], y[k])
+        _within_friction(laws[k], weight, span, central, f[k], y[k])
 
 
 @compiled
 def _begin_central(
-    laws: Array,
-    weight: float,
-    span: float,
-    longer: float,
-    chosen: Any,
-    kept: Array,
-    dx: Array,
-    f: Array,
-    y: Array,
-) -> None:
-    """Begin at the central iterate `kept` of a step `longer` times shorter; joints that it has not begin near f and y.
+    laws: Array, weight: float, span: float, h: float, near: Array, f: Array, y: Array
+) -> None:  # fmt: skip
+    """Begin at the central iterate `near` of the program before (solve); joints that it has not near f and y.
 
     Ends whose product is below LIFTED are lifted to it at the same difference of force and gap, both scaled.
     """
-    for q in range(len(chosen)):
-        place = 2 + KEPT * chosen[q]
-        if kept[place] == 0.0:
+    for q in range(len(f)):
+        if near[q, 0] == 0.0:
             _begin_near(laws[q : q + 1], weight, span, CENTRAL_RIGID, f[q : q + 1], y[q : q + 1])
             continue
-        f[q] = kept[place : place + 3]
-        y[q] = longer * kept[place + 3 : place + KEPT]
+        f[q], y[q] = near[q, :3], h * near[q, 3:]
         for e in range(2):
             if f[q, e] * y[q, e] < LIFTED * weight * span:
-                carries = 0.5 * (f[q, e] / weight - y[q, e] / span)
-                large = abs(carries) + np.sqrt(carries * carries + LIFTED)
-                small = LIFTED / large
-                f[q, e] = weight * (large if carries > 0.0 else small)
-                y[q, e] = span * (small if carries > 0.0 else large)
-        bound = laws[q, FRICTION] * (f[q, 0] + f[q, 1])
-        f[q, 2] = min(max(f[q, 2], -WITHIN * bound), WITHIN * bound)
-        for e in range(2):
-            least = LIFTED * weight * span / (bound + (1 - 2 * e) * f[q, 2])
-            y[q, 2 + e] = max(y[q, 2 + e], min(least, span))
-    dx[:] = longer * kept[len(kept) - len(dx) :]
+                _part_evenly(weight, span, LIFTED, e, f[q], y[q])
+        _within_friction(laws[q], weight, span, LIFTED, f[q], y[q])
 
 
 @compiled
@@ -131,14 +109,15 @@ def _interior_point(
 @compiled
 def solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
-    elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, kept: Array, h: float,
+    elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, near: Array, speed: Array, h: float,
 ) -> tuple[int, float, float, float]:  # fmt: skip
     """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step of length h.
 
     With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
     a rough solution (ROUGHLY) of the interior point. Otherwise the interior point begins near the dx, f and y given;
-    with rigid joints at the central iterate `kept` of the program before, if there is one. Returns the number of
-    iterations and the residuals of forces, gaps and products.
+    with rigid joints at the central iterate of the program before, if there is one, and leaves its own there: forces,
+    and gaps over h, `near` (j, 7), 0: none, and displacements over h, `speed` (m,). Returns the number of iterations
+    and the residuals of forces, gaps and products.
     """
     # many arguments: arrays one by one, see mechanics.kernels
     weight, size, span, accepted, _ = scale
@@ -151,8 +130,9 @@ def solve(
             return done, force, gap, 0.0
     if cold:
         _begin_cold(at, span, stops, f, y)
-    elif not elastic and kept[0] > 0.0:
-        _begin_central(laws, weight, span, h / kept[1], chosen, kept, dx, f, y)
+    elif not elastic and near.any():
+        dx[:] = h * speed
+        _begin_central(laws, weight, span, h, near, f, y)
     else:
         _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
     keep_within_strength(at, laws, f)
@@ -176,7 +156,9 @@ def solve(
             chosen,
         )  # fmt: skip
         done += more
-        _keep_central(force <= CENTRAL_FORCE and product <= CENTRAL, h, chosen, dx, f, y, kept)
+        near[:] = 0.0
+        if force <= CENTRAL_FORCE and product <= CENTRAL:
+            near[:, :3], near[:, 3:], speed[:] = f, y / h, dx / h
     more, force, gap, product = _interior_point(
         rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
     )

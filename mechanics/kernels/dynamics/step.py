@@ -24,6 +24,7 @@ from mechanics.kernels.dynamics.motion import (
     IMPACT,
     INPUT,
     LONGER,
+    MIDDLE,
     N1,
     RATE,
     SPEED,
@@ -54,13 +55,13 @@ STILL = 1e-3  # of its speed before: a slide that has come to rest
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
-    resultants: Array, stored_matrix: Array, packed: Any, cold: bool, kept: Array,
+    resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
 ) -> tuple[bool, int, float, float, float, float]:  # fmt: skip
-    """A step of length h from the state of blocks (3, b, 3), joints (j, JOINT) and energy, changed in place if solved.
+    """A step of length h from the state of blocks (4, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
     span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
-    have; `resultants` (j, 3): N, P and T found; `cold`: the program begins from the gaps alone; `kept`: see program.
+    have; `resultants` (j, 3): N, P and T found; `cold`: the program begins from the gaps alone.
     Returns whether a solution was found, the number of iterations, the energy that the step took, that which its length
     leaves uncertain (slides that turn back; elastic joints: of contacts under way), the residual of force, and the
     energy (kNm) that errors of velocities may have.
@@ -87,32 +88,39 @@ def attempt(
         near = CLOSING * (span + h * (abs(du) + places[k, H] * abs(dphi)))
         inside[q] = places[k, U] - places[k, H] * abs(places[k, PHI]) < near
     share = theta if elastic else 1.0
-    scaled, pushed, begun = np.empty(m), np.empty(m), np.empty(m)
+    scaled, pushed, begun, central = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     for i in range(n):
         j = first[i]
         if j >= 0:
             for e in range(3):
                 scaled[j + e] = mass[i, e] / (share * h * h)
-                begun[j + e] = h * v[i, e]
+                begun[j + e], central[j + e] = h * v[i, e], blocks[3, i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * begun[j + e]
     done = 0
     while True:
         chosen = touching[inside]
         at, laws, dx = places[chosen], law[chosen], begun.copy()
-        f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:SPRING].copy()
+        f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:MIDDLE].copy()
+        near = joints[chosen][:, MIDDLE:SPRING].copy()
         # the error of velocities has at most the energy of all products, for the program is strongly convex: where
         # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
         products = 4.0 * max(len(chosen), 1) * weight * span
         closed = max(accepted, errors / products)
         more, force, _, product = solve(
             row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed), cold, elastic,
-            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, kept, h,
+            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, near, central, h,
         )  # fmt: skip
         done += more
+        joints[:, MIDDLE:SPRING] = 0.0
+        for q in range(len(chosen)):
+            joints[chosen[q], MIDDLE:SPRING] = near[q]
         if not (force <= accepted and product <= closed):  # nor if they are no numbers
             return False, done, 0.0, 0.0, force, 0.0
         if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
             break
+    for i in range(n):
+        for e in range(3):
+            blocks[3, i, e] = central[first[i] + e] if first[i] >= 0 else 0.0
     moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
     for i in range(n):
         j = first[i]
@@ -223,7 +231,7 @@ def _worked(
         spent[ELASTIC] -= 0.5 * basic[k, SHEAR] * shear[k] ** 2
     for q in range(len(chosen)):
         k = chosen[q]
-        joints[k, N1:GAPS], joints[k, GAPS:SPRING] = f[q], y[q]
+        joints[k, N1:GAPS], joints[k, GAPS:MIDDLE] = f[q], y[q]
         du, dphi, dv = relative(at[q], a[k], b[k], moved)
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
         resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t

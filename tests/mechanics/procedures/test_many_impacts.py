@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, TimeHistory, time_history
+from mechanics.procedures.elastic_periods import contact_period
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
-from mechanics.steps.dynamic_system import Halving, contact_period
+from mechanics.steps.dynamic_system import Halving
 from tests.support.drawn_projects import drawn
 from tests.support.structures import block_on_base, running_bond, semicircular_arch
 

@@ -9,7 +9,7 @@ import pytest
 
 from mechanics import TimeHistory, time_history
 from mechanics.procedures import settled
-from mechanics.steps.dynamic_system import first_frequency
+from mechanics.procedures.elastic_periods import first_frequency
 from mechanics.types import GRAVITY
 from tests.support.structures import column
 

@@ -10,7 +10,7 @@ from assessment.analyses.dynamic.refinement import Refinement
 
 
 def levels(*values, scatter=0.0):
-    return Refinement("peak_displacement_m", values, (scatter,) * len(values), 1e-9)
+    return Refinement(values, (scatter,) * len(values), 1e-9)
 
 
 @given(
@@ -62,10 +62,5 @@ def test_a_collapse_that_all_levels_see_has_no_error_and_one_that_some_see_leave
 
 
 def test_values_that_are_nothing_have_no_error():
-    found = Refinement("peak_displacement_m", (3e-13, 1e-13, 2e-13), (0.0,) * 3, 1e-6)
+    found = Refinement((3e-13, 1e-13, 2e-13), (0.0,) * 3, 1e-6)
     assert found.within(0.01)
-
-
-def test_the_error_of_a_coarser_result_includes_its_distance_and_its_resolution():
-    found = Refinement("pga_collapse_g", (0.30, 0.28, 0.27), (0.0,) * 3, 1e-6, 0.01, 0)
-    assert found.error == pytest.approx(0.01 + 0.03 + 0.01)
