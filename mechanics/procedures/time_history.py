@@ -254,10 +254,8 @@ def _begun(
         gap = end_gaps(statics.places(start.positions, start)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
     theta = 1.0 if integrator == "implicit-euler" else 0.5
-    system = DynamicSystem(
-        statics, theta, _damping(model, damping_ratio), restitution, halving, tolerances.accepted,
-        skips=tolerances.skips,
-    )  # fmt: skip
+    damping, accepted = _damping(model, damping_ratio), tolerances.accepted
+    system = DynamicSystem(statics, theta, damping, restitution, halving, accepted, skips=tolerances.skips)
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None
     return system, start, system.begun(start, forces, gaps), undecided

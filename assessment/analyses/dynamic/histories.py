@@ -81,7 +81,11 @@ class Study:
     def others(self) -> range:
         """The members that are still to be run at the finest time step."""
         first = self.members[self.finest]
-        if not self._starts or _failures(first) or enough(_courses(first), self.scatter, self._size):
+        if (
+            not self._starts
+            or _failures(first)
+            or enough(_courses(first), self.scatter, self.task.model.size)
+        ):
             return range(0)
         return range(len(first), self.scatter.members)
 
@@ -111,10 +115,12 @@ class Study:
             one, *more = (self.members[level][n] for n in self.pair)
             values.append(peak(one))
             courses = _courses(self.members[level])[:PAIR]
-            same = len(courses) < PAIR or agree(courses[0], courses[1], self.scatter.tolerance, self._size)
+            same = len(courses) < PAIR or agree(
+                courses[0], courses[1], self.scatter.tolerance, self.task.model.size
+            )
             other = peak(more[0]) if more else None
             apart.append(0.0 if same or other is None or values[-1] is None else abs(other - values[-1]))
-        return Refinement(tuple(values), tuple(apart), NOISE * self._size)
+        return Refinement(tuple(values), tuple(apart), NOISE * self.task.model.size)
 
     def at(self, level: int, member: int) -> Shaking:
         """Return the task of a member at a halved time step; `level`: how often it is halved."""
@@ -142,10 +148,6 @@ class Study:
     @property
     def _starts(self) -> bool:
         return not isinstance(self.task.start, str)
-
-    @property
-    def _size(self) -> float:
-        return self.task.model.size
 
 
 def _run(inputs: MotionInputs, wanted: Sequence[tuple[Study, int, int]]) -> None:

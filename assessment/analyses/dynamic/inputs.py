@@ -74,16 +74,10 @@ class MotionInputs:
     ) -> list[DynamicResult[Found]]:
         """Return function(*task, *more) for every task, in order; `runs`: motions of one task, about."""
         samples = [shaking.motion.record.acceleration.size for shaking, *_ in tasks]
-        return self.workers.each(
-            stage,
-            function,
-            [(*task, *more) for task in tasks],
-            [f"{shaking.state}, {shaking.motion.name}" for shaking, *_ in tasks],
-            runs
-            * sum(len(shaking.model.contacts) * n for (shaking, *_), n in zip(tasks, samples, strict=True))
-            > WORTHWHILE,
-            samples,
-        )
+        work = runs * sum(len(task[0].model.contacts) * n for task, n in zip(tasks, samples, strict=True))
+        titles = [f"{shaking.state}, {shaking.motion.name}" for shaking, *_ in tasks]
+        arguments = [(*task, *more) for task in tasks]
+        return self.workers.each(stage, function, arguments, titles, work > WORTHWHILE, samples)
 
 
 def _own(table: MotionTable) -> MotionTable:

@@ -22,6 +22,7 @@ TAIL = 2.0  # s of free motion that are followed at a time
 TAILS = 15  # at most
 SPENT = 0.5  # of the potential energy from which the structure has come back: with less it does not fall
 LATELY = 0.5  # s
+COUNTS = ("steps", "skipped", "programs", "iterations", "halvings")
 STILL = 0.01  # of √(g·size): speed below which a block rests
 ENERGIES = (
     "kinetic", "potential", "elastic", "input", "friction", "impact", "viscous", "integrator", "residual",
@@ -74,9 +75,9 @@ class Response:
         """Warnings about the runs, each once."""
         return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
 
-    def total(self, count: str) -> int:
-        """Return the total of a count over the runs."""
-        return sum(getattr(part, count) for part in self.parts)
+    def counts(self) -> dict[str, int]:
+        """Return steps, skipped, programs, iterations and halvings of all runs."""
+        return {name: sum(getattr(part, name) for part in self.parts) for name in COUNTS}
 
     def energy(self) -> Energy:
         """Return the energy balance since the beginning, kNm: stored energies, input, dissipated energies."""

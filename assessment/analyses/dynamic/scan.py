@@ -216,9 +216,7 @@ class _Motions:
     curves: tuple[int, ...]
     points: dict[float, Level] = field(default_factory=dict)
     notes: dict[str, list[Message]] = field(default_factory=dict)  # by their template
-    counts: dict[str, int] = field(
-        default_factory=lambda: dict.fromkeys(("motions", "steps", "skipped", "programs", "iterations"), 0)
-    )
+    counts: dict[str, int] = field(default_factory=lambda: {"motions": 0})
     worst: float = 0.0
 
     def collapses(self, pga: float) -> bool:
@@ -237,8 +235,8 @@ class _Motions:
         with stretch(done / expected, (done + 1) / expected):
             response = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
         self.counts["motions"] += 1
-        for name in ("steps", "skipped", "programs", "iterations"):
-            self.counts[name] += response.total(name)
+        for name, count in response.counts().items():
+            self.counts[name] = self.counts.get(name, 0) + count
         self.worst = max(self.worst, response.worst)
         for note in response.notes:
             self.notes.setdefault(note.template, []).append(note)

@@ -89,9 +89,8 @@ def history(shaking: Shaking) -> DynamicResult[History]:
     if isinstance(table, HistoryTable) and table.animation:
         found = found.replace(frames=frames(response, motion.start, model.initial.positions))
     result = DynamicResult(shaking.state, "history", found, seconds=seconds)
-    result.quality.append(
-        quality_row(shaking.state, f"history, {motion.name}", response.total("programs"), response.worst)
-    )
+    programs = response.counts()["programs"]
+    result.quality.append(quality_row(shaking.state, f"history, {motion.name}", programs, response.worst))
     result.warnings += [headed(title, note) for note in response.notes]
     last = response.last
     if last.collapsed:
@@ -160,11 +159,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         integrator=last.integrator,
         integrator_chosen=last.chosen,
         integrator_share=response.integrator_share(),
-        steps=response.total("steps"),
-        skipped=response.total("skipped"),
-        programs=response.total("programs"),
-        iterations=response.total("iterations"),
-        halvings=response.total("halvings"),
+        **response.counts(),
         notes=list(response.notes),
     )
     ties = while_shaken(model, times, response.forces, last.final, rigid)

@@ -182,6 +182,7 @@ class Counts(Part):
     skipped: int = key("of these, at rest and not computed")
     programs: int = key("programs solved")
     iterations: int = key("their iterations")
+    halvings: int = key("halvings of steps")
 
 
 class Scanned(Part):
