@@ -11,9 +11,9 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
-from assessment.report.figures.drawings.parts import GHOST, INK, SUPPORT, TIE, moved_ends
+from assessment.report.figures.drawings.parts import moved_ends
 from assessment.report.figures.dynamic import bounds_of_views, shaken
-from assessment.report.figures.style import STYLE, sheet
+from assessment.report.figures.style import sheet
 from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
@@ -21,6 +21,7 @@ from assessment.results.schema.dynamic import History
 from assessment.results.schema.part import known
 from assessment.runtime.files.atomic_files import naming, write_atomically
 from assessment.runtime.processes.pool import Pool
+from mechanics.pictures import GHOST, INK, STYLE, SUPPORT, TIE
 
 DOTS_PER_INCH = 110
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,17 +13,14 @@ from assessment.report.figures.style import COLOURS, DASHES, chart, state_style
 from assessment.report.tables.curves import alpha_at_d_0
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.quantities import label
-from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import PushdownPath, Pushovers
 from assessment.results.table import sense
+from mechanics.pictures import MARKS
+from mechanics.types import Array
 
 WIDTHS = {"rigid": 1.4, "elastic": 2.4}
-MARKS: dict[str, dict[str, Any]] = {  # of the points of a curve, by their names in the legend
-    name: {"marker": marker, "markersize": size, "markerfacecolor": "1.0", "linestyle": "none"}
-    for name, marker, size in (("α_0", "o", 4.5), ("d_0", "^", 5.0), ("d_y, α_y", "s", 4.0))
-}
 ONSET, END, YIELD = MARKS
 
 

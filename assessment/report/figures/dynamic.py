@@ -12,21 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from assessment.report.figures.drawings.parts import (
-    draw_ties,
-    fill_roles,
-    ghost,
-    ghost_handle,
-    moved_ends,
-    tie_handles,
-)
+from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, chart, sheet, state_style
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import label
-from assessment.results.configurations.outlines import Outlines, outlines
+from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import History, Incremental, Search
 from assessment.results.schema.part import known
+from mechanics.pictures import Shape, fill_roles, ghost
 
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 BAND = "0.82"  # grey between the members of an ensemble
@@ -112,7 +106,7 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     for axes, (title, view), at in zip(page.panels, views.items(), moved, strict=True):
         axes.set_title(title)
         ghost(axes, start)
-        fill_roles(axes, view, results)
+        fill_roles(axes, view)
         draw_ties(page, axes, moved_ends(results, state, at))
     page.legend([ghost_handle(words.plain("figure.at_rest")), *tie_handles(results, words, state)], words)
     return page.figure
@@ -238,7 +232,7 @@ def _outcome(state: str, entry: History, words: Words) -> str:
     )
 
 
-def bounds_of_views(start: Outlines, views: Sequence[Outlines]) -> tuple[float, float, float, float]:
+def bounds_of_views(start: Shape, views: Sequence[Shape]) -> tuple[float, float, float, float]:
     """Return the bounds of all views, no farther than AROUND from the state at rest: fallen blocks may be anywhere."""
     boxes = np.array([start.bounds, *(view.bounds for view in views)])
     room = AROUND * start.size

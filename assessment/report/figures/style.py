@@ -25,6 +25,7 @@ from PIL import Image
 from assessment.report.text.fonts import with_fonts
 from assessment.report.text.language import Words
 from assessment.runtime.files.atomic_files import write_atomically
+from mechanics.pictures import STYLE, nice
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
@@ -39,26 +40,6 @@ LETTER_MM, KEY_MM = (
 )  # of a legend: an average letter; the key before the words and the gap after them
 LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
-STYLE = {
-    "font.family": "DejaVu Sans",  # shipped with matplotlib
-    "font.size": 7.5,
-    "svg.fonttype": "none",  # words stay words: searchable, and faster to set in the PDF
-    "svg.hashsalt": "assesto",
-    "mathtext.fontset": "dejavusans",
-    "text.parse_math": False,  # the dollar of a name is a dollar; what is a formula says so
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": 8.0,
-    "patch.facecolor": "0.0",  # drawings are black, white and grey, heads of arrows too
-    "axes.titley": 1.0,  # no labels above axes that a title would have to clear: measuring them all takes time
-    "axes.grid": True,
-    "grid.linewidth": 0.3,
-    "grid.color": "0.8",
-    "legend.frameon": False,
-    "legend.fontsize": 7.0,
-    "lines.linewidth": 1.0,
-}
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
 # of states: dark, so that grey prints
 COLOURS = ("#000000", "#1b4f9c", "#a33c0a", "#2f6b2a", "#6b2c82", "#5a4a1f")
@@ -314,9 +295,3 @@ def comma_ticks(axes: Axes, words: Words) -> None:
         axis.set_major_formatter(EvenDecimals(words))
     axes.locator_params(nbins=6)
     axes.tick_params(bottom=False, left=False)
-
-
-def nice(value: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not above `value`."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-9))

@@ -17,12 +17,12 @@ from assessment.report.text.language import Words, direction_name
 from assessment.report.text.quantities import label
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
-from assessment.results.configurations.outlines import Array
 from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots
 from assessment.results.schema.static import Frames, TieTension
+from mechanics.types import Array
 
 VALUES = 15  # of a joint at a frame
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from assessment.report.tables.capacity import capacities
-from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import RigidPush
 from assessment.results.table import sense
+from mechanics.types import Array
 
 ABOVE = 0.2  # of the elastic curve: a larger excess of the fitted curve is reported
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.configurations.outlines import Array, field, outlines, place
+from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.tie_ends import lengthening, ties_of
 from assessment.results.echo import material
 from assessment.results.schema import Results
@@ -17,6 +17,8 @@ from assessment.results.schema.model import Joint
 from assessment.results.schema.part import known
 from assessment.results.schema.static import RigidPush
 from assessment.results.table import Row, Table, columns_of, sense
+from mechanics.pictures import field, place
+from mechanics.types import Array
 
 TOGETHER = 0.01  # of the largest velocity: across a joint, what does not part two blocks
 BY_HAND = 15  # macro-blocks that are printed and numbered; more are no check by hand

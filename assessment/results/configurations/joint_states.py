@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from assessment.results.configurations.faces import Faces, faces_of
-from assessment.results.configurations.outlines import Array
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Face
 from assessment.results.schema.static import Contacts, Frames
 from mechanics.model import NX, NZ, H, V, end_gaps, end_points
-from mechanics.types import Index
+from mechanics.pictures import through_blocks
+from mechanics.types import Array, Index
 
 IDLE = 1e-6  # of the model's weight: a joint that carries less carries nothing
 EDGE = 0.02  # of the joint's length: a resultant so near its end makes a hinge
@@ -190,10 +190,5 @@ def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple
 
 
 def thrust_lines(states: JointStates) -> list[Array]:
-    """Return a line (2, 2) m through each block that exactly two joints load: there the line of thrust is one."""
-    loaded: dict[int, list[int]] = {}
-    for number, pair in enumerate(states.blocks.tolist()):
-        if states.condition[number] != "idle":
-            for block in pair:
-                loaded.setdefault(block, []).append(number)
-    return [states.point[pair] for pair in loaded.values() if len(pair) == 2]
+    """Return a line (2, 2) m through each block that exactly two joints load."""
+    return through_blocks(states.blocks, states.point, [each != "idle" for each in states.condition])

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.results.configurations.outlines import Array, field, outlines, place
+from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.model import Tie
+from mechanics.pictures import field, place
+from mechanics.types import Array
 
 
 def ties_of(results: Results, state: str) -> list[Tie]:

@@ -17,12 +17,12 @@ from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned
 from assessment.report.figures.drawings.deformed_dxf import _drawing
 from assessment.report.figures.drawings.model import draw_model
-from assessment.report.figures.drawings.parts import TIE
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables.index import tables
 from assessment.report.text.language import Words
 from assessment.results.plain import plain
 from assessment.workflow.stages import run
+from mechanics.pictures import TIE
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections

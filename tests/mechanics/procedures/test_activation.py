@@ -19,11 +19,12 @@ from assessment.report.tables.index import mechanisms, pushover_curves
 from assessment.report.text.language import words_of
 from assessment.results.configurations.hand_check import hand_check, weights
 from assessment.results.configurations.joint_states import situations
-from assessment.results.configurations.outlines import field, outlines, place
+from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.plain import plain
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, pushdown, pushover
+from mechanics.pictures import field, place
 from mechanics.procedures.mechanism import virtual_work_multiplier
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed

@@ -13,30 +13,22 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import (
-    HINGE,
-    INK,
     LETTER,
-    MOVING,
-    TIE,
     Labels,
     draw_ties,
-    fill,
-    fill_roles,
-    ghost,
     ghost_handle,
     moved_ends,
     movement_arrow,
     push_arrow,
     tie_handles,
-    union,
 )
-from assessment.report.figures.style import MM, Sheet, foot, nice, sheet
+from assessment.report.figures.style import MM, Sheet, foot, sheet
 from assessment.report.tables.curves import alpha_at_d_0
 from assessment.report.tables.structure.cracks import cracks_of, surveyed
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
-from assessment.results.configurations.outlines import Array, Outlines, field, outlines, place
+from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.identified import best_of
 from assessment.results.schema import Results
@@ -44,14 +36,29 @@ from assessment.results.schema.checks import Direction, GivenMechanism
 from assessment.results.schema.model import Face
 from assessment.results.schema.part import Configuration, Point, known
 from mechanics.model import end_points
+from mechanics.pictures import (
+    HINGE,
+    INK,
+    MOVING,
+    SLIDING,
+    TIE,
+    Shape,
+    field,
+    fill,
+    fill_roles,
+    ghost,
+    magnification,
+    place,
+    swept_by,
+    union,
+)
+from mechanics.types import Array
 
 View = tuple[str, Direction]
 """A state and the direction in which it is pushed."""
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
-SHOWN = 0.06  # of the size of the model: the largest displacement of a settlement, magnified
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
 CAPITAL = 0.75  # of the size of a font: the height of a digit
-SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
 CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 MEASURED: dict[str, Any] = {
     "linestyle": "none",
@@ -73,7 +80,7 @@ BOXED: dict[str, Any] = {
 def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     """Draw a settled state, magnified until it shows, and the last one before collapse where it was found."""
     shape, content = outlines(results), results.states[state]
-    times = _magnification(shape, content.configuration)
+    times = magnification(shape, content.configuration)
     views: list[tuple[str, Configuration, float]] = [(_times(times, words), content.configuration, times)]
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
@@ -93,7 +100,7 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     for axes, (title, at, by), view in zip(page.panels, views, shapes, strict=True):
         axes.set_title(title)
         ghost(axes, shape)
-        fill_roles(axes, view, results)
+        fill_roles(axes, view)
         draw_ties(page, axes, moved_ends(results, state, at, by))
     movement_arrow(page, page.panels[0], shape, results, known(content.settlement))
     page.legend(
@@ -107,7 +114,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     shape = outlines(results)
     mechanism = found_mechanism(results, *governing) if governing else None
     at = results.states[settled].configuration if settled else np.zeros((len(shape.centroids), 3))
-    times = _magnification(shape, at)
+    times = magnification(shape, at)
     view = shape.moved(at, times)
     shown = [view, *([mechanism.start, mechanism.swept] if mechanism else [])]
     panels = 2 if mechanism else 1
@@ -125,7 +132,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     )
     if settled:
         ghost(page.panels[0], shape)
-    fill_roles(page.panels[0], view, results)
+    fill_roles(page.panels[0], view)
     handles: list[Any] = []
     if settled:
         draw_ties(page, page.panels[0], moved_ends(results, settled, at, times))
@@ -152,7 +159,7 @@ def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Fi
         lost = "" if left is None else f", α = {words.show(left)}"
         axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}{lost}")
         ghost(axes, start)
-        fill_roles(axes, end, results)
+        fill_roles(axes, end)
         draw_ties(page, axes, moved_ends(results, name, rigid.final_configuration))
         push_arrow(page, axes, end.bounds, way)
     start_outline = ghost_handle(words.plain("figure.start_outline"))
@@ -244,7 +251,7 @@ class Mechanism:
         self.drawing = outlines(results)
         self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
-        self.amount = 0.08 * self.drawing.size / max(float(speed.max()), 1e-12)
+        self.amount = swept_by(self.start, self.velocity)
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges = motion.hinges
@@ -288,7 +295,7 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     shape = outlines(results).moved(results.states[state].configuration)
     page = sheet(union([shape]), border_mm=8.0, foot_mm=foot(["", ""]))
     axes = page.panels[0]
-    fill_roles(axes, shape, results)
+    fill_roles(axes, shape)
     labels = Labels(page, axes)
     found = cracks_of(results, state)
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
@@ -324,7 +331,7 @@ def draw_identification(results: Results, words: Words) -> Figure:
     """Draw the best movement, magnified until it shows, the measurements marked by their numbers."""
     found = known(results.identification)
     drawn, moved = outlines(results), np.asarray(known(known(best_of(found)).configuration), dtype=float)
-    times = _magnification(drawn, moved)
+    times = magnification(drawn, moved)
     shape = drawn.moved(moved, times)
     points = np.array([site.point_m for site in found.sites], dtype=float)
     owner = np.array([site.block for site in found.sites], dtype=np.intp)
@@ -333,7 +340,7 @@ def draw_identification(results: Results, words: Words) -> Figure:
     axes = page.panels[0]
     axes.set_title(_times(times, words))
     ghost(axes, drawn)
-    fill_roles(axes, shape, results)
+    fill_roles(axes, shape)
     axes.plot(*marked.T, **MEASURED)
     labels = Labels(page, axes)
     labels.avoid(marked, MEASURED["markersize"] + MEASURED["markeredgewidth"])
@@ -342,12 +349,6 @@ def draw_identification(results: Results, words: Words) -> Figure:
     mark = Line2D([], [], **MEASURED, label=words.plain("figure.measurement"))
     page.legend([ghost_handle(words.plain("figure.original_outline")), mark], words)
     return page.figure
-
-
-def _magnification(shape: Outlines, configuration: Any) -> float:
-    """Return a round factor that makes the largest displacement `SHOWN` of the model's size."""
-    travel = float(np.abs(shape.moved(configuration).points - shape.points).max())
-    return nice(max(1.0, SHOWN * shape.size / travel)) if travel > 0.0 else 1.0
 
 
 def _times(times: float, words: Words) -> str:
@@ -362,7 +363,7 @@ def _around(page: Sheet, point: Array) -> list[Array]:
     return [point + page.paper(3.0) * np.array(way) for way in ((1, 0), (-1, 0), (0, 1), (0, -1))]
 
 
-def _face(results: Results, shape: Outlines, joint: int) -> Array:
+def _face(results: Results, shape: Shape, joint: int) -> Array:
     """Return the ends (2, 2) m of the second block's face of a joint, in the configuration drawn."""
     face, drawn = results.geometry.joints[joint], outlines(results)
     block = face.blocks[1]

@@ -24,10 +24,12 @@ from assessment.results.configurations.joint_states import (
     situations,
     thrust_lines,
 )
-from assessment.results.configurations.outlines import Array, Outlines, outlines
+from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results, State
 from assessment.results.schema.part import Configuration, Point
 from assessment.runtime.files.atomic_files import write_atomically
+from mechanics.pictures import Shape
+from mechanics.types import Array
 
 SIDES = {"+x": "PLUS_X", "-x": "MINUS_X"}
 COLOURS = (7, 1, 5, 3, 6, 30, 140, 94)  # AutoCAD's colour indices, one layer after the other
@@ -89,7 +91,7 @@ def _reproducible() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def shapes(results: Results) -> Iterator[tuple[str, Outlines]]:
+def shapes(results: Results) -> Iterator[tuple[str, Shape]]:
     """Yield layer and outlines of every deformed shape."""
     drawn = outlines(results)
     yield "DRAWN", drawn

@@ -13,10 +13,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Curve
 
-from assessment.report.figures.drawings.parts import INK, SUPPORT, Bounds
 from assessment.report.figures.style import sheet
 from assessment.report.text.language import Words
 from mechanics.faults import Fault, FaultyDrawingError, Outline
+from mechanics.pictures import INK, SUPPORT, Bounds
 from mechanics.types import Array
 
 RED = "#c00000"

@@ -12,12 +12,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 
-from assessment.report.figures.drawings.parts import ARROW, INK, SUPPORT, TIE, Bounds, draw_ties, fill
+from assessment.report.figures.drawings.parts import ARROW, draw_ties
 from assessment.report.figures.style import Sheet, foot, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
+from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill
 
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
 DOWN = Path(  # an arrow, as a mark

@@ -3,38 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
 
 from assessment.report.figures.style import MM, Sheet
 from assessment.report.text.language import Words, direction_name
-from assessment.results.configurations.outlines import Array, Outlines, outlines, place
+from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.tie_ends import ties_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import Settlement
 from assessment.results.table import sense
+from mechanics.pictures import FAINT, INK, TIE, Bounds, Shape, place
+from mechanics.types import Array
 
-Bounds = tuple[float, float, float, float]
-INK, FAINT, SUPPORT, MOVING = "0.0", "0.55", "0.55", "0.82"
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
-GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
 PLATE_MM = 2.4  # length of the plate at an end of a tie
-TIE: dict[str, Any] = {"color": INK, "linewidth": 1.1, "linestyle": (0, (7, 1.2, 1.5, 1.2))}
 PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
-HINGE: dict[str, Any] = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 5.0,
-    "markerfacecolor": "1.0",
-    "markeredgecolor": INK,
-    "markeredgewidth": 1.2,
-}
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.4, "color": "0.3", "shrinkA": 0.0, "shrinkB": 0.0}
 LETTER, BOLD, LINE = (
     0.65,
@@ -45,39 +34,12 @@ LETTER, BOLD, LINE = (
 RINGS_MM, TURNS = (3.0, 5.0, 7.0, 9.0, 12.0, 16.0), 12
 
 
-def fill(axes: Axes, shape: Outlines, chosen: Any, grey: str) -> None:
-    """Fill some blocks with a grey."""
-    if len(chosen):
-        axes.add_artist(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
-
-
-def fill_roles(axes: Axes, shape: Outlines, results: Results) -> None:
-    """Fill supports dark and all other blocks light."""
-    supports = np.array([block.support is not None for block in results.geometry.blocks])
-    fill(axes, shape, np.flatnonzero(~supports), "0.92")
-    fill(axes, shape, np.flatnonzero(supports), SUPPORT)
-
-
-def ghost(axes: Axes, shape: Outlines) -> None:
-    """Draw the outlines of an earlier configuration, dashed."""
-    axes.add_artist(PathPatch(shape.path(range(len(shape.centroids))), **GHOST))
-
-
 def ghost_handle(label: str) -> Line2D:
     """Return the legend's line of an earlier outline."""
     return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
 
 
-def union(shapes: Sequence[Outlines]) -> Bounds:
-    """Return the bounds of all shapes, m."""
-    boxes = np.array([shape.bounds for shape in shapes])
-    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
-    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
-
-
-def movement_arrow(
-    page: Sheet, axes: Axes, shape: Outlines, results: Results, settlement: Settlement
-) -> None:
+def movement_arrow(page: Sheet, axes: Axes, shape: Shape, results: Results, settlement: Settlement) -> None:
     """Draw the arrow of a support's movement, and a half circle of its rotation."""
     moved = [i for i, block in enumerate(results.geometry.blocks) if block.support == settlement.support]
     x, z = shape.centroids[moved].mean(axis=0)

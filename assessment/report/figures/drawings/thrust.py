@@ -13,26 +13,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from assessment.report.figures.drawings.parts import (
-    HINGE,
-    INK,
-    draw_ties,
-    fill_roles,
-    moved_ends,
-    push_arrow,
-    tie_handles,
-    union,
-)
+from assessment.report.figures.drawings.parts import draw_ties, moved_ends, push_arrow, tie_handles
 from assessment.report.figures.style import Sheet, foot, sheet
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.joint_states import JointStates, Situation, joint_states, thrust_lines
-from assessment.results.configurations.outlines import Outlines, outlines
+from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
+from mechanics.pictures import HINGE, INK, THRUST, Shape, fill_roles, union
 
 UNIT_MM = 10.0  # on paper, of a round force
 LONGEST = 1.3  # times that, the largest resultant
 CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
-THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.8}
 RESULTANT: dict[str, Any] = {"color": "0.45", "linewidth": 0.6}
 JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a whole is a plain outline
     "partial": {"color": INK, "linewidth": 1.2, "linestyle": (0, (1.2, 0.8))},
@@ -75,11 +66,11 @@ def _draw(
     page: Sheet,
     axes: Axes,
     results: Results,
-    shape: Outlines,
+    shape: Shape,
     states: JointStates,
     unit: float,
 ) -> None:
-    fill_roles(axes, shape, results)
+    fill_roles(axes, shape)
     fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
     for condition, style in JOINTS.items():
         width = style["linewidth"] * fine

@@ -9,8 +9,9 @@ from matplotlib.path import Path
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.figures.drawings.parts import ARROW
 from assessment.report.figures.studies import draw_tornado
-from assessment.report.figures.style import STYLE, save_svg, sheet
+from assessment.report.figures.style import save_svg, sheet
 from assessment.report.text.language import words_of
+from mechanics.pictures import STYLE
 from tests.assessment.report.tables.test_study_tables import results_with_studies
 from tests.support.results_example import results_example
 from tests.support.typed import typed

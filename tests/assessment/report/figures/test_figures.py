@@ -23,21 +23,20 @@ from assessment.report.figures.style import (
     BAND_MM,
     MM,
     SCALES,
-    STYLE,
     SYMBOL,
     WIDTH_MM,
     EvenDecimals,
     chart,
-    nice,
     save_svg,
     sheet,
     typeset,
 )
 from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.hand_check import macro_blocks
-from assessment.results.configurations.outlines import Outlines, outlines
+from assessment.results.configurations.outlines import outlines
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
+from mechanics.pictures import STYLE, Shape, nice
 from tests.support.analysed import analysed
 from tests.support.block_project import TURNED, write_block
 from tests.support.block_project import block as tables_of_block
@@ -214,7 +213,7 @@ def test_a_rigid_motion_keeps_lengths_and_turns_by_the_angle(angle, dx, dz):
 
 def test_the_nearest_block_of_a_hinge():
     points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [3, 0], [3, 1], [2, 1]], dtype=float)
-    shape = Outlines(points, np.repeat([0, 1], 4), np.array([[0.5, 0.5], [2.5, 0.5]]))
+    shape = Shape(points, np.repeat([0, 1], 4), np.array([[0.5, 0.5], [2.5, 0.5]]), np.zeros(2, bool))
     assert shape.nearest([0.0, 0.6]) == 0  # on the closing edge of the ring
     assert shape.nearest([1.4, 0.5]) == 0
     assert shape.nearest([1.6, 0.5]) == 1

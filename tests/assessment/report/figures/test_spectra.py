@@ -6,9 +6,10 @@ import pytest
 
 from assessment.report.figures.index import pictures
 from assessment.report.figures.spectra import ELASTIC, draw_spectra, one_scale
-from assessment.report.figures.style import STYLE, typeset
+from assessment.report.figures.style import typeset
 from assessment.report.tables.curves import elastic_capacity
 from assessment.report.text.language import words_of
+from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 

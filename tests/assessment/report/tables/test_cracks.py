@@ -9,9 +9,10 @@ from matplotlib.text import Text
 from assessment.report.chapters.remarks import crack_sentences, damping_sentence
 from assessment.report.figures.drawings.deformed import LARGEST_PT, NUMBER, draw_cracks, room
 from assessment.report.figures.drawings.parts import Labels
-from assessment.report.figures.style import STYLE, sheet
+from assessment.report.figures.style import sheet
 from assessment.report.tables.structure.cracks import PRINTED, SEEN, cracks
 from assessment.report.text.language import words_of
+from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
