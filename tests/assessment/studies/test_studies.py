@@ -16,7 +16,7 @@ from assessment.results.plain import plain
 from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
 from assessment.studies.scenarios import part, worst
 from assessment.studies.sensitivity import scatter, with_factor, without_effect
-from assessment.workflow import studies as study_stages
+from assessment.workflow import stages
 from assessment.workflow.selection import select
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
@@ -264,7 +264,7 @@ def test_many_warnings_of_a_study_are_told_in_short(monkeypatch, project):
         arguments[-1].findings.append("found")
         return made(Sensitivity, {"warnings": arguments[-1].warnings})
 
-    monkeypatch.setattr(study_stages, "sensitivity", noisy)
+    monkeypatch.setattr(stages, "sensitivity", noisy)
     whole = project(BLOCK + PUSHOVER + ASSESSMENT + SENSITIVITY.replace("stiffness = [0.5, 2.0]\n", ""))
     for count, told in (
         (3, ["w0", "w1", "w2"]),
