@@ -14,8 +14,7 @@ from assessment.app.editing import OWN
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.lock import holder
 from assessment.runtime.journal import NAME as JOURNAL
-from assessment.runtime.journal import Recorded, read_journal
-from assessment.runtime.status import progress_of
+from assessment.runtime.journal import Recorded, progress_of, read_journal
 
 TOLD = 2000  # letters of what a command that failed has said
 

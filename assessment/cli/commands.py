@@ -107,8 +107,8 @@ def _repaired(project: Project) -> Project:
 
 def status(options: argparse.Namespace) -> int:
     """Print where a run is, or how the last one ended. Raises ValueError for a folder that is not there."""
-    from assessment.runtime.status import status as as_text
-    from assessment.runtime.status import status_json
+    from assessment.runtime.journal import status as as_text
+    from assessment.runtime.journal import status_json
 
     if not options.project.is_dir():
         raise ValueError(f"{options.project}: no such folder; give the folder of the project")

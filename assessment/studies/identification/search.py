@@ -2,28 +2,92 @@
 
 from __future__ import annotations
 
+import time
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from assessment.project.structure.gauges import Gauge
+import numpy as np
+
+from assessment.analyses.static.paths import configuration, quality_row
+from assessment.project.structure.gauges import Gauge, readings
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import Configuration
 from assessment.runtime.tasks import Workers, large
 from assessment.studies.identification.fit import Fit, Predict, best_length, kinks, refined
-from assessment.studies.identification.path import Followed, follow
 from assessment.studies.identification.unknowns import Unknowns
+from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError
 from mechanics.messages import Message
+from mechanics.procedures import Pushdown, SupportMovement, pushdown_together, whole_movement
+from mechanics.steps import Sliding
 from mechanics.types import Array, Mask
 
 if TYPE_CHECKING:
     from assessment.studies.variants import Study
-    from mechanics import Assembly
-    from mechanics.steps import Sliding
 
+ROUNDING = 1e-8  # of a block's size: a movement that is none
 FARTHEST = 10.0  # of the largest measured displacement: the length of the paths of the search
 COARSE = 50  # increments of a path of the search
 FINE = 20  # increments of a movement that is refined
 STARTS = 3  # directions that are refined
+
+
+@dataclass
+class Followed:
+    """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad.
+
+    `configuration` (b, 3): after the whole movement; None where the structure falls before, or cannot be followed.
+    `stopped`: why it cannot be followed farther; None where the structure falls, or the whole movement was followed.
+    """
+
+    share: Array
+    shown: Array
+    configuration: Configuration | None = None
+    stopped: Message | None = None
+    quality: list[QualityRow] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def follow(
+    model: Assembly,
+    movements: Sequence[SupportMovement],
+    increments: int,
+    sliding: Sliding,
+    gauges: Sequence[Gauge],
+) -> Followed:
+    """Move the supports from their places as drawn, in so many increments; a fall on the way is a result.
+
+    What was followed before another error stops the path counts as well.
+    """
+    began = time.perf_counter()
+    size = model.size
+    moved = tuple(
+        each
+        for each in movements
+        if max(*map(abs, each.displacement), abs(each.rotation) * size) > ROUNDING * size
+    )
+    if not moved:
+        start = model.initial
+        shown = readings(model, gauges, start.positions)
+        return Followed(np.zeros(1), shown[None, :], configuration=configuration(model, start))
+    whole = max(whole_movement(model, each.support, each.displacement, each.rotation) for each in moved)
+    reached, path, stopped = False, None, None
+    try:
+        path = pushdown_together(model, moved, whole / increments, sliding)
+        reached = True
+    except (NoEquilibriumError, ConvergenceError) as error:
+        path = error.path if isinstance(error.path, Pushdown) else None
+        stopped = None if isinstance(error, CollapseError) else error.message
+    found = Followed(np.zeros(0), np.zeros((0, len(gauges))), stopped=stopped)
+    if path is not None:
+        states = [*path.states[:-1], path.final if reached else path.states[-1]]
+        found.share = path.movement / whole
+        found.shown = np.array([readings(model, gauges, state.positions) for state in states])
+        found.configuration = configuration(model, path.final) if reached else None
+        found.quality.append(quality_row("", "identification", path))
+    found.seconds = time.perf_counter() - began
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,12 +11,11 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.runtime import journal as journals
-from assessment.runtime import status as statuses
+from assessment.runtime import journal as statuses
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files.lock import locked
-from assessment.runtime.journal import NAME, Journal, read_journal, record_exit
+from assessment.runtime.journal import NAME, Journal, read_journal, record_exit, status
 from assessment.runtime.progress import Show
-from assessment.runtime.status import status
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.forked import forked

@@ -12,10 +12,10 @@ import pytest
 from assessment.project.structure.gauges import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
-from assessment.studies.identification import path as path_module
+from assessment.studies.identification import search as search_module
 from assessment.studies.identification.findings import open_movements
 from assessment.studies.identification.fit import Fit, best_length, kinks, refined, sureness
-from assessment.studies.identification.path import follow
+from assessment.studies.identification.search import follow
 from assessment.studies.identification.stage import probability
 from assessment.studies.identification.unknowns import Unknowns, unknowns_of
 from mechanics import ConvergenceError
@@ -210,7 +210,7 @@ def _stopped(monkeypatch, path):
         error.path = path
         raise error
 
-    monkeypatch.setattr(path_module, "pushdown_together", stop)
+    monkeypatch.setattr(search_module, "pushdown_together", stop)
 
 
 def test_what_was_followed_of_a_path_counts_and_why_it_was_stopped_is_kept(model, monkeypatch):
