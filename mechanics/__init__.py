@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from mechanics.model.drawing import Layer, read_drawing
     from mechanics.model.tie import Tie
     from mechanics.procedures.following import Following
-    from mechanics.procedures.limit_analysis import limit_analysis
-    from mechanics.procedures.pushdown import pushdown
-    from mechanics.procedures.pushover import pushover
+    from mechanics.procedures.limit_analysis import Limit, limit_analysis
+    from mechanics.procedures.pushdown import Pushdown, pushdown
+    from mechanics.procedures.pushover import Pushover, pushover
     from mechanics.procedures.time_history import TimeHistory, time_history
     from mechanics.records.record import Record, read_record
 
@@ -36,9 +36,9 @@ _HOME = {  # module: public names
     "model.drawing": "Layer read_drawing",
     "model.tie": "Tie",
     "procedures.following": "Following",
-    "procedures.limit_analysis": "limit_analysis",
-    "procedures.pushdown": "pushdown",
-    "procedures.pushover": "pushover",
+    "procedures.limit_analysis": "Limit limit_analysis",
+    "procedures.pushdown": "Pushdown pushdown",
+    "procedures.pushover": "Pushover pushover",
     "procedures.time_history": "TimeHistory time_history",
     "records.record": "Record read_record",
 }
@@ -52,9 +52,12 @@ __all__ = [
     "DrawingError",
     "Following",
     "Layer",
+    "Limit",
     "Material",
     "MechanicsError",
     "NoEquilibriumError",
+    "Pushdown",
+    "Pushover",
     "Record",
     "RecordError",
     "State",

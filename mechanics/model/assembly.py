@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,12 @@ from mechanics.model.joints import Joints, default_tolerance, find_joints
 from mechanics.model.proximity import Outlines
 from mechanics.model.tie import Tie, tie_contacts
 from mechanics.types import GRAVITY, Array, Index, Mask
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+    from mechanics.pictures import Shape
 
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
@@ -45,7 +51,7 @@ class MotionMemory:
     halved: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class State:
     """Positions and velocities of the blocks, and the forces that their joints remember.
 
@@ -67,8 +73,12 @@ class State:
     motion: MotionMemory | None = None
     forces: Array | None = None
 
+    def __repr__(self) -> str:
+        fastest = float(abs(self.velocities[:, :2]).max())
+        return f"State({len(self.positions)} blocks, {f'up to {fastest:.3g} m/s' if fastest else 'at rest'})"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Assembly:
     """Blocks and the dry joints between them; blocks with the name of a support are fixed.
 
@@ -127,6 +137,46 @@ class Assembly:
                 f"both ends in block {one}" if one == other else "both ends in supports",
                 "between two blocks that can move against each other",
             )
+
+    def __repr__(self) -> str:
+        tied = f", {len(self.ties)} ties" if self.ties else ""
+        return f"Assembly({len(self.blocks)} blocks, {(~self.movable).sum()} of them supports{tied})"
+
+    @cached_property
+    def shape(self) -> Shape:
+        """The outlines of the blocks as drawn, for pictures."""
+        from mechanics.pictures import Shape  # late: with it comes matplotlib
+
+        b = self.blocks
+        return Shape.of([e.polygon for e in b], [e.centroid for e in b], (~self.movable).tolist())
+
+    def displaced(self, state: State) -> Array:
+        """Return displacements x, z (m) and rotations (rad) of the blocks (b, 3) in a state, from the drawing."""
+        moved: Array = state.positions - self.initial.positions
+        return moved
+
+    def plot(self, state: State | None = None, magnified: float = 1.0, axes: Axes | None = None) -> Axes:
+        """Draw the blocks and ties, supports dark, over their dashed outlines as drawn; return the matplotlib axes.
+
+        `state`: default as drawn; `magnified`: factor of its displacements; `axes`: default those of a new figure.
+        """
+        from mechanics.pictures import place  # late: as above
+        from mechanics.pictures.plots import draw_state
+
+        moved = self.displaced(self.starting(state))
+        ties = [
+            tie.points + magnified * (place(tie.points, pair, self.shape.centroids, moved) - tie.points)
+            for tie, pair in zip(self.ties, self.tie_blocks, strict=True)
+        ]
+        title = "" if magnified == 1.0 else f"displacements × {magnified:g}"
+        return draw_state(self.shape.moved(moved, magnified), self.shape, ties, title, axes)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a table of the blocks: support, centroid (m), area (m²), depth (m), weight with loads (kN)."""
+        import pandas as pd  # late: only tables need it
+
+        rows = [(b.support, *b.centroid, b.area, b.depth, b.weight) for b in self.blocks]
+        return pd.DataFrame(rows, columns=["support", "x_m", "z_m", "area_m2", "depth_m", "weight_kN"])
 
     def tied(self, ties: Iterable[Tie]) -> Assembly:
         """Return the assembly with these ties in the place of its own."""

@@ -16,6 +16,7 @@ wedge, slips grow without bound), a slight dilation has one: its multiplier is r
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.model.contacts import Contacts
+from mechanics.model.contacts import Contacts, end_points
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, Solution, certify, end_forces
 from mechanics.solvers import GOOD, solve
 from mechanics.solvers.interior import Iterate, with_dilation
@@ -33,12 +34,19 @@ from mechanics.steps.static_system import Sliding, check_sliding
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Limit:
-    """Onset of collapse.
+    """Onset of collapse of a `state` of the `model`, pushed in a `direction`.
 
-    `alpha`: multiplier of the lateral load, by Coulomb's law the least found; `central`: that of the central flow;
+    `alpha`: multiplier of the lateral load, by Coulomb's law the least found. It is what sets the first blocks of the
+    state in motion: α_onset of reports and results, the first multiplier of its pushover curve. α_0 is the curve's
+    largest: in a settled state, whose cracks must close first, it may be many times α_onset. As drawn they are one.
+    `central`: that of the central flow;
     `mechanism` (b, 3): virtual displacements, scaled so that the largest centroid displacement is 1; `forces` (j, 3): N
     (kN), P (kNm) and T (kN) of the `contacts`, the drawn joints first; `dilation`: share of μ|slip| by which sliding
     lifts joints in the mechanism: 1 by the associative law, 0 by Coulomb's, LimitTolerances.slight where that has no
@@ -51,8 +59,43 @@ class Limit:
     forces: Array
     contacts: Contacts
     certificate: Certificate
+    model: Assembly
+    state: State
+    direction: Direction
     dilation: float = 1.0
     sliding: Sliding = "associative"
+
+    def __repr__(self) -> str:
+        return f"Limit({self.direction}, α = {self.alpha:.6g}, {self.sliding} friction)"
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the mechanism where it begins, hinges, joints that slide, and the line of thrust; return the axes.
+
+        Blocks that move are grey, where they go is dashed; `axes` of matplotlib: by default those of a new figure.
+        """
+        from mechanics.pictures import through_blocks  # late: with it comes matplotlib
+        from mechanics.pictures.plots import draw_mechanism
+        from mechanics.procedures.mechanism import CARRYING, hinges, pressure_centres
+
+        model, contacts, at = self.model, self.contacts, self.state.positions
+        found = hinges(model, contacts, self.state, self.mechanism, self.forces)
+        points = model.as_drawn(pressure_centres(contacts, at, self.forces))
+        loaded = (self.forces[:, 0] > 1e-3 * CARRYING * model.weight) & ~contacts.ties
+        return draw_mechanism(
+            model.shape.moved(model.displaced(self.state)),
+            self.mechanism,
+            model.as_drawn(found.points).reshape(-1, 2),
+            list(model.as_drawn(end_points(contacts.take(found.sliding), at))),
+            through_blocks(np.stack([contacts.a, contacts.b], axis=1), points, loaded),
+            f"{self.direction}, α = {self.alpha:.4g}",
+            axes,
+        )
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the virtual displacements of the blocks as a table: x and z, –, and rotation, 1/m."""
+        import pandas as pd  # late: only tables need it
+
+        return pd.DataFrame(self.mechanism, columns=["x", "z", "rotation"])
 
 
 def limit_analysis(
@@ -71,15 +114,17 @@ def limit_analysis(
     Assembly.check(model)
     check_sliding(sliding)
     state = model.starting(state)
-    return _limit(model, direction, check_self_weight(model, state), sliding)
+    return _limit(model, direction, state, check_self_weight(model, state), sliding)
 
 
 def limit_in(model: Assembly, direction: Direction, state: State, sliding: Sliding = "associative") -> Limit:
     """Return the onset of collapse of a state that is known to stand under gravity; raises as limit_analysis."""
-    return _limit(model, direction, closed_program(model, state), sliding)
+    return _limit(model, direction, state, closed_program(model, state), sliding)
 
 
-def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, sliding: Sliding) -> Limit:
+def _limit(
+    model: Assembly, direction: Direction, state: State, standing: ClosedProgram, sliding: Sliding
+) -> Limit:
     """Return the onset of collapse over the closed joints of a state. Raises as limit_in.
 
     A hinge that crushes its edge lies N/2s within it: the program is repeated until N is that of the solution.
@@ -113,6 +158,9 @@ def _limit(model: Assembly, direction: Direction, standing: ClosedProgram, slidi
         forces,
         closed.contacts,
         found.certificate,
+        model,
+        state,
+        direction,
         dilation,
         sliding,
     )

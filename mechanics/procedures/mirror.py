@@ -117,6 +117,7 @@ class Mirror:
             mechanism=self._motion(path.mechanism),
             forces=self._forces(path.forces[:drawn]),
             contacts=self.model.contacts,
+            direction="-x" if path.direction == "+x" else "+x",
         )
 
     def _mirrored(self, text: Message) -> Message:

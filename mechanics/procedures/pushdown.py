@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,11 @@ from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,9 +66,9 @@ class SupportMovement:
     rotation: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pushdown:
-    """The path of a moving support.
+    """The path of a moving support of the `model`.
 
     `movement` (k,) m: its largest component, from zero (a pure rotation: the arc at the support's farthest corner);
     `reaction` (k, 2) kN: x and z force of the support on the structure (rigid joints: the first one is taken as the
@@ -82,6 +88,36 @@ class Pushdown:
     steps: tuple[Equilibrium, ...]
     certificates: tuple[Certificate, ...]
     sliding: Sliding
+    model: Assembly
+
+    def __repr__(self) -> str:
+        ends = f"{1000.0 * self.movement[-1]:.4g} mm"
+        last = "" if self.ultimate is None else f", ultimate movement {1000.0 * self.ultimate:.4g} mm"
+        return f"Pushdown({len(self.movement)} points, to {ends}{last})"
+
+    def plot(self, magnified: float | None = None, axes: Axes | None = None) -> Axes:
+        """Draw the structure after the whole movement over its outlines as drawn; return the matplotlib axes.
+
+        `magnified`: factor of displacements, by default one that lets them be seen.
+        """
+        from mechanics.pictures import magnification  # late: with it comes matplotlib
+
+        times = magnified or magnification(self.model.shape, self.model.displaced(self.final))
+        return self.model.plot(self.final, times, axes)
+
+    def animate(self, interval: float = 0.1) -> FuncAnimation:
+        """Return the points of the path as a film, one each `interval`, s; `.save("path.gif")` writes it."""
+        from mechanics.pictures.plots import film  # late: as above
+
+        shapes = [self.model.shape.moved(self.model.displaced(state)) for state in self.states]
+        return film(shapes, self.model.shape, [f"{1000.0 * each:.4g} mm" for each in self.movement], interval)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the points of the path as a table: movement (m), reactions (kN)."""
+        import pandas as pd  # late: only tables need it
+
+        x, z = self.reaction.T
+        return pd.DataFrame({"movement_m": self.movement, "reaction_x_kN": x, "reaction_z_kN": z})
 
 
 def pushdown(
@@ -382,6 +418,7 @@ class _Path:
             tuple(self.steps),
             tuple(self.certificates),
             self.system.sliding,
+            self.system.model,
         )
 
     def collapse(self) -> Message:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,6 +39,11 @@ from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.types import Array
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
+
 
 @dataclass(frozen=True, slots=True)
 class PushoverTolerances:
@@ -68,7 +74,7 @@ PUSHOVER = PushoverTolerances()
 RISE = 0.15  # of the time of a curve, about, until its multiplier is largest
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pushover:
     """A capacity curve from a state's own equilibrium.
 
@@ -79,7 +85,8 @@ class Pushover:
     its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
     other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
-    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb").
+    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"). Of the `model`,
+    pushed in a `direction`.
     """
 
     control: Array
@@ -98,6 +105,8 @@ class Pushover:
     forces: Array
     contacts: Contacts
     sliding: Sliding
+    model: Assembly
+    direction: Direction
 
     @property
     def peak(self) -> int:
@@ -107,6 +116,48 @@ class Pushover:
         rises before it falls.
         """
         return _peak(self.multiplier)
+
+    @property
+    def alpha_0(self) -> float:
+        """The largest multiplier: α_0 of results and report with rigid joints, α_u with elastic ones."""
+        return float(self.multiplier[self.peak])
+
+    @property
+    def alpha_onset(self) -> float:
+        """The first multiplier: rigid joints begin to move by it, as `limit_analysis` of the state has it."""
+        return float(self.multiplier[0])
+
+    def __repr__(self) -> str:
+        at = 1000.0 * self.displacement[[self.peak, -1]]
+        return (
+            f"Pushover({self.direction}, {len(self.multiplier)} points, α_onset = {self.alpha_onset:.4g}, "
+            f"α_0 = {self.alpha_0:.4g} at {at[0]:.4g} mm, ends at {at[1]:.4g} mm with α = {self.multiplier[-1]:.3g})"
+        )
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the curve with α_0, and d_0 where α vanishes or equilibrium ends; return the matplotlib axes."""
+        from mechanics.pictures.plots import draw_curve  # late: with it comes matplotlib
+
+        d = 1000.0 * self.displacement
+        marks = {"α_0": (float(d[self.peak]), self.alpha_0)}
+        if self.reached_zero or self.lost:
+            marks["d_0"] = (float(d[-1]), float(self.multiplier[-1]))
+        labels = ("displacement of the control point [mm]", "multiplier α")
+        return draw_curve(d, self.multiplier, marks, labels, self.direction, axes)
+
+    def animate(self, interval: float = 0.05) -> FuncAnimation:
+        """Return the points of the curve as a film, one each `interval`, s; `.save("push.gif")` writes it."""
+        from mechanics.pictures.plots import film  # late: as above
+
+        shapes = [self.model.shape.moved(self.model.displaced(state)) for state in self.states]
+        points = zip(1000.0 * self.displacement, self.multiplier, strict=True)
+        return film(shapes, self.model.shape, [f"d = {d:.4g} mm, α = {a:.4g}" for d, a in points], interval)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the points of the curve as a table: displacement (m) and multiplier."""
+        import pandas as pd  # late: only tables need it
+
+        return pd.DataFrame({"displacement_m": self.displacement, "multiplier": self.multiplier})
 
 
 def pushover(
@@ -487,6 +538,8 @@ class _Curve:
             forces,
             contacts,
             self.system.sliding,
+            self.model,
+            self.push.direction,
         )
 
     def _mechanism(self) -> tuple[int, Array, Array, Contacts]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +36,11 @@ from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
@@ -76,9 +81,11 @@ HISTORY = HistoryTolerances()
 SEARCH = HistoryTolerances(resolved=Halving(6, 4e-3, unsure=1e-2))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TimeHistory:
-    """The motion of b blocks at k times in the frame of the ground: supports rest, the base motion acts as inertia.
+    """The motion of the b blocks of a `model` at k times in the frame of the ground.
+
+    Supports rest, the base motion acts as inertia.
 
     `time` (k,) s; `positions` (k, b, 3): x, z (m) and ω (rad); `velocities` (k, b, 3): m/s and rad/s; `forces`
     (k, j, 3): N (kN), P (kNm) and T (kN) of the drawn joints in the step that led to each time, 0 at the first, where
@@ -113,11 +120,48 @@ class TimeHistory:
     unsure: float
     notes: tuple[Message, ...]
     skipped: int
+    model: Assembly
 
     @property
     def steps(self) -> int:
         """Number of time steps."""
         return len(self.time) - 1
+
+    def __repr__(self) -> str:
+        fell = f"collapse at {self.time_of_collapse:.4g} s" if self.collapsed else f"{self.time[-1]:.4g} s"
+        peak = "" if self.displacement is None else f", peak {1000.0 * abs(self.displacement).max():.4g} mm"
+        return f"TimeHistory({fell}, {self.steps} steps, {self.integrator}{peak})"
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the displacement of the control point, without one of the block that goes farthest; return the axes."""
+        from mechanics.pictures.plots import draw_curve  # late: with it comes matplotlib
+
+        moved = self.positions[:, :, 0] - self.start.positions[:, 0]
+        block = int(abs(moved).max(axis=0).argmax())
+        whose, x = f"block {block}", moved[:, block]
+        if self.displacement is not None:
+            whose, x = "the control point", self.displacement
+        labels = ("time [s]", f"displacement of {whose} [mm]")
+        return draw_curve(self.time, 1000.0 * x, {}, labels, "collapse" if self.collapsed else "", axes)
+
+    def animate(self, frames_per_second: int = 25) -> FuncAnimation:
+        """Return the motion as a film in real time; `.save("motion.gif")` writes it."""
+        from mechanics.pictures.plots import film  # late: as above
+
+        wanted = np.arange(0.0, self.time[-1], 1.0 / frames_per_second)
+        kept = np.unique(np.searchsorted(self.time, wanted - 1e-9))
+        shapes = [self.model.shape.moved(self.positions[at] - self.model.initial.positions) for at in kept]
+        titles = [f"{self.time[at]:.2f} s" for at in kept]
+        return film(shapes, self.model.shape, titles, 1.0 / frames_per_second)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the motion as a table by time (s): displacement (m) of the control point; x, z, ω of every block."""
+        import pandas as pd  # late: only tables need it
+
+        found = {} if self.displacement is None else {"displacement_m": self.displacement}
+        for at, block in enumerate(self.positions.transpose(1, 2, 0)):
+            found |= dict(zip((f"x_{at}_m", f"z_{at}_m", f"rotation_{at}_rad"), block, strict=True))
+        return pd.DataFrame(found, index=pd.Index(self.time, name="time_s"))
 
 
 def time_history(
@@ -382,6 +426,7 @@ def _history(
         unsure=float(system.counts[5]) / max(energy.turnover, tolerances.nothing * model.weight * model.size),
         notes=_notes(model, x[-1], energy, tolerances),
         skipped=int(system.counts[6]),
+        model=model,
     )
 
 

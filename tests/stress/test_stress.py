@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 
 from mechanics.errors import UnstableError
-from mechanics.procedures.limit_analysis import Limit
+from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate
 from tests.stress.cases import CASES
 from tests.stress.harness import Case, Outcome, apart, judge, sound, table
@@ -59,14 +60,8 @@ def fault(kind: str) -> None:
         raise ValueError("bad")
 
 
-def limit_with(alpha: float) -> Limit:
-    return Limit(
-        alpha,
-        np.zeros((1, 3)),
-        np.zeros((1, 3)),
-        block_on_base().contacts,
-        Certificate(0.0, 0.0, 0.0, 0.0, 0.0),
-    )
+def limit_with(alpha: float):
+    return replace(limit_analysis(block_on_base()), alpha=alpha)
 
 
 @pytest.mark.parametrize("kind", ["crash", "hang", "NaN", "certificate", "unnamed refusal"])

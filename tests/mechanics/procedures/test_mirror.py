@@ -27,6 +27,7 @@ def test_the_image_of_a_path_is_the_path_the_other_way(behaviour):
     one = pushover(model, CONTROL["+x"], "+x", behaviour, 0.001, until=UNTIL[behaviour])
     other = pushover(model, CONTROL["-x"], "-x", behaviour, 0.001, until=UNTIL[behaviour])
     image = mirror.pushover(one)
+    assert (one.direction, image.direction, other.direction) == ("+x", "-x", "-x")
     close = 0.01 * 0.001  # m: a hundredth of a step
     np.testing.assert_allclose(image.displacement, other.displacement, atol=close)
     np.testing.assert_allclose(image.multiplier, other.multiplier, atol=1e-3 * max(other.multiplier))
