@@ -21,7 +21,7 @@ from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import SettlementTable, TieTable
+    from assessment.project.schema import LayerTable, MaterialTable, SettlementTable, TieTable
     from mechanics import Assembly
 
 STEEPEST = 1.5  # friction of stone on stone is 0.4 to 0.8
@@ -100,7 +100,7 @@ def _sizes(project: Project, size: float) -> Iterator[Message]:
         )
         yield headed("geometry.unit", large)
     depths = {"geometry": project.geometry.depth_m}
-    depths |= {f"layers.{name}": layer.depth_m for name, layer in project.layers.items() if layer.depth_m}
+    depths |= {name: part.depth_m for name, part in project.parts.items() if part.depth_m}
     for table, depth in depths.items():
         if depth > DEEPEST:
             deep = message(
@@ -112,7 +112,7 @@ def _sizes(project: Project, size: float) -> Iterator[Message]:
 
 
 def _materials(project: Project) -> Iterator[Message]:
-    tables = {"material": project.material} | {f"layers.{key}": each for key, each in project.layers.items()}
+    tables: dict[str, MaterialTable | LayerTable] = {"material": project.material, **project.parts}
     for table, values in tables.items():
         weight, friction = values.unit_weight_kN_m3, values.friction
         if weight is not None and not LIGHT <= weight <= HEAVY:
@@ -151,13 +151,15 @@ def _soft(project: Project, model: Assembly) -> Iterator[Message]:
         return
     a, b = joints.a[beds], joints.b[beds]
     pressure = model.weight / float((joints.length[beds] * np.minimum(depth[a], depth[b])).sum())
-    layers = project.layers.items()
-    own = {layer_key(name): f"layers.{name}" for name, layer in layers if layer.normal_stiffness_kN_m3}
+    stiff = {name for name, table in project.parts.items() if table.normal_stiffness_kN_m3}
+    layers = {layer_key(name): f"layers.{name}" for name in project.layers}
+    regions = {each.name: f"region[{k}]" for k, each in enumerate(project.region, 1)}
     worst: dict[str, tuple[float, int, float]] = {}
     for block in np.where(model.movable[a], a, b).tolist():
         stiffness = model.blocks[block].material.normal_stiffness
         share = pressure / stiffness / float(np.ptp(model.blocks[block].polygon[:, 1])) if stiffness else 0.0
-        table = own.get(layer_key(model.blocks[block].layer), "material")
+        own = (regions.get(model.blocks[block].region), layers.get(layer_key(model.blocks[block].layer)))
+        table = next((name for name in own if name in stiff), None) or "material"
         if share > max(SUNK, worst.get(table, (0.0,))[0]):
             worst[table] = (share, block, stiffness or 0.0)
     for table, (share, block, stiffness) in worst.items():

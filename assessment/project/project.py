@@ -106,6 +106,11 @@ class Project(ProjectContent):
             exclude_unset=not defaults,
         )
 
+    def echoed(self) -> dict[str, Any]:
+        """Return the content with all defaults but those of [[region]], which are no keys over those of a layer."""
+        given = self.content(defaults=False)
+        return self.content() | {key: given[key] for key in given.keys() & {"region"}}
+
 
 def load_project(folder: Path | str) -> Project:
     """Read and check the project in `folder` (or the project file itself).

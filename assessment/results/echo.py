@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from assessment.results.schema.model import Echo
+from assessment.results.schema.model import Block, Echo
 from assessment.results.schema.part import present
 
 
-def material(echo: Echo, layer: str) -> dict[str, Any]:
-    """Return what the blocks of a layer are made of and loaded by: the layer's own keys before those of [material]."""
+def material(echo: Echo, block: Block) -> dict[str, Any]:
+    """Return what a block is made of and loaded by: keys of its region before those of its layer and of [material]."""
     from mechanics.model import layer_key  # late: a run in which nothing has changed needs no mechanics
 
     own = {layer_key(name): table for name, table in (echo.layers or {}).items()}
-    return {**echo.material, **present(own.get(layer_key(layer)) or {})}
+    regions = {each["name"]: each for each in echo.region or ()}
+    layer, region = own.get(layer_key(block.layer)), regions.get(block.region or "")
+    return echo.material | present(layer or {}) | present(region or {})
 
 
 def segments(echo: Echo) -> list[int]:
     """Return the numbers of segments that joints are divided into, each once; of exact joints none."""
-    tables = [echo.geometry, *(echo.layers or {}).values()]
+    tables = [echo.geometry, *(echo.layers or {}).values(), *(echo.region or ())]
     return sorted({table["segments_per_joint"] for table in tables if table.get("segments_per_joint")})
 
 

@@ -47,12 +47,12 @@ def error_text(error: Exception) -> str:
 def nearest(name: str, valid: Iterable[str]) -> str:
     """Return the remedy for a name that does not exist: the nearest valid one, those that hold it, or what is valid."""
     by_lower = {each.lower(): each for each in valid}
-    close = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.5)
-    if close:
-        return f'did you mean "{by_lower[close[0]]}"?'
     holding = [f'"{each}"' for low, each in by_lower.items() if name.lower() in low.split("_")]
     if holding:
         return f"did you mean {' or '.join(holding[:_MOST_NAMES])}?"
+    close = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.5)
+    if close:
+        return f'did you mean "{by_lower[close[0]]}"?'
     shown = [f'"{each}"' for each in by_lower.values()]
     return f"valid: {', '.join(shown[:_MOST_NAMES])}{', …' if len(shown) > _MOST_NAMES else ''}"
 

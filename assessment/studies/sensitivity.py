@@ -81,10 +81,10 @@ def without_effect(project: Project) -> set[str]:
     The depth is one unless loads, or ties, are given in kN; the unit weight is one if joints neither are elastic nor
     crush.
     """
-    loads = any(layer.vertical_load_kN or layer.variable_load_kN for layer in project.layers.values())
+    loads = any(part.vertical_load_kN or part.variable_load_kN for part in project.parts.values())
     if loads or project.tie:
         return set()
-    strengths = [layer.compressive_strength_kN_m2 for layer in project.layers.values()]
+    strengths = [part.compressive_strength_kN_m2 for part in project.parts.values()]
     crushes = any(
         isfinite(strength or inf) for strength in (project.material.compressive_strength_kN_m2, *strengths)
     )
@@ -141,6 +141,7 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
             "geometry": scaled(project.geometry),
             "material": scaled(project.material),
             "layers": {name: scaled(layer) for name, layer in project.layers.items()},
+            "region": tuple(map(scaled, project.region)),
             "strengthening": tuple(
                 made.model_copy(
                     update={"layers": {name: scaled(layer) for name, layer in made.layers.items()}}

@@ -10,7 +10,7 @@ import numpy as np
 
 from assessment.analyses.accuracy import accuracy_of
 from assessment.ntc.load_factors import psi_2
-from assessment.project.schema import LayerTable
+from assessment.project.structure.masonry import table_of
 from assessment.results.configurations.faces import described
 from assessment.results.plain import finite
 from assessment.results.schema import FORMAT, Results, State
@@ -32,7 +32,6 @@ from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
 from assessment.runtime.fingerprint import installed
 from mechanics.faults import visible
-from mechanics.model import layer_key
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
@@ -70,7 +69,7 @@ def describe(project: Project, model: ProjectModel) -> Results:
         model=_summary(project, model),
         geometry=_geometry(project, a),
         loads=_loads(project, a),
-        echo=Echo.model_validate(_spelt(project.content())),
+        echo=Echo.model_validate(_spelt(project.echoed())),
         states={name: _empty(project, name, len(a.blocks)) for name in _states(project)},
         comparison=[],
         convergence=Convergence(tolerance=accuracy_of(project).tolerance, rows=[]),
@@ -166,14 +165,15 @@ def _settlement(moved: SettlementTable) -> Settlement:
 def _loads(project: Project, a: Assembly) -> list[LayerLoads]:
     """Return the vertical loads of each layer with movable blocks, all its blocks together, as they are combined."""
     found = []
-    for layer in sorted({block.layer for block, moves in zip(a.blocks, a.movable, strict=True) if moves}):
-        own = [block for block in a.blocks if block.layer == layer]
-        given = next((t for n, t in project.layers.items() if layer_key(n) == layer_key(layer)), LayerTable())
+    moving = (block for block, moves in zip(a.blocks, a.movable, strict=True) if moves)
+    for layer, region in sorted({(block.layer, block.region) for block in moving}):
+        own = [block for block in a.blocks if (block.layer, block.region) == (layer, region)]
+        given = table_of(project, layer, region)
         variable = len(own) * given.variable_load_kN
         combined = sum(block.weight for block in own)
         found.append(
             LayerLoads(
-                layer=layer,
+                layer=f"{layer}, {region}" if region else layer,
                 blocks=len(own),
                 own_weight_kN=combined - sum(block.vertical_load for block in own),
                 permanent_load_kN=len(own) * given.vertical_load_kN,
@@ -197,6 +197,7 @@ def _geometry(project: Project, a: Assembly) -> Geometry:
                 depth_m=block.depth,
                 layer=block.layer,
                 handle=block.handle,
+                region=block.region or None,
                 support=block.support,
                 vertical_load_kN=block.vertical_load,
                 weight_kN=block.weight,

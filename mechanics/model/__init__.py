@@ -12,7 +12,7 @@ from mechanics.model.contacts import (
     kinematic_contacts,
     relative_motion,
 )
-from mechanics.model.drawing import Drawing, Layer, read_drawing, survey_drawing
+from mechanics.model.drawing import Drawing, Layer, of_block, read_drawing, survey_drawing
 from mechanics.model.joints import default_tolerance
 from mechanics.model.layout import survey_layout
 from mechanics.model.repair import Repair, repair_drawing
@@ -42,6 +42,7 @@ __all__ = [
     "face_lines",
     "kinematic_contacts",
     "layer_key",
+    "of_block",
     "read_drawing",
     "relative_motion",
     "repair_drawing",

@@ -62,8 +62,9 @@ class Block:
 
     `support`: name of the support that the block belongs to (None: movable). `vertical_load` (kN) acts downward at the
     centroid and counts as seismic mass if `load_has_mass`. `segments`: instead of the assembly's segments per joint.
-    `layer`, `handle`: origin of the block in the drawing. Raises ArgumentError for fewer than three distinct vertices,
-    zero area, an outline that crosses itself, an upward load with mass, or numbers that are not finite.
+    `layer`, `handle`: origin of the block in the drawing; `region`: of the project. Raises ArgumentError for fewer than
+    three distinct vertices, zero area, an outline that crosses itself, an upward load with mass, or numbers that are
+    not finite.
     """
 
     vertices: ArrayLike
@@ -75,6 +76,7 @@ class Block:
     segments: int | None = None
     layer: str = ""
     handle: str = ""
+    region: str = ""
 
     def __post_init__(self) -> None:
         v = array_of("vertices", self.vertices, "three or more finite (x, z) pairs")

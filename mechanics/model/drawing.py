@@ -42,7 +42,7 @@ SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, 
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """What the blocks of one drawing layer are; the fields are those of Block."""
+    """What the blocks of one drawing layer are; the fields are those of Block. `ignore`: nothing on it is read."""
 
     material: Material
     depth: float
@@ -50,6 +50,7 @@ class Layer:
     vertical_load: float = 0.0
     load_has_mass: bool = True
     segments: int | None = None
+    ignore: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,11 @@ class Drawing(Sequence[Block]):
         return self.blocks[index]
 
 
+def of_block(layer: Layer) -> dict[str, Any]:
+    """Return what a layer says of its blocks, by the fields of Block."""
+    return {field.name: getattr(layer, field.name) for field in fields(layer) if field.name != "ignore"}
+
+
 def read_drawing(
     path: str | Path,
     unit: str,
@@ -93,8 +99,8 @@ def read_drawing(
     Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
     (nested, scaled, mirrored, arrays; there layer 0 is the INSERT's layer). A polyline that ends
     where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
-    layer name, in any case of letters. A front view, drawn in a vertical plane, is turned: z is up. What is frozen,
-    off, invisible or clipped away is left out with a warning: the place for closed outlines that are no blocks. An
+    layer name, in any case of letters; nothing is looked at on one to `ignore`. A front view, drawn in a vertical
+    plane, is turned: z is up. What is frozen, off, invisible or clipped away is left out with a warning. An
     open polyline is an error, but left out with a warning where `layers` names other layers and not its own, and no
     closed one is there. Other shapes (lines, arcs, circles, …) are left out with a warning, annotation without.
 
@@ -178,9 +184,14 @@ class Sheet:
         return {layer_key(name): (name, layer) for name, layer in self.layers.items()}
 
     @cached_property
-    def placed(self) -> list[Placed]:
-        """All entities of model space, those of INSERTs where these put them."""
+    def _entities(self) -> list[Placed]:
         return placed_entities(self.document, self.path)
+
+    @cached_property
+    def placed(self) -> list[Placed]:
+        """The entities of model space, those of INSERTs where these put them, without those of ignored layers."""
+        ignored = {key for key, (_, layer) in self.named.items() if layer.ignore}
+        return [p for p in self._entities if layer_key(p.layer) not in ignored]
 
     @cached_property
     def _shown(self) -> tuple[list[PlacedOutline], list[Placed], list[Message]]:
@@ -266,8 +277,8 @@ class Sheet:
     def block(self, outline: PlacedOutline) -> Block:
         """Return the block of an outline."""
         layer, source = self.layer(outline), outline.source
-        of_layer = {field.name: getattr(layer, field.name) for field in fields(layer)}
-        return Block(self.scale * outline.points[:, :2], **of_layer, layer=source.layer, handle=source.handle)
+        points = self.scale * outline.points[:, :2]
+        return Block(points, **of_block(layer), layer=source.layer, handle=source.handle)
 
     @cached_property
     def drawing(self) -> Drawing:
@@ -282,10 +293,7 @@ class Sheet:
             tuple(faults),
             tuple(
                 Outline(
-                    self.scale * o.points[:, :2],
-                    o.source.layer,
-                    o.closed,
-                    self.layer(o).support is not None,
+                    self.scale * o.points[:, :2], o.source.layer, o.closed, self.layer(o).support is not None
                 )
                 for o in self.outlines
                 if o.is_near(self.scale) and len(o.points) > 1
@@ -296,7 +304,7 @@ class Sheet:
         """Name the layers of the project that the drawing does not have or does not show."""
         names = [
             *(visible(layer.dxf.name) for layer in self.document.layers),
-            *(p.layer for p in self.placed),
+            *(p.layer for p in self._entities),
         ]
         drawn = {layer_key(name): name for name in names}
         hidden = Counter(layer_key(p.layer) for p in self._hidden())
@@ -362,16 +370,14 @@ class Sheet:
                 count=len(uneven),
             )
         holding = {layer_key(o.source.layer) for o in self.closed}
-        for key, (name, _) in self.named.items():
-            if key not in holding:
+        for key, (name, layer) in self.named.items():
+            if key not in holding and not layer.ignore:
                 yield message(
                     'layer "{name}" holds no block: what the project says of it has no effect', name=name
                 )
         for name, count in Counter(p.layer for p in self._hidden()).items():
             yield message(
-                'layer "{name}": frozen, off or invisible polylines left out: {count}',
-                name=name,
-                count=count,
+                'layer "{name}": frozen, off or invisible polylines left out: {count}', name=name, count=count
             )
         for name, count in Counter(p.layer for p in clipped).items():
             yield message(

@@ -22,10 +22,7 @@ from mechanics.types import Array, Index, Mask
 
 NEAR = 20.0  # edges that face each other within this many tolerances were likely meant to touch
 MOST_NEIGHBOURS = 2e7  # pairs of edges within NEAR tolerances of each other, as many as memory holds
-MOST_OVERLAPS = (
-    1000,
-    4,
-)  # pairs of blocks, and so many for each block: there is nothing to be learnt from more
+MOST_OVERLAPS = (1000, 4)  # pairs of blocks, and so many for each block: more teach nothing
 ROOM = 1.5  # least ratio of a proposed tolerance to the widest gap
 MANY = 3  # a block that overlaps at least this many others is reported once, not with each of them
 GRID = 1e-9  # of a block's width: step of the grid on which outlines are laid over each other

@@ -9,15 +9,7 @@ import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.content import (
-    TWO_SUPPORTS,
-    Made,
-    outward,
-    point,
-    project,
-    pushover,
-    stone,
-)
+from assessment.project.catalogue.content import TWO_SUPPORTS, Made, outward, point, project, pushover, stone
 from assessment.project.catalogue.geometry import (
     THINNEST,
     Array,

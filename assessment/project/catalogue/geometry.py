@@ -138,8 +138,8 @@ def courses(z0: float, z1: float, course_height: float) -> Array:
     return np.linspace(z0, z1, count + 1)
 
 
-def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
-    """Return the cells (n, 2) m cut to a region without gap or overlap; slivers are joined to a neighbour.
+def fitted(cells: Iterable[Array], region: Polygon, thinnest: float = THINNEST) -> list[Array]:
+    """Return the cells (n, 2) m cut to a region without gap or overlap; what is thinner (m) is joined to a neighbour.
 
     Symmetric cells in a symmetric region stay symmetric: of neighbours that share equally much with a sliver
     the one nearer the axis takes it, or both where it stands on the axis itself.
@@ -148,7 +148,7 @@ def fitted(cells: Iterable[Array], region: Polygon) -> list[Array]:
     inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
     cut = [each.intersection(region) for each in inside]
     pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
-    while len(pieces) > 1 and (slivers := [piece for piece in pieces if _is_sliver(piece)]):
+    while len(pieces) > 1 and (slivers := [piece for piece in pieces if _is_sliver(piece, thinnest)]):
         sliver = min(slivers, key=lambda piece: (round(piece.area, 9), _off_axis(piece)))
         others = [piece for piece in pieces if piece is not sliver]
         bond = [(round(other.intersection(sliver).length, 9), -_off_axis(other)) for other in others]
@@ -171,9 +171,9 @@ def base_below(inner: float, outer: float, nearest: float = np.inf) -> Array:
     return rectangle(inner - margin, outer + margin, -0.5 * (outer - inner), 0.0)
 
 
-def _is_sliver(piece: Polygon) -> bool:
-    """Whether no circle of the least thickness fits in."""
-    return bool(piece.buffer(-0.5 * THINNEST).is_empty)
+def _is_sliver(piece: Polygon, thinnest: float) -> bool:
+    """Whether no circle of the least thickness, m, fits in."""
+    return bool(piece.buffer(-0.5 * thinnest).is_empty)
 
 
 def _off_axis(piece: Polygon) -> float:

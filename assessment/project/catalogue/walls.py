@@ -8,15 +8,7 @@ import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.content import (
-    TWO_SUPPORTS,
-    Made,
-    point,
-    project,
-    pushover,
-    sinking,
-    stone,
-)
+from assessment.project.catalogue.content import TWO_SUPPORTS, Made, point, project, pushover, sinking, stone
 from assessment.project.catalogue.geometry import (
     Array,
     course,
@@ -190,10 +182,7 @@ def facade(
         layers["PUNTONI"] = [np.array(rafter)]
     else:
         layers["TETTO"] = [rectangle(0.0, b, top, top + step)]
-    supports = {
-        "BASE": [rectangle(room, 1.5 * t, -0.5, 0.0)],
-        "MURI": [np.array(inner)],
-    }
+    supports = {"BASE": [rectangle(room, 1.5 * t, -0.5, 0.0)], "MURI": [np.array(inner)]}
     if thrusts:
         supports["COLMO"] = [rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)]
     loads: dict[str, dict[str, Any]] = {

@@ -191,8 +191,10 @@ def _below(entry: KeyPath, key: str) -> KeyPath:
     """Return the path of a heading of a list; that of `layers.NAME.key`, whose NAME may have points, is in a table."""
     table, _, rest = key.partition(".")
     name, _, inner = rest.rpartition(".")
-    named = name and tables_of(table_at(entry) or ProjectContent).get(table) == "named"
-    return (*entry, table, name, inner) if named else (*entry, key)
+    form = tables_of(table_at(entry) or ProjectContent).get(table)
+    if form == "single" and rest:
+        return (*entry, table, rest)
+    return (*entry, table, name, inner) if form == "named" and name else (*entry, key)
 
 
 def _put(content: dict[str, Any], entry: _Entry) -> str:
@@ -220,6 +222,9 @@ def _typed(value: Any, annotation: Any) -> Any:
     takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
     if lists and value not in members:
         member = get_args(lists[0])[0]
+        if pairs := [kind for kind in alternatives(member) if get_origin(kind) is tuple]:
+            flat = _typed(value, tuple[get_args(pairs[0])[0], ...])  # type: ignore[misc]
+            return [flat[k : k + 2] for k in range(0, len(flat), 2)]
         if {int, float} & {
             *alternatives(member)
         }:  # in a list of numbers only a separator is followed by a blank
@@ -276,21 +281,30 @@ def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
     entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
     own = table_at((name, 0))
-    named = [key for key, form in tables_of(own).items() if form == "named"] if own else []
-    rows = [_flat(entry, named) for entry in entries]
-    plain = [key for key in keys_at((name, 0)) if key not in named]
-    inner = dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in named)
+    tables = tables_of(own) if own else {}
+    rows = [_flat(entry, tables) for entry in entries]
+    plain = [key for key in keys_at((name, 0)) if key not in tables]
+    inner = {
+        f"{key}.{k}": None
+        for key, form in tables.items()
+        if form == "single"
+        for k in keys_at((name, 0, key))
+    }
+    inner |= dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in tables)
     keys = [*([_NAME[name]] if name in _NAME else []), *plain, *inner]
     yield keys
     yield from ([_cell(row.get(key)) for key in keys] for row in rows)
 
 
-def _flat(entry: Mapping[str, Any], named: Iterable[str]) -> dict[str, Any]:
-    """Return an entry of a list with the values of its named tables beside its own, as `table.NAME.key`."""
-    row = {key: value for key, value in entry.items() if key not in named}
-    for table in named:
-        for name, values in (entry.get(table) or {}).items():
+def _flat(entry: Mapping[str, Any], tables: Mapping[str, str]) -> dict[str, Any]:
+    """Return an entry of a list with the values of its tables beside its own, as `table.key` or `table.NAME.key`."""
+    row = {key: value for key, value in entry.items() if key not in tables}
+    for table, form in tables.items():
+        given = entry.get(table) or {}
+        for name, values in given.items() if form == "named" else ():
             row |= {f"{table}.{name}.{key}": value for key, value in values.items()}
+        if form == "single":
+            row |= {f"{table}.{key}": value for key, value in given.items()}
     return row
 
 
@@ -315,6 +329,8 @@ def _help_on(sheet: str, table: KeyPath, prefix: str) -> Iterator[list[Any]]:
 def _cell(value: Any) -> Any:
     """Return a value as one cell: lists joined by semicolons, with quotes where a text needs them."""
     if isinstance(value, list | tuple):
+        if any(isinstance(each, list | tuple) for each in value):  # pairs
+            value = [number for pair in value for number in pair]
         return "; ".join(
             '"' + each.replace('"', '""') + '"'
             if isinstance(each, str) and set(each) & set(';"')

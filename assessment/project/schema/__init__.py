@@ -24,6 +24,7 @@ from assessment.project.schema.motions import (
     StatesTable,
 )
 from assessment.project.schema.structure import (
+    BondTable,
     ChangedLayerTable,
     ContactsTable,
     ControlTable,
@@ -31,6 +32,7 @@ from assessment.project.schema.structure import (
     LayerTable,
     MaterialTable,
     PushoverTable,
+    RegionTable,
     SettlementTable,
     StrengtheningTable,
     TieTable,
@@ -50,6 +52,7 @@ __all__ = [
     "ORIGINAL",
     "VARIED",
     "AssessmentTable",
+    "BondTable",
     "CampaignTable",
     "ChangedLayerTable",
     "Contacts",
@@ -72,6 +75,7 @@ __all__ = [
     "MotionTable",
     "ProjectContent",
     "PushoverTable",
+    "RegionTable",
     "ReportTable",
     "SensitivityTable",
     "SettlementTable",

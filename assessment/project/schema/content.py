@@ -24,6 +24,7 @@ from assessment.project.schema.structure import (
     LayerTable,
     MaterialTable,
     PushoverTable,
+    RegionTable,
     SettlementTable,
     StrengtheningTable,
     TieTable,
@@ -95,6 +96,9 @@ class ProjectContent(Table):
     layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS)] = Field(
         default={}, description="what the blocks of a layer have of their own"
     )
+    region: Annotated[tuple[RegionTable, ...], TABLES, DISTINCT] = Field(
+        default=(), description="parts of the drawing whose blocks have something of their own"
+    )
     contacts: ContactsTable = Field(
         default=ContactsTable(), description="how joints slide, and which blocks may touch"
     )
@@ -135,8 +139,14 @@ class ProjectContent(Table):
 
     @property
     def supports(self) -> tuple[str, ...]:
-        """Names of the supports, in the order of the layers."""
-        return tuple(dict.fromkeys(layer.support for layer in self.layers.values() if layer.support))
+        """Names of the supports, in the order of the layers and regions."""
+        return tuple(dict.fromkeys(each.support for each in self.parts.values() if each.support))
+
+    @property
+    def parts(self) -> dict[str, LayerTable]:
+        """What layers and regions say of their blocks, by the name of the table."""
+        regions = {f"region[{k}]": each for k, each in enumerate(self.region, 1)}
+        return {f"layers.{name}": each for name, each in self.layers.items()} | regions
 
     @property
     def unstrengthened(self) -> tuple[str, ...]:
@@ -211,7 +221,7 @@ class ProjectContent(Table):
     def _elastic_keys(self) -> list[str]:
         """Return the keys that ask for elastic contacts where no layer has a stiffness; blocks are for the model."""
         if self.material.normal_stiffness_kN_m3 or any(
-            each.normal_stiffness_kN_m3 for each in self.layers.values()
+            each.normal_stiffness_kN_m3 for each in self.parts.values()
         ):
             return []
         pushed = self.pushover is not None and "elastic" in self.pushover.contacts
@@ -226,7 +236,7 @@ class ProjectContent(Table):
     def _crushes(self) -> bool:
         """Whether some joint has a compressive strength."""
         strengths = [self.material.compressive_strength_kN_m2]
-        strengths += [each.compressive_strength_kN_m2 or math.inf for each in self.layers.values()]
+        strengths += [each.compressive_strength_kN_m2 or math.inf for each in self.parts.values()]
         for made in self.strengthening:
             strengths += [each.compressive_strength_kN_m2 or math.inf for each in made.layers.values()]
         return min(strengths) < math.inf

@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 
 from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
 from assessment.project.schema.values import (
+    MOST_ENTRIES,
     MOST_LAYERS,
     ORIGINAL,
     Angle,
@@ -97,9 +98,27 @@ class MaterialTable(Table):
     )
 
 
+class BondTable(Table):
+    """bond = {…} of a layer or region: a closed outline is cut into blocks, but for the outlines within it."""
+
+    pattern: Literal["running"] = Field(
+        default="running", description="running: courses, each shifted by half a block"
+    )
+    course_m: Length = Field(description="height of a course, m, adapted to whole numbers of them")
+    block_m: Length = Field(description="length of a block, m, adapted likewise")
+
+
 class LayerTable(Table):
     """[layers.NAME]: what the blocks on one layer of the drawing have of their own."""
 
+    ignore: bool = Field(
+        default=False, description="the layer is no masonry (frame, axes, notes): nothing on it is read"
+    )
+    bond: BondTable | None = Field(
+        default=None,
+        description="closed outlines are cut into blocks; outlines of the layer within them are openings, with a "
+        "lintel of one course above, those of other layers blocks that take their place",
+    )
     unit_weight_kN_m3: UnitWeight | None = Field(
         default=None, description="unit weight, kN/m³, instead of [material]'s"
     )
@@ -123,8 +142,7 @@ class LayerTable(Table):
         default=None, description="the blocks of this layer are a support of this name"
     )
     vertical_load_kN: Load = Field(
-        default=0.0,
-        description="permanent load G on each block of the layer, kN, downward, at its centroid",
+        default=0.0, description="permanent load G on each block of the layer, kN, downward, at its centroid"
     )
     variable_load_kN: Annotated[float, Field(ge=0, le=1e9)] = Field(
         default=0.0,
@@ -140,6 +158,8 @@ class LayerTable(Table):
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield upward loads with mass, and variable loads without ψ₂ (NTC 2018, §2.5.3, Tab. 2.5.I)."""
+        if self.ignore and len(self.model_fields_set - {"name", "outline_m"}) > 1:
+            yield "ignore", "what is ignored has no other keys; leave them out, or ignore = true"
         if self.vertical_load_kN < 0.0 and self.load_has_mass:
             text = f"{self.vertical_load_kN:g} acts upward and has no mass; add load_has_mass = false"
             yield "vertical_load_kN", text
@@ -156,6 +176,17 @@ class LayerTable(Table):
         elif psi_2 is not None and PSI_2.get(category or "", psi_2) != psi_2:
             own = PSI_2[category or ""]
             yield "psi_2", f'{psi_2:g}, but use_category = "{category}" has {own:g}; leave one of them out'
+
+
+class RegionTable(LayerTable):
+    """[[region]]: blocks whose centroid lies in an outline, with keys over those of their layer."""
+
+    name: Name = Field(description="name of the region")
+    outline_m: Annotated[tuple[Pair, ...], Field(strict=False, min_length=3, max_length=MOST_ENTRIES)] = (
+        Field(
+            description="x and z, m, of each corner of the outline; of a block in several regions the last one counts"
+        )
+    )
 
 
 class ContactsTable(Table):

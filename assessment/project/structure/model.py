@@ -7,20 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from assessment.ntc.load_factors import psi_2
 from assessment.project.plausibility import implausible
 from assessment.project.structure.gauges import gauges
+from assessment.project.structure.masonry import as_built, layer_of
 from assessment.project.structure.mechanisms import chosen_mechanisms
 from assessment.project.structure.state_models import StateModel, state_models
 from assessment.runtime.errors import ProjectError
-from mechanics import Assembly, DrawingError, Material
+from mechanics import Assembly, DrawingError
 from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.messages import Message, headed, message
 from mechanics.model import Drawing, Layer, default_tolerance, survey_drawing, survey_layout
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import LayerTable
 
 UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are mended"
 
@@ -42,7 +41,7 @@ def build_model(project: Project) -> ProjectModel:
     outside every block, a crack or slip at no joint, or a mechanism whose blocks are not there.
     """
     geometry = project.geometry
-    drawing = survey_drawing(*how_to_read(project), geometry.tolerance_m)
+    drawing = as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))
     tolerance, warnings = _laid_out(project, drawing)
     unset = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
     if unset and project.elastic:
@@ -91,8 +90,8 @@ def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], f
     return (
         project.path(geometry.drawing),
         geometry.unit,
-        _layer(project, None),
-        {name: _layer(project, table) for name, table in project.layers.items()},
+        layer_of(project, None),
+        {name: layer_of(project, table) for name, table in project.layers.items()},
         geometry.sagitta_m,
     )
 
@@ -112,33 +111,3 @@ def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[Message,
         remedy = layout.hint if not faults else UNSEEN
         raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
     return tolerance, drawing.warnings + layout.warnings
-
-
-def _layer(project: Project, table: LayerTable | None) -> Layer:
-    """What the blocks of a layer are: the layer's own keys before the defaults of [material] and [geometry]."""
-
-    def key(name: str) -> float | None:
-        own = getattr(table, name, None)
-        value: float | None = getattr(project.material, name) if own is None else own
-        return value
-
-    try:
-        material = Material(
-            unit_weight=key("unit_weight_kN_m3") or 0.0,
-            friction=key("friction") or 0.0,
-            normal_stiffness=key("normal_stiffness_kN_m3"),
-            tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
-            compressive_strength=key("compressive_strength_kN_m2") or 0.0,
-        )
-    except ValueError as error:
-        raise ProjectError(f"{project.source}: material: {error}") from None
-    if table is None:
-        return Layer(material, project.geometry.depth_m)
-    return Layer(
-        material,
-        table.depth_m or project.geometry.depth_m,
-        table.support,
-        table.vertical_load_kN + psi_2(table.use_category, table.psi_2) * table.variable_load_kN,
-        table.load_has_mass,
-        table.segments_per_joint,
-    )

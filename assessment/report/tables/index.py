@@ -153,9 +153,10 @@ def layers(results: Results) -> Table:
     rows = []
     by_layer: dict[str, list[Block]] = {}
     for block in results.geometry.blocks:
-        by_layer.setdefault(block.layer, []).append(block)
+        name = f"{block.layer}, {block.region}" if block.region else block.layer
+        by_layer.setdefault(name, []).append(block)
     for layer, own in sorted(by_layer.items()):
-        given = material(results.echo, layer)
+        given = material(results.echo, own[0])
         rows.append(
             {
                 "layer": layer,

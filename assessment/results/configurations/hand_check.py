@@ -315,7 +315,7 @@ def weights(results: Results) -> tuple[Array, Array]:
     """Return weights and seismic weights (b,) kN, worked out from outlines, depths and the project's own figures."""
     weight, seismic = [], []
     for block in results.geometry.blocks:
-        given = material(results.echo, block.layer)
+        given = material(results.echo, block)
         unit_weight = float(given.get("unit_weight_kN_m3") or 0.0)
         stone = unit_weight * block.depth_m * outline_area(block.vertices_m)
         load = block.vertical_load_kN

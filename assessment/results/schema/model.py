@@ -53,6 +53,7 @@ class Block(Part):
     depth_m: float = key("depth out of plane", "m", ("Spessore", "Depth"))
     layer: str = key("layer of the drawing", label="Layer")
     handle: str = key("handle of its polyline in the drawing")
+    region: str | None = optional("region of the project that it lies in; null: none")
     support: str | None = key("name of the support that it belongs to; null: it moves")
     vertical_load_kN: float = key(
         "load at its centroid, downward: G_2 + ψ₂ Q", "kN", ("Carico G_2 + ψ_2 Q", "Load G_2 + ψ_2 Q")
@@ -146,6 +147,7 @@ class Echo(Part):
     geometry: dict[str, Any] = key("[geometry]")
     material: dict[str, Any] = key("[material]")
     layers: dict[str, dict[str, Any]] | None = optional("[layers]")
+    region: list[dict[str, Any]] | None = optional("[[region]], as given: without defaults")
     contacts: dict[str, Any] | None = optional("[contacts]")
     control: list[dict[str, Any]] | None = optional("[[control]]")
     settlements: list[dict[str, Any]] | None = optional("[[settlements]]")

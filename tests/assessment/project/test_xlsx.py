@@ -186,7 +186,7 @@ def test_an_empty_sheet_switches_its_stage_on_and_a_missing_one_off(folder):
         ("settlements", "C2", "0.1", "settlements[1].displacement_m", "[0.1] is wrong; write two numbers"),
         ("settlements", "C2", "0;x", "settlements[1].displacement_m[2]", '"x" is wrong; write a number'),
         ("control", "A3", "C1", "control[2].name", '"C1" is the name of an earlier entry'),
-        ("layers", "G2", 0, "layers.0.depth_m", "0 is wrong; write a number greater than 0"),
+        ("layers", "H2", 0, "layers.0.depth_m", "0 is wrong; write a number greater than 0"),
         ("pushover", "B3", "C7", "pushover.control.+x", 'no control point "C7"; did you mean'),
         (
             "history",

@@ -1,0 +1,183 @@
+"""The blocks of a project's drawing: bonds cut, and what the regions of the project say of blocks put on them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+from shapely.ops import unary_union
+
+from assessment.ntc.load_factors import psi_2
+from assessment.project.catalogue.geometry import courses, fitted, rectangle, running_bond, tidied
+from assessment.project.schema import BondTable, LayerTable, RegionTable
+from assessment.runtime.errors import ProjectError
+from mechanics import Block, Material
+from mechanics.model import Drawing, Layer, layer_key, of_block
+from mechanics.types import Array
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+
+MOST_BLOCKS = 10_000  # that a bond makes of one outline
+TOUCHING = 1e-6  # of an outline's size: an opening may end at its edge
+SLIVER = 0.2  # of a block's least size: what is thinner is joined to its neighbour
+
+
+def as_built(project: Project, drawing: Drawing) -> Drawing:
+    """Return the drawing with its bonds cut and with what regions say of the blocks whose centroids lie in them.
+
+    Raises ProjectError for a region that is no outline or holds no block, a bond of too many blocks, or a block that
+    would enclose an opening.
+    """
+    tables = (*project.layers.values(), *project.region)
+    if not project.region and not any(each.bond for each in tables):
+        return drawing
+    outlines = [_outline(project, region) for region in project.region]
+    blocks = [*_in_regions(project, outlines, _bonded(project, outlines, drawing.blocks))]
+    for region in project.region:
+        if not region.ignore and all(block.region != region.name for block in blocks):
+            key = f"{project.source}: region.{region.name}.outline_m"
+            raise ProjectError(f"{key}: no block has its centroid in it; correct its corners, in m")
+    return replace(drawing, blocks=tuple(blocks))
+
+
+def layer_of(project: Project, table: LayerTable | None) -> Layer:
+    """What the blocks of a table are: its own keys before the defaults of [material] and [geometry].
+
+    Raises ProjectError where no joint has such values.
+    """
+
+    def key(name: str) -> float | None:
+        own = getattr(table, name, None)
+        value: float | None = getattr(project.material, name) if own is None else own
+        return value
+
+    try:
+        material = Material(
+            unit_weight=key("unit_weight_kN_m3") or 0.0,
+            friction=key("friction") or 0.0,
+            normal_stiffness=key("normal_stiffness_kN_m3"),
+            tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
+            compressive_strength=key("compressive_strength_kN_m2") or 0.0,
+        )
+    except ValueError as error:
+        raise ProjectError(f"{project.source}: material: {error}") from None
+    if table is None:
+        return Layer(material, project.geometry.depth_m)
+    return Layer(
+        material,
+        table.depth_m or project.geometry.depth_m,
+        table.support,
+        table.vertical_load_kN + psi_2(table.use_category, table.psi_2) * table.variable_load_kN,
+        table.load_has_mass,
+        table.segments_per_joint,
+        table.ignore,
+    )
+
+
+def table_of(project: Project, layer: str, region: str) -> LayerTable:
+    """Return what a layer and a region ("": none) say together: the keys of the region before those of the layer."""
+    own = (table for name, table in project.layers.items() if layer_key(name) == layer_key(layer))
+    table = next(own, LayerTable())
+    given = next((each for each in project.region if each.name == region), None)
+    if given is None:
+        return table
+    over = given.model_fields_set & LayerTable.model_fields.keys()
+    return table.model_copy(update={key: getattr(given, key) for key in over})
+
+
+def _outline(project: Project, region: RegionTable) -> Polygon:
+    outline = Polygon(region.outline_m)
+    if not outline.is_valid or not outline.area:
+        key = f"{project.source}: region.{region.name}.outline_m"
+        raise ProjectError(f"{key}: crosses itself or has no area; write its corners in order")
+    return outline
+
+
+def _region_at(project: Project, outlines: Sequence[Polygon], block: Block) -> str:
+    place = shapely.Point(block.centroid)
+    found = [r.name for r, o in zip(project.region, outlines, strict=True) if o.intersects(place)]
+    return found[-1] if found else ""
+
+
+def _in_regions(project: Project, outlines: Sequence[Polygon], blocks: Sequence[Block]) -> Iterator[Block]:
+    """Yield the blocks as their regions want them, without those that are ignored."""
+    for block in blocks:
+        region = _region_at(project, outlines, block)
+        table = table_of(project, block.layer, region)
+        if region and not table.ignore:
+            yield replace(block, **of_block(layer_of(project, table)), region=region)
+        elif not region:
+            yield block
+
+
+def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block]) -> list[Block]:
+    """Return the blocks with every outline that has a bond cut into blocks."""
+    tables = [table_of(project, block.layer, _region_at(project, regions, block)) for block in blocks]
+    shapes = [Polygon(block.polygon) for block in blocks]
+    gone, made = set[int](), list[Block]()
+    for k in sorted(range(len(blocks)), key=lambda k: -shapes[k].area):
+        if (bond := tables[k].bond) is None or k in gone:
+            continue
+        margin = TOUCHING * float(np.ptp(blocks[k].polygon))
+        inside = [
+            j
+            for j in shapely.STRtree(shapes).query(shapes[k], predicate="intersects").tolist()
+            if j != k and shapes[k].buffer(margin).contains(shapes[j])
+        ]
+        openings = [j for j in inside if layer_key(blocks[j].layer) == layer_key(blocks[k].layer)]
+        gone |= {k, *openings}
+        key = f"{project.source}: layers.{blocks[k].layer}.bond"
+        others = [shapes[j] for j in inside if j not in openings]
+        try:
+            pieces = running(shapes[k], [shapes[j] for j in openings], others, bond)
+        except ValueError as error:
+            raise ProjectError(f"{key}.{error}") from None
+        made += [replace(blocks[k], vertices=piece) for piece in pieces]
+    return [*(block for k, block in enumerate(blocks) if k not in gone), *made]
+
+
+def running(
+    outline: Polygon, openings: Sequence[Polygon], others: Sequence[Polygon], bond: BondTable
+) -> list[Array]:
+    """Return the blocks (n, 2) m in running bond of an outline but for `openings` and `others`, lintels last.
+
+    A lintel is one block of one course or more that bears by half a block on either side of its opening; where another
+    outline lies on the opening there is none. Raises ValueError for too many blocks, or one that encloses an opening.
+    """
+    low, bottom, high, top = outline.bounds
+    try:
+        levels = courses(bottom, top, bond.course_m)
+    except ValueError as error:
+        raise ValueError(f"course_m: {str(error).partition(': ')[2]}") from None
+    along = max(1, round((high - low) / bond.block_m))
+    if along * len(levels) > MOST_BLOCKS:
+        raise ValueError(
+            f"block_m: {bond.block_m:g} makes more than {MOST_BLOCKS} blocks; write a longer one"
+        )
+    walled = outline.difference(unary_union([*openings, *others]))
+    lintels = []
+    for opening in openings:
+        left, _, right, head = opening.bounds
+        above = levels[levels > head + 0.5 * bond.course_m]
+        if not len(above):  # it ends at the top
+            continue
+        box = rectangle(left - 0.5 * bond.block_m, right + 0.5 * bond.block_m, head, float(above[0]))
+        lintel = Polygon(box).intersection(walled)
+        lintel = max(getattr(lintel, "geoms", [lintel]), key=lambda part: part.area)
+        if lintel.area and lintel.bounds[0] < left and right < lintel.bounds[2]:
+            lintels.append(lintel)
+    joined = unary_union(lintels)
+    beams = [part for part in getattr(joined, "geoms", [joined]) if part.area]
+    thinnest = SLIVER * min(bond.course_m, bond.block_m)
+    cells = running_bond(low, high, levels, along)
+    pieces = fitted(cells, walled.difference(joined), thinnest)
+    pieces += [np.array(beam.exterior.coords[:-1]) for beam in beams]
+    if sum(Polygon(piece).area for piece in pieces) > walled.area * (1.0 + 1e-6):
+        text = "a block would enclose an opening, or another block; write a shorter one, or draw these blocks"
+        raise ValueError(f"block_m: {text}")
+    return tidied(blocks=pieces)["blocks"]
