@@ -13,15 +13,45 @@ _HOME = {
     "capacity_curve": "ntc.capacity.curve",
     "participation": "ntc.capacity.curve",
     "verify": "ntc.verification",
+    **dict.fromkeys(
+        (
+            *(
+                "arcade",
+                "arch",
+                "barrel_vault",
+                "bell_gable",
+                "block",
+                "buttressed_arch",
+                "facade",
+                "pointed_arch",
+            ),
+            *("triumphal_arch", "tympanum", "wall", "wall_with_openings", "incremental", "fragility"),
+        ),
+        "scripting",
+    ),
 }
 __all__ = [
     "ElasticSpectrum",
     "RecordSpectrum",
+    "arcade",
+    "arch",
+    "barrel_vault",
+    "bell_gable",
+    "block",
+    "buttressed_arch",
     "capacity_curve",
+    "facade",
     "fit_curve",
+    "fragility",
+    "incremental",
     "participation",
+    "pointed_arch",
     "site_hazard",
+    "triumphal_arch",
+    "tympanum",
     "verify",
+    "wall",
+    "wall_with_openings",
 ]
 
 

@@ -160,16 +160,19 @@ class Assembly:
 
         `state`: default as drawn; `magnified`: factor of its displacements; `axes`: default those of a new figure.
         """
-        from mechanics.pictures import place  # late: as above
-        from mechanics.pictures.plots import draw_state
+        from mechanics.pictures.plots import draw_state  # late: as above
 
-        moved = self.displaced(self.starting(state))
-        ties = [
-            tie.points + magnified * (place(tie.points, pair, self.shape.centroids, moved) - tie.points)
-            for tie, pair in zip(self.ties, self.tie_blocks, strict=True)
-        ]
+        moved, ties = self.displaced(self.starting(state)), self.tie_ends(self.starting(state), magnified)
         title = "" if magnified == 1.0 else f"displacements × {magnified:g}"
         return draw_state(self.shape.moved(moved, magnified), self.shape, ties, title, axes)
+
+    def tie_ends(self, state: State, magnified: float = 1.0) -> list[Array]:
+        """Return the ends (2, 2), m, of every tie in a state, its displacements magnified, for pictures."""
+        from mechanics.pictures import place  # late: as above
+
+        moved, middles = self.displaced(state), self.shape.centroids
+        found = zip([np.asarray(tie.points) for tie in self.ties], self.tie_blocks, strict=True)
+        return [ends + magnified * (place(ends, pair, middles, moved) - ends) for ends, pair in found]
 
     def to_frame(self) -> pd.DataFrame:
         """Return a table of the blocks: support, centroid (m), area (m²), depth (m), weight with loads (kN)."""

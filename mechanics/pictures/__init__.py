@@ -22,6 +22,7 @@ from mechanics.pictures.parts import (
     swept_by,
     union,
 )
+from mechanics.pictures.plots import draw_curve
 from mechanics.pictures.shape import Shape, field, place, through_blocks
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "TIE",
     "Bounds",
     "Shape",
+    "draw_curve",
     "field",
     "fill",
     "fill_roles",

@@ -86,13 +86,14 @@ def draw_mechanism(
     hinges: Array,
     slides: Sequence[Array],
     thrust: Iterable[Array],
+    ties: Iterable[Array],
     title: str,
     axes: Axes | None,
 ) -> Axes:
     """Draw a mechanism where it begins: blocks that move grey, where they go dashed, and the line of thrust.
 
     `velocity` (b, 3): virtual displacements; `hinges` (n, 2) m; `slides`: ends (2, 2) m of the joints that slide;
-    `thrust`: pieces (2, 2) m of its line.
+    `thrust`: pieces (2, 2) m of its line; `ties`: ends (2, 2) m of each.
     """
     swept = start.swept(velocity, swept_by(start, velocity))
     axes = _axes(axes, union([start, swept]))
@@ -105,8 +106,9 @@ def draw_mechanism(
         (fast & ~start.supports, MOVING),
     ):
         fill(axes, start, np.flatnonzero(chosen), grey)
-    for line, style in [*((each, THRUST) for each in thrust), *((each, SLIDING) for each in slides)]:
-        axes.plot(*line.T, **style)
+    for style, pieces in ((THRUST, thrust), (SLIDING, slides), (TIE, ties)):
+        for line in pieces:
+            axes.plot(*line.T, **style)
     axes.plot(*hinges.T, **HINGE)
     return axes
 

@@ -87,6 +87,7 @@ class Limit:
             model.as_drawn(found.points).reshape(-1, 2),
             list(model.as_drawn(end_points(contacts.take(found.sliding), at))),
             through_blocks(np.stack([contacts.a, contacts.b], axis=1), points, loaded),
+            model.tie_ends(self.state),
             f"{self.direction}, α = {self.alpha:.4g}",
             axes,
         )

@@ -12,7 +12,7 @@ from tests import ROOT
 
 LINES = {
     # of code, comments and blank lines in *.py
-    "assessment": 50,
+    "assessment": 241,
     "assessment/analyses": 5195,
     "assessment/app": 1600,
     "assessment/benchmark": 1900,
@@ -26,8 +26,8 @@ LINES = {
     "assessment/workflow": 1250,
     "mechanics": 600,
     "mechanics/kernels": 3550,
-    "mechanics/model": 3350,
-    "mechanics/pictures": 428,
+    "mechanics/model": 3352,
+    "mechanics/pictures": 431,
     "mechanics/procedures": 2985,
     "mechanics/records": 1200,
     "mechanics/solvers": 1150,
