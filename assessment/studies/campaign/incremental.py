@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from assessment.analyses.dynamic.fragility import ENOUGH, RecordLevel, over_records, standard_value
+from assessment.analyses.dynamic.fragility import ENOUGH, over_records, standard_value
 from assessment.analyses.dynamic.record_set import Measures
-from assessment.analyses.dynamic.time_history import quality_row
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema.dynamic import Fragility, Incremental, Search, SignScan
-from assessment.results.schema.model import QualityRow
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.studies.campaign.scans import (
-    SCALED,
     Asked,
     Scans,
+    asked_of,
     mirrored,
     numbers,
     observed_in,
     own_setting,
     reach_of,
-    signed,
 )
+from assessment.studies.campaign.summary import record_levels
+from assessment.studies.variants import Study
 from mechanics.messages import Message, headed, message
 
 if TYPE_CHECKING:
@@ -35,15 +34,11 @@ DIRECTIONS = {1: "+x", -1: "-x"}
 
 
 @dataclass
-class Found:
-    """What the analysis leaves: each state's part, rows, messages and computing time (s)."""
+class Found(Study):
+    """What the analysis leaves beside what every study does: each state's part, and errors of the time step."""
 
     states: dict[str, Incremental] = field(default_factory=dict)
-    quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[Message] = field(default_factory=list)
-    failures: list[Message] = field(default_factory=list)
     errors: list[ConvergenceRow] = field(default_factory=list)
-    seconds: float = 0.0
 
 
 def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Found:
@@ -61,7 +56,9 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
         searches = []
         for both in zip(own[:: len(SIGNS)], own[1 :: len(SIGNS)], strict=True):
             searches.append(_search(both, scans))
-            _tell(found, both, scans, searches[-1])
+            for each in both:
+                if each.sign == each.run_sign:
+                    scans.tell(each, f"incremental, {searches[-1].record}", found)
         found.states[state] = summarise(searches, found.warnings, state, measures, ratios)
     return found
 
@@ -82,14 +79,8 @@ def _asked(inputs: MotionInputs, motions: Sequence[BaseMotion]) -> list[Asked]:
         name = task.motion.name
         for sign in SIGNS:
             run_sign = SIGNS[0] if one_sign else sign
-            title = message(
-                "{state}, incremental analysis with {record}, {sign}",
-                state=task.state,
-                record=name,
-                sign="+" if sign > 0 else "−",
-            )
             after = before.get(name) or (asked[0] if asked else None)
-            asked.append(Asked(title, signed(task, run_sign), sign, run_sign, reach, after))
+            asked.append(asked_of(task, sign, run_sign, reach, after))
             before[name] = asked[-1]
     return asked
 
@@ -118,52 +109,6 @@ def _search(both: Sequence[Asked], scans: Scans) -> Search:
         seconds=sum(scans.of(each).seconds for each in both if each.sign == each.run_sign),
         **shown,
     )
-
-
-def _tell(found: Found, both: Sequence[Asked], scans: Scans, search: Search) -> None:
-    """Add the messages, certificates and seconds of a record's scans, once of each."""
-    for each in both:
-        scan = scans.of(each)
-        if each.sign != each.run_sign or not scans.first_told(each):
-            continue
-        found.warnings += [headed(each.title, text) for text in scan.notes]
-        found.failures += [headed(each.title, text) for text in scan.failures]
-        if scan.reason is not None and not scan.failures:
-            found.warnings.append(headed(each.title, scan.reason))
-        found.warnings += [headed(each.title, text) for text in doubts(each, scans)]
-        if scan.counts:
-            row = quality_row(
-                each.shaking.state, f"incremental, {search.record}", scan.counts.programs, scan.worst
-            )
-            found.quality.append(row)
-        found.seconds += scan.seconds
-
-
-def doubts(asked: Asked, scans: Scans) -> Iterator[Message]:
-    """Yield what to know of the levels of a record: no collapse, bands, a record scaled far."""
-    seen, motion = observed_in(scans.of(asked)), asked.shaking.motion
-    if scans.of(asked).reason is not None:
-        return
-    if seen.lowest is None:
-        yield message(
-            "no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find one",
-            safe=seen.safe,
-            scale=asked.reach.max_scale,
-        )
-    elif seen.stands:
-        yield message(
-            "collapse at a PGA of {pga:.3g} g at the surface, but stands at {levels:.3g} g; "
-            "{counts:.3g} g counts, of 16 % of the levels around",
-            pga=seen.lowest,
-            levels=list(seen.stands),
-            counts=seen.capacity or seen.lowest,
-        )
-    factor = motion.scale * (seen.lowest or 0.0) / motion.pga
-    if abs(factor) > SCALED:
-        yield message(
-            "the record is scaled by {factor:.2g} to collapse; earthquakes so strong have other durations and spectra",
-            factor=abs(factor),
-        )
 
 
 def summarise(
@@ -241,14 +186,3 @@ def _fragility(
         beta_range=fit.beta_range,
         measures=measures.fits(levels, ratios) if measures else [],
     )
-
-
-def record_levels(parts: Sequence[tuple[str, SignScan]]) -> list[RecordLevel]:
-    """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
-    return [
-        RecordLevel(
-            record, part.level_50_g or part.pga_safe_g or 0.0, part.level_50_g is None, part.beta or 0.0
-        )
-        for record, part in parts
-        if part.reason is None and (part.level_50_g or part.pga_safe_g)
-    ]

@@ -91,6 +91,7 @@ def moved_states(
     asked, beside = table.settlements or project.unstrengthened[1:], _beside(project, table)
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
     parts = _parts(movements, models, table, workers)
+    point = project.control_point(table.control).name
     found = []
     for _, whole in movements:
         model, drawn = models[whole.name].assembly, models[ORIGINAL].assembly
@@ -109,7 +110,8 @@ def moved_states(
             # those of the whole and of none are among the warnings of their states
             warnings = study.warnings if 0.0 < share < 1.0 else []
             capacity = _static(beside, state, demands, warnings)
-            ultimate = _ultimate(project, table, state.curves)
+            # of the control point, m: where the static capacity vanishes
+            ultimate = ultimates({ORIGINAL: state.curves}).get((ORIGINAL, point))
             found.append(
                 Moved(whole.name, share, share * length, state.model, state.start, capacity, ultimate)
             )
@@ -187,12 +189,6 @@ def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list
         values = [compared(each, quantity(project)) for each in found.values()]
     known = [value for value in values if value is not None]
     return min(known) if known and len(known) == len(values) else None
-
-
-def _ultimate(project: Project, table: CampaignTable, curves: Mapping[Direction, Pushovers]) -> float | None:
-    """Return the displacement of the campaign's control point (m) at which the static capacity vanishes."""
-    point = project.control_point(table.control).name
-    return ultimates({ORIGINAL: curves}).get((ORIGINAL, point))
 
 
 def _surface_pga(capacity: Capacity | None, limit_state: str | None) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from assessment.analyses.dynamic.ensemble import Scatter, scatter_of
 from assessment.analyses.dynamic.fragility import Observed, observed
 from assessment.analyses.dynamic.inputs import WORTHWHILE
 from assessment.analyses.dynamic.scan import EXPECTED, SPACING, Reach, Scan, scan
+from assessment.analyses.dynamic.time_history import quality_row
 from assessment.project.schema import MotionTable
 from assessment.results.schema.dynamic import Scanned
 from assessment.results.schema.studies import ConvergenceRow
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from assessment.analyses.dynamic.time_history import Shaking
     from assessment.project.project import Project
     from assessment.runtime.tasks import Workers
+    from assessment.studies.variants import Study
     from mechanics import Assembly
 
 SCALED = 3.0  # factor on a record beyond which its level is no longer that of such an earthquake
@@ -53,11 +55,11 @@ class Asked:
 
 @dataclass
 class Scans:
-    """Scans of a run by key, each with those of the time step halved once, twice…; what is there is not run again."""
+    """Scans of a run by key and by how often the time step is halved; what is there is not run again."""
 
     project: Project
     workers: Workers
-    found: dict[str, list[Scan]] = field(default_factory=dict)
+    found: dict[str, dict[int, Scan]] = field(default_factory=dict)
     told: set[str] = field(default_factory=set)
 
     def run(self, stage: str, asked: Sequence[Asked], halvings: int = 0) -> None:
@@ -65,9 +67,8 @@ class Scans:
         scatter = scatter_of(self.project)
         wanted: dict[str, Asked] = {}
         for each in asked:
-            key = each.key
-            if not isinstance(each.shaking.start, str) and len(self.found.get(key, [])) == halvings:
-                wanted.setdefault(key, each)
+            if not isinstance(each.shaking.start, str) and halvings not in self.found.get(each.key, {}):
+                wanted.setdefault(each.key, each)
         order = sorted(wanted, key=lambda key: -wanted[key].shaking.motion.record.acceleration.size)
         numbers = {key: number for number, key in enumerate(order)}
         tasks = [self._task(wanted[key], halvings, scatter, numbers) for key in order]
@@ -77,7 +78,7 @@ class Scans:
         for key, found in zip(
             order, self.workers.each(stage, scan, tasks, titles, work > WORTHWHILE, samples), strict=True
         ):
-            self.found.setdefault(key, []).append(found)
+            self.found.setdefault(key, {})[halvings] = found
 
     def _task(
         self, asked: Asked, halvings: int, scatter: Scatter, numbers: Mapping[str, int]
@@ -86,13 +87,11 @@ class Scans:
         near: float | From | None = None
         for _ in range(halvings):
             motion = motion.at_half_step()
-        if halvings:
-            near = level_found(self.found[asked.key][-1])
-        elif asked.after is not None and not asked.reach.stripes:
-            key = asked.after.key
-            near = level_found(self.found[key][0]) if key in self.found else None
-            if key in numbers:
-                near = From(numbers[key], level_found)
+        known = [each.key for each in (asked, asked.after) if each is not None and each.key in self.found]
+        if known:
+            near = level_found(self._finest(known[0]))
+        elif asked.after is not None and asked.after.key in numbers and not asked.reach.stripes:
+            near = From(numbers[asked.after.key], level_found)
         start = (shaking.model, motion, shaking.setting, shaking.start, scatter)
         campaign = self.project.campaign
         return (*start, asked.reach, near, (campaign.curve_members if campaign else None) or ())
@@ -104,25 +103,36 @@ class Scans:
         """
         if isinstance(asked.shaking.start, str):
             return Scan(reason=asked.shaking.start)
-        found = self.found[asked.key]
-        if halvings is not None:
-            return found[halvings]
-        return next((each for each in reversed(found) if each.reason is None), found[0])
+        return self._finest(asked.key) if halvings is None else self.found[asked.key][halvings]
+
+    def _finest(self, key: str) -> Scan:
+        found = self.found[key]
+        return next(
+            (found[n] for n in sorted(found, reverse=True) if found[n].reason is None), found[min(found)]
+        )
 
     def paired(self, one: Asked, other: Asked) -> tuple[Scan, Scan]:
         """Return the scans of two at the finest time step that both have."""
         if isinstance(one.shaking.start, str) or isinstance(other.shaking.start, str):
             return self.of(one), self.of(other)
-        last = min(len(self.found[one.key]), len(self.found[other.key])) - 1
+        last = max(self.found[one.key].keys() & self.found[other.key].keys())
         return self.found[one.key][last], self.found[other.key][last]
 
-    def first_told(self, asked: Asked) -> bool:
-        """Whether messages and costs of a scan have not been told yet."""
-        if isinstance(asked.shaking.start, str):
-            return True
-        first = asked.key not in self.told
-        self.told.add(asked.key)
-        return first
+    def tell(self, asked: Asked, stage: str, study: Study) -> None:
+        """Add messages, certificates and seconds of a scan to a study, once."""
+        found = self.of(asked)
+        if not isinstance(asked.shaking.start, str):
+            if asked.key in self.told:
+                return
+            self.told.add(asked.key)
+        elif found.reason is not None:
+            study.warnings.append(headed(asked.title, found.reason))
+        if found.counts:
+            programs = found.counts.programs
+            study.quality.append(quality_row(asked.shaking.state, stage, programs, found.worst))
+        study.failures += [headed(asked.title, text) for text in found.failures]
+        study.warnings += [headed(asked.title, text) for text in (*found.notes, *_doubts(asked, found))]
+        study.seconds += found.seconds
 
     def refine(self, stage: str, asked: Sequence[Asked]) -> list[tuple[Asked, ConvergenceRow, list[Message]]]:
         """Scan again, over all levels, with the time step halved twice: two may agree by chance; then until they do.
@@ -145,15 +155,35 @@ class Scans:
             if not isinstance(each.shaking.start, str) and not self.of(each, 0).reason
         ]
 
+    def needed(self, asked: Sequence[Asked]) -> tuple[int, float]:
+        """Return how often the time step has to be halved, and by how much, in ln, the one given moves the levels.
+
+        That is as often as the mean of the lowest collapses differs from that of the finest step by more than the
+        tolerance: a level by itself may turn on the last digits. Of what was scanned at several steps alone.
+        """
+        moved: dict[int, list[float]] = {}
+        for found in (self.found.get(key, {}) for key in {each.key: None for each in asked}):
+            lowest = {n: observed_in(each).lowest for n, each in found.items()}
+            last = lowest[max(lowest)] if len(lowest) > 1 else None
+            for n, level in lowest.items():
+                if last is not None and level is not None:
+                    moved.setdefault(n, []).append(math.log(level / last))
+        mean = {n: sum(moved[n]) / len(moved[n]) for n in sorted(moved)}
+        tolerance = accuracy_of(self.project).tolerance or math.inf
+        wrong = [n for n in mean if abs(mean[n]) > tolerance]
+        return (wrong[-1] + 1 if wrong else 0), mean.get(0, 0.0)
+
     def _moved(self, asked: Asked) -> float | None:
         """By how much, relative, the last halving moved the lowest collapse; None where one is not known."""
-        last = [observed_in(each).lowest for each in self.found[asked.key][-2:]]
+        found = self.found[asked.key]
+        last = [observed_in(found[n]).lowest for n in sorted(found)[-2:]]
         if len(last) < 2 or last[0] is None or last[1] is None:
             return None
         return abs(last[1] / last[0] - 1.0)
 
     def _row(self, asked: Asked, tolerance: float) -> tuple[ConvergenceRow, list[Message]]:
-        found, moved = self.found[asked.key], self._moved(asked)
+        by_step, moved = self.found[asked.key], self._moved(asked)
+        found = [by_step[n] for n in sorted(by_step)]
         seen = [observed_in(each) for each in found]
         levels = [each.capacity for each in seen]
         failed = next((each.reason for each in found if each.reason), None)
@@ -186,6 +216,43 @@ class Scans:
         return row, [headed(asked.title, text)]
 
 
+def asked_of(shaking: Shaking, sign: int, run_sign: int, reach: Reach, after: Asked | None) -> Asked:
+    """Return what is asked for of a shaking by a record of one sign, of which `run_sign` is run."""
+    motion = shaking.motion
+    title = message(
+        "{state}, {record}, {sign}", state=shaking.state, record=motion.name, sign="+" if sign > 0 else "−"
+    )
+    turned = replace(shaking, motion=replace(motion, record=motion.record.scaled(float(run_sign))))
+    return Asked(title, turned, sign, run_sign, reach, after)
+
+
+def _doubts(asked: Asked, found: Scan) -> Iterator[Message]:
+    """Yield what to know of the levels of a record: no collapse, bands, a record scaled far."""
+    seen, motion = observed_in(found), asked.shaking.motion
+    if found.reason is not None or found.stripes:
+        return
+    if seen.lowest is None:
+        yield message(
+            "no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find one",
+            safe=seen.safe,
+            scale=asked.reach.max_scale,
+        )
+    elif seen.stands:
+        yield message(
+            "collapse at a PGA of {pga:.3g} g at the surface, but stands at {levels:.3g} g; "
+            "{counts:.3g} g counts, of 16 % of the levels around",
+            pga=seen.lowest,
+            levels=list(seen.stands),
+            counts=seen.capacity or seen.lowest,
+        )
+    factor = motion.scale * (seen.lowest or 0.0) / motion.pga
+    if abs(factor) > SCALED:
+        yield message(
+            "the record is scaled by {factor:.2g} to collapse; earthquakes so strong have other durations and spectra",
+            factor=abs(factor),
+        )
+
+
 def reach_of(project: Project) -> Reach:
     """Return the levels that [incremental] and [campaign] share: the finer, and the farther, of what both ask for."""
     incremental, campaign = project.incremental, project.campaign
@@ -208,12 +275,6 @@ def mirrored(project: Project, model: Assembly, table: MotionTable) -> bool:
     mirror = Mirror.of(model, table.contacts)
     point = project.control_point(table.control).point_m
     return mirror is not None and mirror.swaps(point, point)
-
-
-def signed(shaking: Shaking, sign: int) -> Shaking:
-    """Return the shaking by a record of this sign."""
-    motion = shaking.motion
-    return replace(shaking, motion=replace(motion, record=motion.record.scaled(float(sign))))
 
 
 def observed_in(found: Scan) -> Observed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from assessment.analyses.dynamic.fragility import ENOUGH
 from assessment.analyses.dynamic.record_set import HIGH, LOW, Measures
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.scan import Reach
-from assessment.analyses.dynamic.time_history import Shaking, quality_row
+from assessment.analyses.dynamic.time_history import Shaking
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema.campaign import (
     Campaign,
@@ -18,18 +19,17 @@ from assessment.results.schema.campaign import (
     CampaignFragility,
     SameAs,
 )
-from assessment.studies.campaign.incremental import doubts
 from assessment.studies.campaign.movements import Moved, moved_states, moved_title
 from assessment.studies.campaign.records import RecordSet, record_set
 from assessment.studies.campaign.scans import (
     Asked,
     Scans,
+    asked_of,
     mirrored,
     numbers,
     observed_in,
     own_setting,
     reach_of,
-    signed,
 )
 from assessment.studies.campaign.summary import Combination, fragility_of, loss_of, within_records
 from assessment.studies.variants import Statics, Study, quantity
@@ -65,12 +65,9 @@ def campaign(
     study.warnings += [note for motion in records.motions for note in motion.notes if note not in reported]
     moved = moved_states(project, models, statics, demands, scans.workers, study)
     combinations = _combinations(project, models[ORIGINAL].assembly, table, records, moved)
-    scans.run("campaign", [each.asked for each in combinations])
-    if project.incremental is None and not table.levels_g:  # else that has looked at the time step
-        first = [each.asked for each in combinations if each.record == combinations[0].record][
-            : len(table.signs)
-        ]
-        study.warnings += [text for *_, told in scans.refine("campaign: finer", first) for text in told]
+    scans.run(
+        "campaign", asked := [each.asked for each in combinations], _halvings(asked, table, scans, study)
+    )
     rows = _rows(combinations, scans, table, study)
     measures = Measures(project)
     ratios = measures.of(records.motions)
@@ -113,6 +110,28 @@ def campaign(
     return found
 
 
+def _halvings(asked: Sequence[Asked], table: CampaignTable, scans: Scans, study: Study) -> int:
+    """Return how often the time step is halved in a campaign: as those scans need that were run at several steps.
+
+    Those are of [incremental], or else both signs of the first record from the first state. Stripes are run as asked.
+    """
+    if table.levels_g:
+        return 0
+    if not any(len(scans.found.get(each.key, {})) > 1 for each in asked):
+        asked = asked[: len(table.signs)]
+        scans.run("campaign", asked)
+        study.warnings += [text for *_, told in scans.refine("campaign: finer", asked) for text in told]
+    halvings, moved = scans.needed(asked)
+    if halvings:
+        text = message(
+            "time step halved {count} times: levels at collapse at the one given differ by {moved:.0%} in the mean",
+            moved=math.exp(moved) - 1.0,
+            count=halvings,
+        )
+        study.warnings.append(_of_campaign(text))
+    return halvings
+
+
 def _combinations(
     project: Project, drawn: Assembly, table: CampaignTable, records: RecordSet, moved: Sequence[Moved]
 ) -> list[Combination]:
@@ -134,15 +153,9 @@ def _combinations(
                 after = before.get(place) or before.get(motion.name) or (found[0].asked if found else None)
                 setting = Setting(own_setting(table), point, state.ultimate)
                 shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
-                title = message(
-                    "{state}, {record}, {sign}",
-                    state=state.title,
-                    record=motion.name,
-                    sign="+" if sign > 0 else "−",
-                )
                 stripes = tuple(level / ratio for level in table.levels_g or ())
                 levels = Reach(table.max_scale, stripes=stripes) if stripes else reach
-                asked = Asked(title, signed(shaking, run_sign), sign, run_sign, levels, after)
+                asked = asked_of(shaking, sign, run_sign, levels, after)
                 before[place] = asked
                 before.setdefault(motion.name, asked)
                 found.append(Combination(state, motion.name, ratio, asked))
@@ -178,14 +191,8 @@ def _rows(
                 settlement=origin.moved.settlement, share=origin.moved.share, sign=origin.asked.sign
             )
             row = row.replace(same_as=same, runs=0, points=[], counts=None)
-        elif scans.first_told(each.asked) and scan.counts:
-            study.quality.append(
-                quality_row(str(each.moved.title), "campaign", scan.counts.programs, scan.worst)
-            )
-            study.seconds += scan.seconds
-            study.failures += [_of_campaign(headed(each.asked.title, text)) for text in scan.failures]
-            told = [*scan.notes, *(() if scan.stripes else doubts(each.asked, scans))]
-            study.warnings += [headed(each.asked.title, text) for text in told]
+        elif not isinstance(each.asked.shaking.start, str):
+            scans.tell(each.asked, "campaign", study)
         rows.append(row)
     return rows
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from assessment.analyses.dynamic.record_set import Measures
     from assessment.project.schema import CampaignTable
     from assessment.results.schema.campaign import CampaignCombination
+    from assessment.results.schema.dynamic import Scanned
 
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
 
@@ -56,7 +57,7 @@ def fragility_of(
     """Return the fragility of a state, of the measure; of fewer than three records without ranges and rule."""
     own = [(each, row) for each, row in zip(combinations, rows, strict=True) if each.moved is state]
     known = [(each, row) for each, row in own if row.reason is None]
-    levels = [level for each, row in known if (level := _level(each.record, row)) is not None]
+    levels = record_levels([(each.record, row) for each, row in known])
     of_measure = [
         RecordLevel(level.record, level.level * each.ratio, level.withstood, level.beta)
         for (each, _), level in zip(known, levels, strict=False)
@@ -88,9 +89,13 @@ def fragility_of(
     )
 
 
-def _level(record: str, row: CampaignCombination) -> RecordLevel | None:
-    level = row.level_50_g or row.pga_safe_g
-    return RecordLevel(record, level, row.level_50_g is None, row.beta or 0.0) if level else None
+def record_levels(parts: Sequence[tuple[str, Scanned]]) -> list[RecordLevel]:
+    """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
+    return [
+        RecordLevel(record, level, part.level_50_g is None, part.beta or 0.0)
+        for record, part in parts
+        if part.reason is None and (level := part.level_50_g or part.pga_safe_g)
+    ]
 
 
 def _of_stripes(known: Sequence[Combination], scans: Scans, levels: Sequence[float]) -> Dispersion | None:

@@ -285,7 +285,7 @@ class Levels:
                 self.combinations.append(Combination(state, record, 1.0, asked))
                 runs = [(0.9, False)] if level is None else [(0.998 * level, False), (1.002 * level, True)]
                 points = [made(Level, {"pga_g": pga, "collapsed": fell}) for pga, fell in runs]
-                self.scans.found[asked.key] = [Scan(points)]
+                self.scans.found[asked.key] = {0: Scan(points)}
 
     def loss(self, beta=0.0):
         fit = made(CampaignFragility)
@@ -613,3 +613,26 @@ def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
     edit(block, old, new)
     assert run(block) == 2
     assert text in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("levels", "halvings"),
+    [
+        ([(0.58, 0.507, 0.507)], 1),
+        ([(0.58, 0.54, 0.50)], 2),
+        ([(0.5, 0.51, 0.5), (0.52, 0.49, 0.5)], 0),
+        ([(0.55, 0.5, 0.5), (0.46, 0.5, 0.5)], 0),  # by chance this way and that
+        ([(None, None, None)], 0),
+        ([(0.5,)], 0),
+    ],
+)
+def test_the_time_step_is_halved_as_often_as_the_mean_of_the_levels_needs(levels, halvings):
+    scans, asked = Scans(SimpleNamespace(accuracy="standard"), None), []
+    for k, by_step in enumerate(levels):
+        asked.append(Asked("", None, 1, 1, Reach(5.0)))
+        asked[-1].__dict__["key"] = str(k)
+        scans.found[str(k)] = {
+            n: Scan([made(Level, {"pga_g": level or 0.9, "collapsed": level is not None})])
+            for n, level in enumerate(by_step)
+        }
+    assert scans.needed(asked)[0] == halvings

@@ -118,7 +118,7 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
         assert all(record.pop("seconds") > 0.0 for record in state["records"])
     assert found[0] == found[1]
     under_way = [
-        f"{name}, incremental analysis with {record}, {sign}"
+        f"{name}, {record}, {sign}"
         for name in project.states for record in ("later", "wave") for sign in "+−"
     ]  # fmt: skip
     one_by_one = [event for title in under_way for event in (("under way", title), ("advance",))]
