@@ -170,8 +170,9 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
             continue
         pair = (loss.dynamic, loss.static)
         kind = "alone" if loss.static is None else "opposed" if _opposed(*pair) else "beside"
+        indistinct = loss.distinguishable is False
         yield words(
-            f"judgement.campaign_{kind}",
+            f"judgement.campaign_{'beside' if indistinct and kind == 'opposed' else kind}",
             settlement=settlement,
             share=words.comma(f"{100.0 * fit.share:g}"),
             measure="PGA" if campaign.measure == "PGA" else words.plain("judgement.campaign_sa"),
@@ -180,6 +181,9 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
             dynamic=_signed(loss.dynamic, words),
             static=None if loss.static is None else _signed(loss.static, words),
         )
+        if indistinct:
+            low, high = (_signed(bound or 0.0, words) for bound in loss.dynamic_range)
+            yield words("judgement.campaign_indistinct", settlement=settlement, low=low, high=high)
 
 
 def _opposed(dynamic: float, static: float | None) -> bool:

@@ -17,11 +17,7 @@ from assessment.report.figures.style import DASHES, chart
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import COARSE, label
 from assessment.results.schema import Results
-from assessment.results.schema.campaign import (
-    Campaign,
-    CampaignCombination,
-    CampaignFragility,
-)
+from assessment.results.schema.campaign import Campaign, CampaignCombination, CampaignFragility
 from assessment.results.schema.dynamic import Level
 from assessment.results.schema.part import known
 
@@ -122,7 +118,7 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
 
 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
-    """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 16-84 %, static beside."""
+    """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 95 % bounds, static beside."""
     names, campaign = moved(results), known(results.campaign)
     columns = min(2, len(names))
     figure, panels = chart(words, columns=columns, rows=-(-len(names) // columns), height_mm=70.0)

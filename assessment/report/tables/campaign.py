@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
+from xml.sax.saxutils import escape
 
+from assessment.report.tables.dynamic import bands
 from assessment.results.schema import Results
 from assessment.results.schema.campaign import CampaignCombination
 from assessment.results.table import Row, Table, cells
@@ -11,49 +15,33 @@ from assessment.results.table import Row, Table, cells
 PLACE = ("settlement", "share", "movement_m")
 RECORDS = ("record", "record_pga_g", "sa_g", "scale", "duration_s", "time_step_s")
 COMBINATIONS = (
-    "settlement",
-    "share",
-    "record",
-    "sign",
-    "pga_safe_g",
-    "pga_collapse_g",
-    "pga_all_collapse_g",
-    "sa_collapse_g",
-    "runs",
-    "reason",
-)
+    "settlement", "share", "record", "sign", "pga_safe_g", "lowest_collapse_g", "pga_collapse_g", "level_50_g",
+    "level_84_g", "pga_all_collapse_g", "resurrections", "widest_gap", "sa_collapse_g", "time_step_s", "runs", "reason",
+)  # fmt: skip
 POINTS = (
-    "pga_g",
-    "peak_displacement_m",
-    "residual_displacement_m",
-    "members",
-    "members_collapsed",
-    "time_of_collapse_s",
-)
+    "pga_g", "peak_displacement_m", "residual_displacement_m", "members", "members_collapsed", "time_of_collapse_s",
+)  # fmt: skip
 FRAGILITY = (
-    *PLACE,
-    "combinations",
-    "withstood",
-    "failed",
-    "median_g",
-    "median_low_g",
-    "median_high_g",
-    "beta",
-    "beta_low",
-    "beta_high",
-    "beta_record",
-    "beta_ensemble",
-)
+    *PLACE, "combinations", "withstood", "failed", "median_g", "median_low_g", "median_high_g", "beta", "beta_low",
+    "beta_high", "beta_record", "beta_ensemble",
+)  # fmt: skip
 LOSS = (
-    *PLACE,
-    "rule",
-    "pga_collapse_g",
-    "dynamic_loss",
-    "dynamic_loss_low",
-    "dynamic_loss_high",
-    "left_out",
+    *PLACE, "rule", "pga_collapse_g", "dynamic_loss", "dynamic_loss_low", "dynamic_loss_high", "left_out",
     "static_loss",
-)
+)  # fmt: skip
+MODEL = """<?xml version="1.0" encoding="utf-8"?>
+<nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
+  <fragilityModel id="collapse" assetCategory="buildings" lossCategory="structural">
+    <description>{title}</description>
+    <limitStates>collapse</limitStates>
+{functions}  </fragilityModel>
+</nrml>
+"""
+FUNCTION = """    <fragilityFunction id="{id}" format="continuous" shape="logncdf">
+      <imls imt="{imt}" noDamageLimit="0.0" minIML="0.0" maxIML="{most:.6g}"/>
+      <params ls="collapse" mean="{mean:.6g}" stddev="{stddev:.6g}"/>
+    </fragilityFunction>
+"""
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
 OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are none
 
@@ -83,13 +71,10 @@ def records(results: Results) -> Table:
 
 
 def combinations(results: Results) -> Table:
-    """List the levels between which each combination collapses, and why where it was not completed."""
-    rows = []
-    for each in _combinations(results):
-        found = cells(each, COMBINATIONS)
-        if each.pga_collapse_range:
-            found["pga_all_collapse_g"] = each.pga_collapse_range[1]
-        rows.append(found)
+    """List the levels at which each combination collapses, and why where it was not completed."""
+    rows = [
+        cells(each, COMBINATIONS) | bands(each, each.pga_collapse_range) for each in _combinations(results)
+    ]
     return Table("campaign", rows, COMBINATIONS)
 
 
@@ -111,6 +96,29 @@ def fragilities(results: Results) -> Table:
         found["beta_low"], found["beta_high"] = each.beta_range or (None, None)
         rows.append(found)
     return Table("campaign_fragility", rows, FRAGILITY)
+
+
+def fragility_model(results: Results) -> str | None:
+    """Return the fragilities as a fragility model of OpenQuake (NRML 0.5), None if there are none.
+
+    Mean and standard deviation are those of the measure (g), not of its logarithm, as OpenQuake takes them.
+    """
+    of_states = [(name, state.incremental.fragility) for name, state in results.states.items()]
+    found: list[tuple[str, str, float | None, float | None]] = [
+        (name, "PGA", fit.median_g, fit.dispersion) for name, fit in of_states if fit
+    ]
+    if campaign := results.campaign:
+        imt = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
+        found += [
+            (f"{row.settlement} {row.share:g}", imt, row.median_g, row.beta) for row in campaign.fragility
+        ]
+    functions = ""
+    for name, imt, median, beta in found:
+        if median and beta:
+            mean, most = median * math.exp(0.5 * beta**2), median * math.exp(5.0 * beta)
+            stddev, word = mean * math.sqrt(math.expm1(beta**2)), re.sub(r"\W+", "_", name)
+            functions += FUNCTION.format(id=word, imt=imt, most=most, mean=mean, stddev=stddev)
+    return MODEL.format(title=escape(results.title), functions=functions) if functions else None
 
 
 def losses(results: Results) -> Table:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.dynamic import History, Incremental, Search
+from assessment.results.schema.dynamic import History, Incremental, Range, Scanned
 from assessment.results.table import (
     COMPARISON,
     Row,
@@ -19,27 +19,13 @@ from assessment.results.table import (
 )
 
 HISTORY = (
-    "state",
-    "record",
-    "pga_g",
-    "contacts",
-    "control",
-    "peak_displacement_m",
-    "residual_displacement_m",
-    "collapsed",
+    "state", "record", "pga_g", "contacts", "control", "peak_displacement_m", "residual_displacement_m", "collapsed",
     "time_of_collapse_s",
-)
+)  # fmt: skip
 RANGES = (
-    "state",
-    "record",
-    "integrator",
-    "integrator_share",
-    "members",
-    "members_collapsed",
-    "lowest_peak_m",
-    "median_peak_m",
-    "highest_peak_m",
-)
+    "state", "record", "integrator", "integrator_share", "members", "members_collapsed", "lowest_peak_m",
+    "median_peak_m", "highest_peak_m",
+)  # fmt: skip
 ENERGY = (
     "input",
     "kinetic",
@@ -52,25 +38,13 @@ ENERGY = (
     "residual",
 )
 SEARCH = (
-    "state",
-    "record",
-    "record_pga_g",
-    "pga_safe_g",
-    "pga_collapse_g",
-    "pga_all_collapse_g",
-    "resurrections",
-    "runs",
-)
+    "state", "record", "record_pga_g", "pga_safe_g", "lowest_collapse_g", "pga_collapse_g", "level_50_g", "level_84_g",
+    "resurrections", "widest_gap", "runs",
+)  # fmt: skip
 OF_STATES = (
-    "state",
-    "records",
-    "mean_pga_collapse_g",
-    "lowest_pga_collapse_g",
-    "pga_collapse_g",
-    "pga_all_collapse_g",
-    "median_g",
-    "dispersion",
-)
+    "state", "records", "mean_pga_collapse_g", "lowest_pga_collapse_g", "pga_collapse_g", "pga_all_collapse_g",
+    "median_g", "dispersion",
+)  # fmt: skip
 COMPARED = (*COMPARISON, "static_surface_pga_g", "dynamic_to_static")
 
 
@@ -147,10 +121,7 @@ def motions(results: Results) -> Table:
 def incremental(results: Results) -> Table:
     """List the bracket of the PGA at collapse of every record and state."""
     rows = [
-        {"state": state}
-        | cells(record, SEARCH)
-        | _all_collapse(record)
-        | {"resurrections": "; ".join(f"{level:.3f}" for level in record.resurrections_g)}
+        {"state": state} | cells(record, SEARCH) | bands(record, record.pga_collapse_g_range)
         for state, found in _incrementals(results)
         for record in found.records or []
     ]
@@ -162,7 +133,8 @@ def incremental_states(results: Results) -> Table:
     rows: list[Row] = []
     for state, found in _incrementals(results):
         of_state: Row = {"state": state} | cells(found, OF_STATES) | {"records": len(found.records or [])}
-        of_state |= _all_collapse(found)
+        if found.pga_collapse_g_range:
+            of_state["pga_all_collapse_g"] = found.pga_collapse_g_range[1]
         if not found.rule:
             of_state.pop("pga_collapse_g", None)
         if found.fragility:
@@ -215,9 +187,13 @@ def static_dynamic(results: Results) -> Table:
     return Table("static_dynamic", rows, COMPARED)
 
 
-def _all_collapse(found: Search | Incremental) -> Row:
-    """The upper end of the range of a PGA at collapse, where there is a range."""
-    return {"pga_all_collapse_g": found.pga_collapse_g_range[1]} if found.pga_collapse_g_range else {}
+def bands(found: Scanned, range_: Range | None) -> Row:
+    """Return levels above the lowest collapse that stand, the widest gap, and from where all levels run collapse."""
+    gap = "–".join(f"{level:.3f}" for level in found.widest_gap_g or [] if level is not None)
+    stands = "; ".join(f"{level:.3f}" for level in found.resurrections_g)
+    return {"resurrections": stands, "widest_gap": gap} | (
+        {"pga_all_collapse_g": range_[1]} if range_ else {}
+    )
 
 
 def _histories(results: Results) -> Iterator[tuple[str, History]]:

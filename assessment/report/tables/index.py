@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from assessment.report.tables.campaign import campaign_tables
+from assessment.report.tables.campaign import campaign_tables, fragility_model
 from assessment.report.tables.capacity import (
     action,
     capacity_curves,
@@ -41,10 +41,12 @@ RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spread
 
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write every table of the results that has rows as CSV (comma, point, UTF-8) into the folder.
+    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
 
     A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
     """
+    if model := fragility_model(results):
+        write_atomically(folder / "fragility.xml", model.encode())
     import pandas as pd  # late: the report needs the rows only
 
     for table in tables(results):

@@ -80,6 +80,7 @@ class Derived(Part):
     median_peak_m: float = column("m", ("Mediano", "Median"), shown="mm")
     highest_peak_m: float = column("m", ("Massimo", "Highest"), shown="mm")
     pga_all_collapse_g: float = column("g", ("PGA a cui tutti collassano", "All collapse"), ground="surface")
+    widest_gap: str = column("g", ("Intervallo più largo", "Widest gap"), ground="surface")
     resurrections: str = column("g", ("PGA sopportate oltre", "Withstood above"), ground="surface")
     median_low_g: float = column(
         "g", ("Estremo inferiore, 95 %", "Lower end, 95 %"), null="none", ground="surface"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.special import ndtr
 
 from assessment.cli.summary import dynamic_lines
 from assessment.report.chapters.grid import grid
+from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
 from assessment.report.figures.campaign import (
     draw_campaign_curves,
@@ -20,7 +22,7 @@ from assessment.report.figures.campaign import (
     moved,
 )
 from assessment.report.figures.index import pictures
-from assessment.report.tables.campaign import LOSS, campaign_tables, reported_campaign
+from assessment.report.tables.campaign import LOSS, campaign_tables, fragility_model, reported_campaign
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.report.text.quantities import heading
 from assessment.results.schema import Campaign
@@ -288,7 +290,7 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
     text = html[start : html.index("<h2", start + 4)]
     assert text.count("<figure ") == 2 and text.count("<caption>") == 3
     assert words("section.campaign") in text and words("text.campaign_failures", count=1) in text
-    assert words(f"text.campaign_loss_{method}") in text
+    assert words(f"text.campaign_loss_{method}") in text.replace("\xa0", " ")
     assert ("§7.3.5" in text) == (method == "incremental")
     assert words("text.campaign_static_a_g_g", limit="SLC") in text and words("text.campaign_pga") in text
 
@@ -374,5 +376,30 @@ def test_levels_that_were_run_once_claim_no_accuracy(tmp_path):
     for members in (5, 1):
         results["campaign"]["members"] = members
         html = render_html(typed(results), tmp_path, words_of(typed(results)))
-        assert ("is known to that" in html) == (members > 1)
+        assert "is known to that" not in html and "is not seen" in html
         assert ("Every level was run once" in html) == (members == 1)
+
+
+def test_fragilities_are_a_fragility_model_of_mean_and_standard_deviation():
+    """OpenQuake takes those of the measure: they give median and β back."""
+    results = typed(results_with_campaign("en"))
+    model = ElementTree.fromstring(fragility_model(results).encode())
+    found = model.findall(".//{*}fragilityFunction")
+    rows = [row for row in results.campaign.fragility if row.median_g and row.beta]
+    assert len(found) >= len(rows) > 0
+    for function, row in zip(found[-len(rows) :], rows, strict=True):
+        params = function.find("{*}params")
+        mean, stddev = float(params.get("mean")), float(params.get("stddev"))
+        beta = math.sqrt(math.log1p((stddev / mean) ** 2))
+        assert beta == pytest.approx(row.beta, rel=1e-4)
+        assert mean * math.exp(-0.5 * beta**2) == pytest.approx(row.median_g, rel=1e-4)
+        assert function.find("{*}imls").get("imt") == "PGA"
+
+
+def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():
+    results = results_with_campaign("en")
+    said = [str(each) for each in draft_judgement(typed(results), words_of(typed(results)))]
+    assert not [each for each in said if "not distinguishable" in each]
+    for row in results["campaign"]["loss"]:
+        row |= {"distinguishable": False, "dynamic_range": [-0.02, 0.05]}
+    assert "campaign_indistinct" in hold(results)

@@ -158,9 +158,20 @@ def _campaign(kind: str) -> Callable[[Fields, Read], None]:
         assert said.get("static") == (None if static is None else WORDS.number(100.0 * static, 2))
         opposed = static is not None and static * loss["dynamic"] < 0.0
         opposed = opposed and min(abs(static), abs(loss["dynamic"])) >= 0.01
+        opposed = opposed and loss.get("distinguishable") is not False
         assert kind == ("alone" if static is None else "opposed" if opposed else "beside")
 
     return check
+
+
+def _indistinct(said: Fields, read: Read) -> None:
+    [*_, loss] = sorted(
+        (row for row in read.results["campaign"]["loss"] if row["settlement"] == said["settlement"]),
+        key=itemgetter("share"),
+    )
+    assert loss["distinguishable"] is False
+    low, high = (WORDS.number(100.0 * bound, 2) for bound in loss["dynamic_range"])
+    assert (said["low"], said["high"]) == (low, high)
 
 
 def _ties_yield(said: Fields, read: Read) -> None:
@@ -314,6 +325,7 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "campaign_alone": _campaign("alone"),
     "campaign_beside": _campaign("beside"),
     "campaign_opposed": _campaign("opposed"),
+    "campaign_indistinct": _indistinct,
     "worst_a_g_g": _worst("a_g_g"),
     "worst_alpha_0": _worst("alpha_0"),
     "worst_alpha_u": _worst("alpha_u"),
