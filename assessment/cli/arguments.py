@@ -43,6 +43,7 @@ EXAMPLES = {  # what the help of each command ends with; "": of all of them
         "assesto new arch --template buttressed-arch",
         "assesto new wall --template wall --set courses=12",
         "assesto new panel --example tuff_panel",
+        "assesto new church --drawing survey.dxf",
     ),
     "convert": ("assesto convert arch", "assesto convert ../survey/arch"),
     "schema": ("assesto schema > project.schema.json", "assesto schema --results > results.schema.json"),
@@ -146,13 +147,17 @@ def _status(parsers: Parsers) -> None:
 
 
 def _new(parsers: Parsers) -> None:
-    parser = _added(parsers, "new", commands.new, "make a new project folder from a template or an example")
+    parser = _added(
+        parsers, "new", commands.new, "make a new project folder from a template, a drawing or an example"
+    )
     parser.add_argument("folder", type=_folder, metavar="DIR", nargs="?", help="the folder to make")
     parser.add_argument("--template", metavar="NAME", help=", ".join(TEMPLATES))
     parser.add_argument("--example", metavar="NAME", help="an example project; see --list")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=NUMBER", help="a dimension; see --list"
     )
+    drawing = "a drawing of one's own: unit, supports and layers without masonry are proposed"
+    parser.add_argument("--drawing", type=_folder, metavar="FILE.dxf", help=drawing)
     _add_flag(parser, "--excel", "write project.xlsx instead of project.toml")
     _add_flag(parser, "--list", "print the dimensions of the template, or of all with the examples, and stop")
 

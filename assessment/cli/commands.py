@@ -117,7 +117,7 @@ def status(options: argparse.Namespace) -> int:
 
 
 def new(options: argparse.Namespace) -> int:
-    """Make a project folder from a template or an example, or list what there is. Raises ValueError for options."""
+    """Make a project folder from a template, drawing or example, or list them. Raises ValueError for options."""
     from assessment.project.catalogue.new_project import new_example, new_project
     from assessment.project.formats.convert import TOML, XLSX
 
@@ -126,9 +126,12 @@ def new(options: argparse.Namespace) -> int:
     if options.list:
         _list(options.template)
         return DONE
-    if (options.template is None) == (options.example is None):
-        both = "both given; choose one" if options.template else "missing; assesto new --list names them"
-        raise ValueError(f"--template or --example: {both}")
+    given = [each for each in (options.template, options.example, options.drawing) if each is not None]
+    if len(given) != 1:
+        what = (
+            "more than one given; choose one" if given else "missing; assesto new --list names what there is"
+        )
+        raise ValueError(f"--template, --drawing or --example: {what}")
     if options.folder is None:
         raise ValueError("DIR: missing; give the folder to make: assesto new DIR --template NAME")
     source = XLSX if options.excel else TOML
@@ -136,8 +139,13 @@ def new(options: argparse.Namespace) -> int:
         new_project(options.folder, options.template, _dimensions(options.set), source)
     elif options.set:
         raise ValueError("--set: of a template only; leave it out, or give --template")
-    else:
+    elif options.example is not None:
         new_example(options.folder, options.example, source)
+    else:
+        from assessment.project.catalogue.from_drawing import new_from_drawing
+
+        for line in new_from_drawing(options.folder, options.drawing, source):
+            say(line)
     say(f"wrote {options.folder}; next: assesto check {options.folder}")
     return DONE
 

@@ -12,14 +12,16 @@ from mechanics.model.contacts import (
     kinematic_contacts,
     relative_motion,
 )
-from mechanics.model.drawing import Drawing, Layer, of_block, read_drawing, survey_drawing
+from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
 from mechanics.model.joints import default_tolerance
-from mechanics.model.layout import survey_layout
+from mechanics.model.layout import NEAR, survey_layout
 from mechanics.model.repair import Repair, repair_drawing
 from mechanics.model.shown import layer_key
 from mechanics.model.tie import Tie
 
 __all__ = [
+    "METRES",
+    "NEAR",
     "NX",
     "NZ",
     "Assembly",
@@ -33,6 +35,7 @@ __all__ = [
     "Layer",
     "Material",
     "Repair",
+    "Sheet",
     "State",
     "Tie",
     "V",

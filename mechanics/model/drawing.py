@@ -169,10 +169,6 @@ class Sheet:
         document, damage = open_document(Path(path))
         return cls(document, damage, Path(path), unit, default, layers, sagitta, tolerance)
 
-    def again(self) -> Sheet:
-        """Return the sheet of the document after it was changed."""
-        return replace(self)
-
     @property
     def scale(self) -> float:
         """Metres per drawing unit."""

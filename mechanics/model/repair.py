@@ -65,7 +65,7 @@ def repair_drawing(
         for mend in (_outlines, _copies, _fit, _copies):
             while found := list(mend(sheet)):
                 changes += found
-                sheet = sheet.again()
+                sheet = replace(sheet)  # of the document as it is now
                 if mend is _fit:
                     break
     except FaultyDrawingError as faulty:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from assessment.project.formats.toml import plain_values, toml_header, toml_line, toml_tables
@@ -10,13 +10,14 @@ from assessment.project.schema import KeyPath, Table
 from assessment.project.schema.index import keys_at, table_at, tables_of
 
 COLUMN = 40  # where the meanings begin
+MARK = "TO FILL IN: "
 
 
-def commented_toml(content: Mapping[str, Any]) -> str:
+def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> str:
     """TOML text of a project's content with the meaning of every table and key beside it.
 
     What the content leaves out stands there too, commented out with its default: keys below those of the first
-    table of their kind, whole tables at the end.
+    table of their kind, whole tables at the end. `marked`: keys whose meaning begins with MARK.
     """
     explained: set[type[Table]] = set()
     lines: list[str] = []
@@ -24,7 +25,8 @@ def commented_toml(content: Mapping[str, Any]) -> str:
     for path, given in toml_tables(content):
         lines += _header(path)
         for key, value in plain_values(given).items():
-            lines.append(_beside(toml_line(key, value), keys_at(path).get(key)))
+            mark = MARK if (*path, key) in marked else ""
+            lines.append(_beside(toml_line(key, value), mark + keys_at(path).get(key, "")))
         table = table_at(path)
         if table and table not in explained:
             explained.add(table)

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from assessment.project.formats.comments import commented_toml
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import file_digest, write_atomically
 
 TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 
 
-def source_bytes(source: str, content: Mapping[str, Any]) -> bytes:
-    """Return the project file called `source` with the `content` and an explanation of every key."""
-    return to_xlsx(content) if source == XLSX else commented_toml(content).encode()
+def source_bytes(source: str, content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
+    """Return the project file called `source` with the `content` and an explanation of every key.
+
+    `marked`: keys of which the explanation says that they are to be filled in.
+    """
+    return to_xlsx(content, marked) if source == XLSX else commented_toml(content, marked).encode()
 
 
 def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:

@@ -15,12 +15,12 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
-from assessment.project.formats.comments import unset_keys
+from assessment.project.formats.comments import MARK, unset_keys
 from assessment.project.formats.workbook import Rows, read_sheets
 from assessment.project.schema import KeyPath, ProjectContent
 from assessment.project.schema.index import alternatives, annotation_at, keys_at, table_at, tables_of
@@ -80,10 +80,11 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
     return content, places
 
 
-def to_xlsx(content: Mapping[str, Any]) -> bytes:
+def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
     """Return a project's content, as read from TOML, as a spreadsheet that explains its keys.
 
     Keys that the content leaves out have an empty cell in the sheets that there are; the sheet "help" has them all.
+    `marked`: keys of single tables whose comment begins with MARK.
     """
     from openpyxl import Workbook
 
@@ -95,7 +96,7 @@ def to_xlsx(content: Mapping[str, Any]) -> bytes:
             node = node.get(part) if node else None
         if node is None or (not node and name not in _SINGLE):
             continue
-        rows = _table_rows(table, node) if name in _SINGLE else _list_rows(name, node)
+        rows = _table_rows(table, node, marked) if name in _SINGLE else _list_rows(name, node)
         _fill(book.create_sheet(name), rows)
     for name in _FORMS.keys() & set(book.sheetnames) - _SINGLE.keys():
         _explain_header(book[name])
@@ -261,7 +262,7 @@ def _text(value: Any) -> str:
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 
-def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
+def _table_rows(table: KeyPath, node: Mapping[str, Any], marked: Collection[KeyPath]) -> Iterator[list[Any]]:
     comments = keys_at(table)
     yield ["key", "value", "comment"]
     for key, value in {**node, **dict.fromkeys(unset_keys(table, node))}.items():
@@ -275,7 +276,7 @@ def _table_rows(table: KeyPath, node: Mapping[str, Any]) -> Iterator[list[Any]]:
             inner = keys_at(path)
             yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
         else:
-            yield [key, _cell(value), comments[key]]
+            yield [key, _cell(value), (MARK if path in marked else "") + comments[key]]
 
 
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:

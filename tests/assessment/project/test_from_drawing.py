@@ -1,0 +1,149 @@
+"""assesto new DIR --drawing FILE: what is proposed, and that check accepts it."""
+
+from __future__ import annotations
+
+import tomllib
+
+import numpy as np
+import pytest
+
+from assessment.cli.main import main
+from assessment.project.catalogue.new_project import template_layout
+from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
+from tests.support.dxf import drawing, outline
+
+SCALE = {"mm": 1e3, "cm": 1e2, "m": 1.0}
+
+
+def survey(path, unit="m", declared=None, layers=None, template="arcade"):
+    """A template's outlines as a survey has them: with a frame, an axis, a crack, a title and a north arrow."""
+    document, space = drawing(unit=declared or unit)
+    if declared == "":
+        document.header["$INSUNITS"] = 0
+    factor = SCALE[unit]
+    every = []
+    for layer, polygons in template_layout(template).items():
+        for polygon in polygons:
+            outline(space, (factor * polygon).tolist(), (layers or {}).get(layer, layer))
+            every.append(polygon)
+    low, high = np.concatenate(every).min(axis=0) - 2.0, np.concatenate(every).max(axis=0) + 2.0
+    box = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+    outline(space, (factor * box).tolist(), "SQUADRATURA")
+    arrow = low + np.array([(0.5, 0.5), (0.8, 0.5), (0.65, 1.0)])
+    outline(space, (factor * arrow).tolist(), "NORD")
+    outline(space, (factor * np.array([(0.0, 1.0), (0.5, 2.0)])).tolist(), "FESSURE", close=False)
+    space.add_line((factor * low[0], 0.0), (factor * high[0], 0.0), dxfattribs={"layer": "ASSI"})
+    space.add_text("Prospetto", dxfattribs={"layer": "TESTI"})
+    document.saveas(path)
+
+
+@pytest.mark.parametrize("unit", SCALE)
+@pytest.mark.parametrize("declared", ["as it is", "", "m"])
+def test_a_clean_drawing_becomes_a_project_that_check_accepts(unit, declared, tmp_path, capsys):
+    survey(tmp_path / "rilievo.dxf", unit, unit if declared == "as it is" else declared)
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "rilievo.dxf")]) == 0
+    out = capsys.readouterr().out
+    assert f"unit: {unit}, " in out
+    assert ("though $INSUNITS says m" in out) == (declared == "m" and unit != "m")
+    project = load_project(tmp_path / "p")
+    assert project.geometry.unit == unit
+    assert {name for name, layer in project.layers.items() if layer.ignore} == {
+        "SQUADRATURA", "NORD", "FESSURE", "ASSI"
+    }  # fmt: skip
+    assert len(project.supports) == 4
+    assert project.settlements[0].support == project.supports[-1]
+    model = build_model(project)
+    assert [w for w in model.warnings if "$INSUNITS" not in w] == []
+    assert sum(block.support is not None for block in model.assembly.blocks) == 4
+    assert (tmp_path / "p" / "rilievo.dxf").read_bytes() == (tmp_path / "rilievo.dxf").read_bytes()
+    for key in ("geometry.depth_m = 1.0", "material.friction = 0.6", "[assessment.site]"):
+        assert key in out
+    assert out.rstrip().endswith(f"next: assesto check {tmp_path / 'p'}")
+    text = (tmp_path / "p" / "project.toml").read_text(encoding="utf-8")
+    assert text.count("TO FILL IN") == 5
+    assert "assessment" not in tomllib.loads(text), "a site is nothing to be guessed"
+    assert main(["check", str(tmp_path / "p")]) == 0
+
+
+def test_supports_without_a_layer_of_their_own_are_regions(tmp_path, capsys):
+    every = dict.fromkeys(template_layout("barrel-vault"), "MURATURA")
+    survey(tmp_path / "g.dxf", "mm", layers=every, template="barrel-vault")
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
+    out = capsys.readouterr().out
+    assert 'support "sinistro": the lowest block becomes the ground, between x = ' in out
+    project = load_project(tmp_path / "p")
+    assert [each.support for each in project.region] == ["sinistro", "destro"]
+    blocks = build_model(project).assembly.blocks
+    assert [block.support for block in blocks if block.support] == ["sinistro", "destro"]
+    assert all(block.polygon[:, 1].min() < 0.0 for block in blocks if block.support), "the bases"
+
+
+def test_a_wall_on_one_base_has_one_support_and_no_movement(tmp_path):
+    survey(tmp_path / "g.dxf", template="facade", layers={"MURI": "NORD"})
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
+    survey(tmp_path / "h.dxf", template="tympanum")
+    assert main(["new", str(tmp_path / "q"), "--drawing", str(tmp_path / "h.dxf")]) == 0
+    project = load_project(tmp_path / "q")
+    assert project.layers["BASE"].support == "base"
+    assert not project.settlements
+
+
+def test_where_all_are_lowest_the_ground_is_asked_for(tmp_path, capsys):
+    document, space = drawing(unit="m")
+    outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)])
+    document.saveas(tmp_path / "g.dxf")
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
+    assert "no support: every block is a lowest one; draw the ground below them" in capsys.readouterr().out
+    assert main(["check", str(tmp_path / "p")]) == 2
+
+
+def test_an_outline_that_is_nearly_closed_is_left_to_check(tmp_path, capsys):
+    document, space = drawing(unit="m")
+    outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)])
+    outline(space, [(-1, -1), (2, -1), (2, 0), (-1, 0)], "BASE")
+    outline(space, [(0, 2), (1, 2), (1, 3), (0, 3), (0, 2.01)], "TOP", close=False)
+    document.saveas(tmp_path / "g.dxf")
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
+    assert "outlines with faults, of which nothing is known here: 1" in capsys.readouterr().out
+    assert not any(layer.ignore for layer in load_project(tmp_path / "p").layers.values())
+    assert main(["check", str(tmp_path / "p")]) == 2
+    assert 'layer "TOP"' in capsys.readouterr().err
+
+
+def test_the_spreadsheet_says_the_same(tmp_path):
+    survey(tmp_path / "g.dxf", "cm")
+    for name, flags in (("toml", []), ("xlsx", ["--excel"])):
+        assert main(["new", str(tmp_path / name), "--drawing", str(tmp_path / "g.dxf"), *flags]) == 0
+    one, other = (load_project(tmp_path / name) for name in ("toml", "xlsx"))
+    assert other.source == "project.xlsx"
+    kept = {key: value for key, value in one.content().items() if key != "report"}
+    assert kept == {key: value for key, value in other.content().items() if key != "report"}
+
+
+def lines(folder):
+    document, space = drawing()
+    space.add_line((0, 0), (1, 1))
+    document.saveas(folder / "g.dxf")
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda folder: None, "g.dxf"),
+        (lambda folder: (folder / "g.dxf").write_bytes(b"AC1032 a DWG"), "DWG"),
+        (lines, "nothing closed is in model space, but 1 LINE; draw each block as one closed polyline"),
+    ],
+)
+def test_what_is_no_drawing_of_blocks_is_refused_and_nothing_written(make, said, tmp_path, capsys):
+    make(tmp_path)
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert said in error
+    assert not (tmp_path / "p").exists()
+
+
+def test_one_origin_is_asked_for(tmp_path, capsys):
+    assert main(["new", str(tmp_path / "p"), "--drawing", "g.dxf", "--template", "wall"]) == 2
+    assert "--template, --drawing or --example: more than one given; choose one" in capsys.readouterr().err
