@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
 from assessment.analyses.static.lateral import with_control
-from assessment.analyses.static.paths import stand
+from assessment.analyses.static.paths import pressed_in, stand
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
@@ -54,4 +54,6 @@ def checked(project: Project, model: ProjectModel | None = None) -> Checked:
     if unstable := stand(model.assembly):
         results = results.replace(model=results.model.replace(self_weight_stable=False))
         warnings.append(unstable)
+    else:
+        warnings += pressed_in(model.assembly)
     return Checked(project, model, motions, demands, results, tuple(warnings))

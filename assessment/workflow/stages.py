@@ -20,7 +20,7 @@ from assessment.analyses.found import Found
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.increments import refined
 from assessment.analyses.static.lateral import second_solver, with_control
-from assessment.analyses.static.paths import stand
+from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
@@ -106,6 +106,7 @@ def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Re
         draft.put(model=draft.results.model.replace(self_weight_stable=False))
         draft.warnings.append(unstable)
         return draft.finished(), False
+    draft.warnings += pressed_in(model.assembly)
 
     def analyse(finer: Project, names: Collection[str]) -> list[StateResult]:
         requests = _requests(finer, states)

@@ -45,7 +45,7 @@ class Following:
         model: Assembly,
         support: str,
         contacts: Behaviour = "rigid",
-        sliding: Sliding = "associative",
+        sliding: Sliding = "coulomb",
         increment: float = 0.001,
     ) -> None:
         Assembly.check(model)

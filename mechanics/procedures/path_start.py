@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import limit_analysis
+from mechanics.procedures.step_control import reach, slides
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
@@ -30,13 +31,15 @@ class StartTolerances:
     ones where hinges of a settlement close under little; `settled`: first step from
     a settled state, whose open hinges may close first, as a share of an increment; `least`: length of a first step, as
     a share of the compression under gravity; `resolved`: of that compression, the last digit of a position that does
-    not hide it.
+    not hide it; `hair`: first step from a known rest, as a share of the block size; the
+    longer ones where the shorter ones are not solved.
     """
 
     first: tuple[float, ...] = (0.02, 0.002, 0.0002)
     settled: float = 0.1
     least: float = 0.01
     resolved: float = 2e-6
+    hair: tuple[float, ...] = (1e-6, 1e-5, 1e-4, 1e-3)
 
 
 START = StartTolerances()
@@ -66,12 +69,16 @@ def mechanism_start(
 ) -> PathStart:
     """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises.
 
-    By Coulomb's law a state that a path has reached is pushed on from the forces that it has at rest.
+    By Coulomb's law a state that a path has reached is pushed on from the forces that it has at rest: where joints
+    slide, these decide.
     """
-    if sliding == "coulomb" and state is not None and state.forces is not None:
-        return _pushed_from_rest(model, direction, state, state.forces)
-    limit = limit_analysis(model, direction, state, sliding)
+    forces = state.forces if state is not None and sliding == "coulomb" else None
+    limit = limit_analysis(model, direction, state, sliding if forces is None else "associative")
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
+    if state is not None and forces is not None:
+        pushed = _pushed_from_rest(model, direction, state, forces, rate, limit.alpha)
+        if pushed is not None:
+            return pushed
     share = 1.0 if state is None else START.settled
     return PathStart(
         state or model.initial,
@@ -86,11 +93,15 @@ def mechanism_start(
     )
 
 
-def _pushed_from_rest(model: Assembly, direction: Direction, state: State, forces: Array) -> PathStart:
-    """Return the start of a rigid curve by Coulomb's law: a rest under gravity, and where the associative law leads.
+def _pushed_from_rest(
+    model: Assembly, direction: Direction, state: State, forces: Array, rate: Array, limit: float
+) -> PathStart | None:
+    """Return the start of a rigid curve by Coulomb's law: what follows a rest under gravity at once.
 
-    `forces` (j, 3): N, P and T of the drawn joints there. The multiplier is that of the associative law: no less than
-    that of the first step. Raises UnstableError where the forces do not hold the structure.
+    `forces` (j, 3): N, P and T of the drawn joints at rest; `rate` (b, 3) and `limit`: mechanism and multiplier by the
+    associative law. Joints that may slide have no one multiplier in a state: that of the step of a hair's breadth
+    counts, which the forces at rest lead to. None if no joint slides in it: both laws have one multiplier. Raises
+    UnstableError where the forces do not hold the structure, ConvergenceError where no such step is found.
     """
     size, lateral = LIMIT.onset * model.size, model.lateral_load(direction)
     system = static_system(model, "rigid", "coulomb").around(state.positions, size)
@@ -99,19 +110,34 @@ def _pushed_from_rest(model: Assembly, direction: Direction, state: State, force
     if max(rest.certificate.equilibrium, rest.certificate.cone) > USABLE:  # ties or loads have changed since
         check_self_weight(model, state)
         rest = find_equilibrium(still, state.positions, rest)
-    limit = limit_analysis(model, direction, state)
-    rate = limit.mechanism / float((lateral * limit.mechanism).sum())
+    length, first = _first_after(rest, rate, lateral, system)
+    if not slides(first, length):
+        return None
     return PathStart(
         rest.state,
-        rest,
-        limit.alpha,
-        rest.forces,
-        rest.contacts,
-        rest.certificate,
-        rate,
+        replace(first, state=rest.state),
+        first.alpha,
+        first.forces,
+        first.contacts,
+        first.certificate,
+        (first.state.positions - rest.state.positions) * float(abs(rate[:, :2]).max()) / length,
         START.settled,
-        limit.alpha,
+        limit,
     )
+
+
+def _first_after(
+    rest: Equilibrium, rate: Array, lateral: Array, system: StaticSystem
+) -> tuple[float, Equilibrium]:
+    """Return the shortest step from a rest along a rate (b, 3) that is solved: its length (m) and its end."""
+    model = system.model
+    for hair in START.hair:
+        length = hair * model.size
+        work = length / float(abs(rate[:, :2]).max())
+        problem = StepProblem(system, rest.state, model.dead_load, length, lateral, work)
+        with suppress(NoEquilibriumError, ConvergenceError):
+            return length, reach(problem, rest.state.positions + work * rate, rest, shortest=False)[0]
+    raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
 
 
 def elastic_start(
@@ -127,7 +153,7 @@ def elastic_start(
     system = start.system
     lateral = model.lateral_load(direction)
     try:
-        limit = limit_analysis(model, direction).alpha
+        limit = limit_analysis(model, direction, sliding="associative").alpha
     except NoEquilibriumError:  # interlocked rigid blocks have no multiplier that gives the scale
         limit = 1.0
     size = rest_size(model, "elastic")
@@ -192,7 +218,7 @@ def no_way_from_rest(model: Assembly, why: Message) -> UnstableError | ArgumentE
     )
 
 
-def settled(model: Assembly, state: State | None, sliding: Sliding = "associative") -> Equilibrium:
+def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") -> Equilibrium:
     """Return the elastic rest under gravity that a state (default: as drawn) settles into.
 
     Raises UnstableError if there is none.

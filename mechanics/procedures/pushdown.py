@@ -128,7 +128,7 @@ def pushdown(
     increment: float = 0.001,
     contacts: Behaviour = "rigid",
     to_collapse: bool = False,
-    sliding: Sliding = "associative",
+    sliding: Sliding = "coulomb",
     tolerances: PushdownTolerances = PUSHDOWN,
     state: State | None = None,
 ) -> Pushdown:
@@ -156,7 +156,7 @@ def pushdown_together(
     model: Assembly,
     movements: Sequence[SupportMovement],
     increment: float,
-    sliding: Sliding = "associative",
+    sliding: Sliding = "coulomb",
     tolerances: PushdownTolerances = PUSHDOWN,
 ) -> Pushdown:
     """Move several supports of rigid blocks in proportion to each other; `reaction` is that of the first one.

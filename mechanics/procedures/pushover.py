@@ -31,7 +31,7 @@ from mechanics.procedures.path_start import (
     mechanism_start,
     no_way_from_rest,
 )
-from mechanics.procedures.step_control import PATH, Bisection, follow, reach
+from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
 from mechanics.steps.contact_values import moved_over
 from mechanics.steps.rest import motion_to_rest
@@ -51,21 +51,23 @@ class PushoverTolerances:
 
     `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
     `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
-    largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords); `nearly`, one
-    from which a falling path may jump below zero; `flat`, a change that does not count; `closing`, to which the
-    peak behind a joint that closes is located. `back`: share of its displacement by which the control point goes back
-    where a part falls; `farther`: share of an increment beyond α = 0 from which a structure is left to itself;
-    `points`: most points of a curve.
+    largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords, within `jump` of a
+    step: else it jumps); `flat`, a change that does not count; `closing`, to which the peak behind a joint that closes
+    is located. `back`: share of its
+    displacement by which the control point goes back where a part falls; `wedged`: multiplier, times that of limit
+    analysis where it is above 1, beyond which the load only wedges the blocks; `farther`: share of an increment beyond
+    α = 0 from which a structure is left to itself; `points`: most points of a curve.
     """
 
     still: float = 1e-3
     largest: float = 2.0
     zero: float = 1e-6
-    chords: int = 8
-    nearly: float = 1e-2
+    chords: int = 40
+    jump: float = 1e-6
     flat: float = 1e-3
     closing: float = 2e-4
     back: float = 0.5
+    wedged: float = 10.0
     farther: float = 0.1
     points: int = 5000
 
@@ -168,7 +170,7 @@ def pushover(
     increment: float = 0.001,
     state: State | None = None,
     until: float = 0.0,
-    sliding: Sliding = "associative",
+    sliding: Sliding = "coulomb",
     tolerances: PushoverTolerances = PUSHOVER,
 ) -> Pushover:
     """Push the assembly over, from the onset of its mechanism (rigid joints) or from rest (elastic) to α = 0.
@@ -249,7 +251,6 @@ class _Curve:
         self.first = self._start(state)
         self.states, self.multiplier, self.displacement = [self.first.state], [self.first.alpha], [0.0]
         self.steps = [self.first.step] if self.first.step and not system.rigid else []
-        self.begins = system.rigid and self.first.step is not None
         self.certificates = [self.first.certificate]
         # the next step is predicted from the displacements of blocks and control point per unit work in the last one
         self.rate = self.first.rate
@@ -257,7 +258,7 @@ class _Curve:
         self.plateau = (0.0, self.first.alpha)  # displacement at which α last changed, and its value since
         self.crossed: list[tuple[float, float]] = []
         self.end: Message | None = None
-        self.reached, self.lost = False, False
+        self.reached, self.lost, self.spent = False, False, False
 
     def _start(self, state: State | None) -> PathStart:
         """Return the start of a curve from a state (None: as drawn)."""
@@ -288,7 +289,7 @@ class _Curve:
         """
         jumps = len(self.crossed)
         self._next(length, shortest)
-        spent = self.reached and self._overturns()
+        spent = self.spent or (self.reached and self._overturns())
         if self.end and not self.system.rigid and not spent and len(self.states) < self.tolerances.points:
             self._snap_through()
         return len(self.crossed) > jumps
@@ -296,12 +297,33 @@ class _Curve:
     def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
         """End the curve at its last point, beyond which the shortest step has failed."""
         self.end, self.lost = error.message, isinstance(error, RunawayError)
+        if self.system.rigid and not self.lost:
+            try:
+                limit_in(self.model, self.push.direction, self.states[-1], self.system.sliding)
+            except NoEquilibriumError:
+                self._lean()
+            except ConvergenceError:
+                pass
+
+    def _lean(self) -> None:
+        """End the curve where α begins to rise without bound: the load presses the blocks on what does not move."""
+        self.end = message(
+            "the structure leans on what the push does not move: beyond, the multiplier has no bound"
+        )
+        self.spent, last = True, len(self.multiplier) - 1
+        while last > 0 and self.multiplier[last - 1] < self.multiplier[last]:
+            last -= 1
+        del self.states[last + 1 :], self.multiplier[last + 1 :], self.displacement[last + 1 :]
+        del self.certificates[last + 1 :], self.steps[last + 1 - self.system.rigid :]
 
     def _next(self, length: float, shortest: bool) -> None:
         """Add the next point, or the last one before α = 0; the errors are those of `advance`."""
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
+        if step.alpha > self.tolerances.wedged * max(self.first.limit, 1.0):
+            self._lean()
+            return
         gone_back = self.displacement[-1] - self.along(step.state.positions)
         if gone_back > max(
             self.tolerances.back * self.displacement[-1], self.tolerances.still * self.model.size
@@ -319,8 +341,8 @@ class _Curve:
         nearest = self._down_to_zero(work, fastest, step)
         if nearest is not None:
             self._append(*nearest)
-        zero = self.multiplier[-1] <= self.tolerances.nearly * max(self.multiplier)
-        self.multiplier[-1], self.end = 0.0 if zero else self.multiplier[-1], None
+        self.end = None
+        zero = self.multiplier[-1] <= self.tolerances.zero * max(self.multiplier)
         held = None if zero and self._overturns() else self._held_again(step)
         if held is not None and self._go_on_from(held):
             return
@@ -351,12 +373,12 @@ class _Curve:
         if self.multiplier[-1] <= 0.0:
             return None
         low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
-        tolerance, least = self.tolerances.zero * max(self.multiplier), PATH.shortest(work)
+        tolerance, least = self.tolerances.zero * max(self.multiplier), self.tolerances.jump * work
         last: tuple[float, Equilibrium, bool] | None = None
-        for count in range(self.tolerances.chords):
-            chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
-            if count and chord < least:
+        for _ in range(self.tolerances.chords):
+            if high[0] - low[0] < least:
                 break
+            chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             try:
                 step, jumped = self._step(chord, fastest)
             except (NoEquilibriumError, ConvergenceError):
@@ -429,7 +451,7 @@ class _Curve:
         forces = moved_over(start.forces, start.contacts, held.contacts)
         onset = replace(held, alpha=start.alpha, forces=forces, certificate=start.certificate)
         self._append(1.0, onset, jumped=True)
-        self.rate, self.begins = start.rate, self.system.rigid and start.step is not None
+        self.rate = start.rate
         self.control_rate = self._control_rate(held.state.positions)
         return True
 
@@ -440,8 +462,6 @@ class _Curve:
         self.steps.append(step)
         self.certificates.append(step.certificate)
         self.multiplier.append(step.alpha)
-        if self.begins and not jumped:  # a start by Coulomb's law has the multiplier of the associative one
-            self.multiplier[-2], self.begins = min(self.multiplier[-2], step.alpha), False
         self.displacement.append(self.along(step.state.positions))
         then, now = self.displacement[-2:]
         if jumped:
@@ -452,6 +472,7 @@ class _Curve:
             self.plateau = (now, self.multiplier[-1])
         size, alpha = self.model.size, self.multiplier[-1]
         if now - self.plateau[0] > size:
+            self.spent = True
             self.end = message(
                 "the structure slides: α stays {alpha:.4g} over {distance:.3g} m, and nothing ends that",
                 alpha=alpha,
@@ -508,6 +529,8 @@ class _Curve:
     def finished(self) -> Pushover:
         """Return the curve; raise ControlError if the control point takes no part in it."""
         assert self.end is not None
+        if len(self.states) == 1 and self.spent:
+            raise NoEquilibriumError(self.end)
         if len(self.states) == 1 and not self.system.rigid and self.drawn:
             raise no_way_from_rest(self.model, self.end)
         if len(self.states) == 1 or not self._takes_part_by(max(self.displacement)):

@@ -1,6 +1,6 @@
 """One step of an analysis: an equilibrium, or a time step."""
 
-from mechanics.steps.equilibrium import check_self_weight
+from mechanics.steps.equilibrium import check_self_weight, unpressed
 from mechanics.steps.static_system import Sliding, static_system
 from mechanics.steps.tolerances import LIMIT
 
@@ -9,4 +9,5 @@ __all__ = [
     "Sliding",
     "check_self_weight",
     "static_system",
+    "unpressed",
 ]

@@ -13,7 +13,7 @@ from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, forces_on_blocks
 from mechanics.program import Program
-from mechanics.solvers import BALANCED, least_acceleration
+from mechanics.solvers import ACCEPTED, BALANCED, interior, least_acceleration
 from mechanics.solvers.elimination import Elimination
 from mechanics.steps.contact_values import carried
 from mechanics.steps.geometry_iteration import find_equilibrium
@@ -21,7 +21,13 @@ from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem, lay_shear
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
-from mechanics.types import Array, Index
+from mechanics.types import GRAVITY, Array, Index
+
+FALL, YIELD = (
+    0.1,
+    1e-4,
+)  # of a block: the way in which unpressed ones are looked for, and what its weight presses in
+SMALL = (1e-2, 1e-4, 1.0)  # of the forces of a cold start
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +130,40 @@ def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProg
             )
         )
     return closed
+
+
+def unpressed(model: Assembly) -> Index:
+    """Return the blocks as drawn that friction alone holds, of faces that nothing presses.
+
+    Rigid joints may press on each other as they like: a beam between two walls hangs by self-stress. Joints that yield
+    a little, unstressed as drawn, have no force there, and the beam falls: blocks are left to themselves for a moment
+    in which they would fall by FALL of a block. The program begins with small forces: there may be others.
+    """
+    way = FALL * model.size
+    stiffness = model.weight / int(model.movable.sum()) / (YIELD * model.size**3)
+    stones = [
+        replace(
+            block.material,
+            normal_stiffness=stiffness,
+            tangential_stiffness=stiffness,
+            compressive_strength=np.inf,
+        )
+        for block in model.blocks
+    ]
+    blocks = [replace(block, material=stone) for block, stone in zip(model.blocks, stones, strict=True)]
+    soft = replace(model, blocks=blocks)
+    system = static_system(soft, "elastic", "coulomb")
+    still = StepProblem(system, soft.initial, soft.dead_load, way, mass=soft.mass / (way / GRAVITY))
+    program, index = still.pose(soft.initial.positions, None)
+    cold = interior.cold(program)
+    for share in SMALL:
+        begun = replace(cold, forces=share * cold.forces)
+        found, outcome = interior.run(program, system.layout.take(index), begun, ACCEPTED)
+        if outcome.accepted:
+            break
+    moved = abs(found.displacement.reshape(-1, 3)[:, :2]).max(axis=1)
+    fallen = outcome.accepted & (moved > 0.5 * way)
+    return np.flatnonzero(model.movable)[fallen]
 
 
 def rest(

@@ -13,7 +13,7 @@ from tests import ROOT
 LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 241,
-    "assessment/analyses": 5195,
+    "assessment/analyses": 5207,
     "assessment/app": 1600,
     "assessment/benchmark": 1900,
     "assessment/cli": 884,
@@ -23,15 +23,15 @@ LINES = {
     "assessment/results": 3960,
     "assessment/runtime": 1915,
     "assessment/studies": 2940,
-    "assessment/workflow": 1250,
+    "assessment/workflow": 1252,
     "mechanics": 600,
     "mechanics/kernels": 3550,
     "mechanics/model": 3352,
     "mechanics/pictures": 431,
-    "mechanics/procedures": 2985,
+    "mechanics/procedures": 3041,
     "mechanics/records": 1200,
     "mechanics/solvers": 1150,
-    "mechanics/steps": 1750,
+    "mechanics/steps": 1752,
 }
 
 

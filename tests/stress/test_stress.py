@@ -24,7 +24,6 @@ OPEN = {
         "1 µm beside 10 m: ledge of 1e-06 m",
         "1 µm beside 10 m: ledge of 0.0001 m",
     ),
-    "an increment longer than the block": ("steps too large: block × 1000, rigid",),
 }
 REASON = {label: reason for reason, labels in OPEN.items() for label in labels}
 

@@ -51,7 +51,9 @@ def tied_wall():
 def walls_of_ferris_and_tin_loi():
     """Wall 2 with dilation, then walls 1 and 2 without."""
     walls = running_bond(), running_bond(5, 10)
-    return [limit_analysis(walls[1]).alpha] + [limit_analysis(w, sliding="coulomb").alpha for w in walls]
+    return [limit_analysis(walls[1], sliding="associative").alpha] + [
+        limit_analysis(w, sliding="coulomb").alpha for w in walls
+    ]
 
 
 def buttressed_ends():
@@ -79,7 +81,7 @@ COMPUTED = {
     "block_end": block_end,
     "block_sliding": lambda: [limit_analysis(block_on_base(BREADTH, HEIGHT, friction=0.15)).alpha],
     "leaf": lambda: [limit_analysis(block_on_base(0.5, 3.9, friction=0.58)).alpha],
-    "wall": lambda: [limit_analysis(running_bond()).alpha],
+    "wall": lambda: [limit_analysis(running_bond(), sliding="associative").alpha],
     "walls_coulomb": walls_of_ferris_and_tin_loi,
     "wedge": lambda: coulomb.opened(0.3, 0.001),
     "incline": lambda: coulomb.drawn_away(0.001),

@@ -147,7 +147,7 @@ def test_an_arch_tied_at_its_springings_outlives_the_spread_of_a_support(contact
             pushdown(tied_arch().tied(ties), "right", (0.2, 0.0), 0.005, contacts=contacts)
         ends.append(fall.value.path.movement[-1])
     assert ends[0] < 0.145
-    assert ends[0] == pytest.approx(ends[1], rel=0.06)
+    assert ends[0] == pytest.approx(ends[1], rel=0.08)
 
 
 def test_a_state_at_rest_with_a_tie_stays_at_rest():

@@ -17,7 +17,7 @@ from tests.support.drawn_projects import drawn, tables
 
 @cache
 def onset():
-    return limit_analysis(drawn("triumphal_arch"))
+    return limit_analysis(drawn("triumphal_arch"), sliding="associative")
 
 
 def control():
@@ -30,10 +30,16 @@ def settled(until: float = 0.0):
     """α0 and d_0 (m) after the movement of the right support, towards +x, rigid joints; down to `until` of the peak."""
     model, (movement,) = drawn("triumphal_arch"), tables("triumphal_arch")["settlements"]
     moved = pushdown(
-        model, movement["support"], movement["displacement_m"], increment=movement["increment_m"]
+        model,
+        movement["support"],
+        movement["displacement_m"],
+        increment=movement["increment_m"],
+        sliding="associative",
     )
     push = tables("triumphal_arch")["pushover"]
-    curve = pushover(model, control(), "+x", "rigid", push["increment_m"], moved.final, until)
+    curve = pushover(
+        model, control(), "+x", "rigid", push["increment_m"], moved.final, until, sliding="associative"
+    )
     return float(curve.multiplier.max()), float(curve.displacement[-1])
 
 

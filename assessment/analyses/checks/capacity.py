@@ -136,13 +136,11 @@ def _assessed(
         )
     curve = project, model, direction, curves, demands
     own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
-    other, counts = None, False
+    other = None
     if (law := _other_law(rigid)) is not None:
         with suppress(CapacityError):
             other = _by_law(*curve, law)
-        counts = law.factor < 1.0 and "sliding" not in project.contacts.model_fields_set  # none was asked for
-    used, apart = (other, own) if other is not None and counts else (own, other)
-    capacity, checks, method = used.capacity, used.checks, used.method
+    capacity, checks, method = own.capacity, own.checks, own.method
     notes = list(dict.fromkeys(note for check in checks.values() for note in check.notes))
     given, loss = assessment.local_displacement_limit_m, rigid.local_loss
     if loss is not None and given is not None and given > loss.displacement_m:
@@ -153,20 +151,15 @@ def _assessed(
         )
         notes.insert(0, beyond)
 
-    made = _capacity(used)
+    made = _capacity(own)
     if curves.run is not None:
         made = made.replace(run=curves.run)
-    if apart is not None:
-        beside = OtherLaw(sliding=apart.law.sliding, alpha_0=apart.law.mechanism.alpha)
-        if ratios := _apart(checks, apart.checks):
-            ratio = {name: check.zeta_E for name, check in apart.checks.items() if check.zeta_E is not None}
+    if other is not None:
+        beside = OtherLaw(sliding=other.law.sliding, alpha_0=other.law.mechanism.alpha)
+        if ratios := _apart(checks, other.checks):
+            ratio = {name: check.zeta_E for name, check in other.checks.items() if check.zeta_E is not None}
             beside = beside.replace(zeta_E=ratio)
-            by, listed = FRICTION[apart.law.sliding], linked(ratios)
-            notes.append(
-                message("by {law} {ratios}; the lower α0 counts", law=by, ratios=listed)
-                if counts  # as no law was asked for
-                else message("by {law} {ratios}", law=by, ratios=listed)
-            )
+            notes.append(message("by {law} {ratios}", law=FRICTION[other.law.sliding], ratios=linked(ratios)))
         made = made.replace(other_law=beside)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
@@ -329,9 +322,12 @@ def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> 
 def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
     """Return the rigid curve from its peak on, over growing d*/Γ* (m).
 
-    If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0.
+    If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0. The
+    last multiplier of a curve that reaches zero is none.
     """
     multiplier = np.array(rigid.curve.multiplier)
+    if rigid.reached_zero:
+        multiplier[-1] = 0.0
     peak = int(np.argmax(multiplier))
     d, alpha = way.equivalent[peak:], multiplier[peak:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])

@@ -34,7 +34,7 @@ def rigid_push(
 ) -> RigidPush:
     """Return a rigid curve; the mechanism is that at the point of α0 (C8.7.1.2).
 
-    Where joints slide in it, with the multiplier by the other law of friction.
+    With the multiplier by the other law of friction: of a curve by the associative one where joints slide in it.
     """
     at, met = path.states[path.formed], Met(model)
     point = path.formed
@@ -70,8 +70,11 @@ def rigid_push(
     moved[path.formed] = path.mechanism
     if ties := along_path(model, carried, path.formed, None, determined(model, moved)):
         found = found.replace(ties=ties)
+    # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
     slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
-    if slides and (other := _other_law(found, model, control, direction, path, met)):
+    if (slides or sliding == "coulomb") and (
+        other := _other_law(found, model, control, direction, path, met)
+    ):
         found = found.replace(other_law=other)
     return found
 

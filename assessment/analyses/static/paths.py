@@ -14,7 +14,7 @@ from mechanics.messages import Message, headed, message
 from mechanics.model import H
 from mechanics.procedures import PATH, Pushdown, Pushover
 from mechanics.program import Certificate
-from mechanics.steps import check_self_weight
+from mechanics.steps import check_self_weight, unpressed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,6 +51,21 @@ def stand(model: Assembly) -> Message | None:
     except UnstableError as error:
         return error.message
     return None
+
+
+def pressed_in(model: Assembly) -> list[Message]:
+    """Return a warning that names the blocks that friction alone holds in a structure that stands, if there are any."""
+    held = unpressed(model).tolist()
+    if not held:
+        return []
+    return [
+        message(
+            "stands only if pressed in: nothing presses the faces that hold {count} blocks ({blocks}); rigid joints "
+            "may hold them by friction, elastic ones let them fall",
+            count=len(held),
+            blocks=", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else ""),
+        )
+    ]
 
 
 def turns_on_rounding(model: Assembly, path: Pushdown | Pushover) -> bool:

@@ -193,8 +193,8 @@ class ContactsTable(Table):
     """[contacts]: how joints slide, and whether blocks that are apart may come to touch."""
 
     sliding: Literal["coulomb", "associative"] = Field(
-        default="associative",
-        description="associative: a joint that slides opens, as in the paper; coulomb: it does not",
+        default="coulomb",
+        description="coulomb: a joint that slides does not open; associative: it opens, as in the paper",
     )
     collisions: bool = Field(
         default=True, description="blocks that are apart in the drawing may come to touch as they move"

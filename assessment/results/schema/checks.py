@@ -141,7 +141,7 @@ class Capacity(_Checked):
     sliding: Sliding | None = optional(
         "law of friction of its α_0: that of the curve, or the other one where its α_0 is lower and none was asked for"
     )
-    other_law: OtherLaw | None = optional("by the law that does not count, where α_0 differs by 1 % or more")
+    other_law: OtherLaw | None = optional("by the other law of friction, where α_0 differs by 1 % or more")
     mechanism: Count = key("the mechanism", label=("Meccanismo", "Mechanism"))
     alpha_0: float | None = optional("multiplier of the rigid mechanism", "–")
     e_star: float = key("share of the mass that takes part, e*", "–")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,11 +60,12 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     ]
     hypotheses = _all_explained(project, search, asked)
     known = [each.aic for each in hypotheses if each.aic is not None]
-    best = next((k for k, each in enumerate(hypotheses) if known and each.aic == min(known)), None)
+    least = min(known, default=math.nan)
+    alike = [each.aic is not None and math.isclose(each.aic, least, abs_tol=1e-6) for each in hypotheses]
+    best = alike.index(True) if known else None  # of those that explain alike the first
     if best is not None:
         hypotheses = [
-            each.replace(distinguished=each.aic is None or each.aic > min(known) + AS_GOOD)
-            for each in hypotheses
+            each.replace(distinguished=each.aic is None or each.aic > least + AS_GOOD) for each in hypotheses
         ]
     result = Identification(
         hypotheses=hypotheses,

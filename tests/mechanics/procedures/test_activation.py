@@ -103,7 +103,7 @@ def test_a_settled_arch_has_its_mechanism_at_the_largest_multiplier():
         curve = pushover(model, control, direction, "rigid", 0.001, state, until=0.7)
         assert curve.formed == curve.peak > 0
         alpha = virtual_work_multiplier(model, curve.mechanism, direction)
-        assert alpha == pytest.approx(curve.multiplier.max(), rel=1e-6)
+        assert alpha == pytest.approx(curve.multiplier.max(), rel=1e-5)
 
 
 def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation():
@@ -190,7 +190,7 @@ def test_capacities_are_sizes_along_the_push(state, direction):
     curves = typed(results).states[state].pushover[direction]
     d, alpha = map(np.asarray, along_push(curves.rigid.curve, direction))
     least, most = curves.rigid.d_0_m_range or (d[-1], d[-1])
-    assert alpha[-1] == 0.0 and 0.0 < least * (1.0 - 1e-6) <= d[-1] <= most * (1.0 + 1e-6)
+    assert abs(alpha[-1]) <= 1e-6 * max(alpha) and 0.0 < least * (1.0 - 1e-6) <= d[-1] <= most * (1.0 + 1e-6)
     assert least <= curves.rigid.d_0_m <= most
     assert curves.elastic.d_y_m > 0.0 and curves.elastic.d_u_m > 0.0
     assert min(results["states"][state]["capacity"][direction]["curve"]["d_star_m"]) == 0.0

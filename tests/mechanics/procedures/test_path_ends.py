@@ -272,15 +272,18 @@ def test_an_elastic_path_that_slides_by_coulomb_friction_is_followed_to_its_coll
     assert "moves by" in path.end
 
 
-@pytest.mark.parametrize("increment", [1e-4, 1e-3])
-def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(increment):
+@pytest.mark.parametrize(
+    ("sliding", "increment", "close"),
+    [("associative", 1e-4, 0.002), ("coulomb", 1e-4, 0.01), ("coulomb", 1e-3, 0.02)],
+)
+def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(sliding, increment, close):
     """At its limit point a released arch came to rest behind, climbed again and was released again, eleven times."""
-    curve = pushover(arch_on_piers(), (0.85, 0.8), "+x", "elastic", increment)
+    curve = pushover(arch_on_piers(), (0.85, 0.8), "+x", "elastic", increment, sliding=sliding)
     begun, landed = curve.crossed.T if len(curve.crossed) else np.zeros((2, 0))
     assert (landed[1:] > np.maximum.accumulate(begun)[:-1]).all()
     assert curve.lost
-    # 1.7287 mm at 0.1 mm, 1.7285 at 0.3, 1.7313 at 1; on unstable equilibria a path went on to 1.65
-    assert curve.displacement[-1] == pytest.approx(0.001729, rel=0.002)
+    # 1.7287 mm at 0.1 mm, 1.7285 at 0.3, 1.7313 at 1; by Coulomb's law 1.723 and 1.697: it turns back in the last steps
+    assert curve.displacement[-1] == pytest.approx(0.001729, rel=close)
 
 
 def test_a_movement_whose_rest_is_not_decided_ends_in_its_words_with_what_was_followed(monkeypatch):

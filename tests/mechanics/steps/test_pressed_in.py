@@ -1,0 +1,52 @@
+"""Blocks that friction alone holds, of faces that nothing presses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushover
+from mechanics.steps import unpressed
+from tests.support.random_masonry import random_masonry
+from tests.support.structures import arch_on_piers, rectangle, running_bond
+
+STONE = Material(20.0, 0.84, 1e6)
+
+
+def between_walls(*blocks: Block) -> Assembly:
+    walls = [
+        Block(rectangle(-1.0, -1.0, 0.0, 2.0), 1.0, STONE, support="left"),
+        Block(rectangle(1.8, -1.0, 2.8, 2.0), 1.0, STONE, support="right"),
+    ]
+    return Assembly([*blocks, *walls])
+
+
+BEAM = Block(rectangle(0.0, 0.0, 1.8, 0.8), 1.0, STONE)
+BED = Block(rectangle(0.0, -1.0, 1.8, -0.03), 1.0, STONE, support="bed")
+
+
+def test_a_beam_between_walls_hangs_by_self_stress_alone():
+    """By limit analysis it stands; elastic joints have no force on faces that nothing presses, however stiff."""
+    model = between_walls(BEAM)
+    assert unpressed(model).tolist() == [0]
+    assert unpressed(between_walls(BEAM, BED)).tolist() == [0], "30 mm above its bed"
+    for stiffness in (1e5, 1e7):
+        stiff = Material(20.0, 0.84, stiffness)
+        soft = Assembly([Block(b.vertices, 1.0, stiff, support=b.support) for b in model.blocks])
+        with pytest.raises(UnstableError):
+            pushover(soft, (0.9, 0.6), "+x", "elastic", 0.005)
+
+
+@pytest.mark.parametrize("seed", [3, 4, 6, 8, 14, 18, 27])
+def test_what_weight_presses_together_is_not_named(seed: int):
+    model = random_masonry(seed)
+    limit_analysis(model)
+    assert not len(unpressed(model))
+
+
+def test_walls_and_arches_stand_pressed_by_their_weight():
+    for model in (running_bond(), arch_on_piers(voussoirs=7, courses=3)):
+        assert not len(unpressed(model))
+    wall, loose = running_bond(3, 3), np.array([0.02, 0.0])
+    held = Block(wall.blocks[-1].vertices + loose, 0.1, STONE)
+    assert not len(unpressed(Assembly([*wall.blocks[:-1], held])))
