@@ -131,9 +131,10 @@ class Pushover:
 
     def __repr__(self) -> str:
         at = 1000.0 * self.displacement[[self.peak, -1]]
+        end = 0.0 if self.reached_zero else self.multiplier[-1]
         return (
             f"Pushover({self.direction}, {len(self.multiplier)} points, α_onset = {self.alpha_onset:.4g}, "
-            f"α_0 = {self.alpha_0:.4g} at {at[0]:.4g} mm, ends at {at[1]:.4g} mm with α = {self.multiplier[-1]:.3g})"
+            f"α_0 = {self.alpha_0:.4g} at {at[0]:.4g} mm, ends at {at[1]:.4g} mm with α = {end:.3g})"
         )
 
     def plot(self, axes: Axes | None = None) -> Axes:
