@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from assessment.runtime.terminal.console import say, tell
-from tests.support.block_project import PROJECT, ROOT, run, write_block
+from tests.support.block_project import PROJECT, PUSHED, ROOT, block, run, write_block
 
 TITLE = 'title = "Block"'
 GREEK = 'title = "Tuff, −5 µm … Ξ, città"'
@@ -30,7 +30,8 @@ def arguments(command: str, project) -> list[object]:
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """A project that was run: to run it again takes no time, and says the same."""
-    folder = write_block(tmp_path_factory.mktemp("console") / "block", PROJECT.replace(TITLE, GREEK))
+    text = (block() + PUSHED).replace(TITLE, GREEK)
+    folder = write_block(tmp_path_factory.mktemp("console") / "block", text)
     assert run(folder) == 0
     return folder
 
