@@ -1,4 +1,4 @@
-"""Ten thousand histories of a campaign: what is held while they run, and what is left of them.
+"""Thousands of histories of a campaign: what is held while they run, and what is left of them.
 
 Motions are made up, everything around them is the program's.
 """
@@ -24,7 +24,7 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.workflow.stages import run
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 
-RECORDS, SAMPLES = 75, 2000
+RECORDS, SAMPLES = 25, 2000
 TABLE = """[campaign]
 records = ["made*.csv"]
 shares = [0.0, 0.25, 0.5, 0.75, 1.0]
@@ -50,7 +50,7 @@ class MadeUp:
     def __init__(self):
         self.count, self.most, self.alive = 0, 0, weakref.WeakSet()
 
-    def __call__(self, model, motion, _, start, factor):
+    def __call__(self, model, motion, _, start, factor, **__):
         own = int(motion.name[4:])
         tilt = abs(start.positions[:, 2]).max()
         capacity = (0.4 - 5.0 * tilt) * math.exp(0.3 * math.sin(own + np.sign(motion.record.acceleration[7])))
@@ -63,8 +63,8 @@ class MadeUp:
             (
                 SimpleNamespace(
                     collapsed=strength > 1.0, collapse_reason="it fell", worst=1e-12, notes=(), steps=SAMPLES,
-                    skipped=0, programs=SAMPLES, iterations=SAMPLES,
-                    energy=SimpleNamespace(**dict.fromkeys(ENERGIES, np.zeros(2))),
+                    skipped=0, programs=SAMPLES, iterations=SAMPLES, halvings=0,
+                    energy=SimpleNamespace(turnover=1.0, **dict.fromkeys(ENERGIES, np.zeros(2))),
                 ),
             ),
         )  # fmt: skip
@@ -76,19 +76,21 @@ class MadeUp:
         return found
 
 
-def test_of_ten_thousand_histories_numbers_are_left_and_no_curves(project, tmp_path, monkeypatch):
-    """One column of their curves alone would be 160 MB. Measured: results of 3.6 MB."""
+def test_of_thousands_of_histories_numbers_are_left_and_no_curves(project, tmp_path, monkeypatch):
+    """One column of their curves alone would be 50 MB. Measured: results of 1.2 MB."""
     made, store = MadeUp(), Store(tmp_path / FOLDER)
     monkeypatch.setattr(scan, "respond", made)
     monkeypatch.setattr(tasks, "processes", lambda _: 0)  # all in this process
-    outcome = run(project, build_model(project), jobs=1, store=store)
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
+    try:
+        outcome = run(project, build_model(project), jobs=1, store=store)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
     campaign = plain(outcome.results)["campaign"]
-    assert made.count >= 10_000 and made.count == sum(row["runs"] for row in campaign["combinations"])
+    assert made.count >= 3_000 and made.count == sum(row["runs"] for row in campaign["combinations"])
     assert len(campaign["combinations"]) == campaign["computed"] == 10 * RECORDS
     assert all(row["pga_collapse_g"] for row in campaign["combinations"])
     assert made.most == 1  # whole motion at a time
-    assert peak < 60 * MEGABYTE
-    assert len(as_bytes(outcome.results)) < 4 * MEGABYTE
-    assert sum(entry.stat().st_size for entry in store.folder.iterdir()) < 4 * MEGABYTE
+    assert peak < 30 * MEGABYTE
+    assert len(as_bytes(outcome.results)) < 1.4 * MEGABYTE
+    assert sum(entry.stat().st_size for entry in store.folder.iterdir()) < 1.4 * MEGABYTE

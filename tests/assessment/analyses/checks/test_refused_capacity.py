@@ -21,6 +21,8 @@ from tests.support.block_project import ASSESSMENT, PUSHED, block, read_results,
 from tests.support.typed import typed
 from tests.support.wording import as_sentence, in_italian
 
+pytestmark = pytest.mark.usefixtures("no_figures")
+
 
 @pytest.fixture(scope="module")
 def capacities(tmp_path_factory):
