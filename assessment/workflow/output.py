@@ -26,6 +26,7 @@ PLACES = (  # of the files of a run; all else in the folder is the user's
     "results.json",
     *(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
     "tables/*.csv",
+    "tables/*.xml",
     "judgement.md",
     *(f"report.{kind}" for kind in ("html", "pdf", "docx")),
     "attachments/*.png",
