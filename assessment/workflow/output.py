@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 PLACES = (  # of the files of a run; all else in the folder is the user's
     "results.json",
     *(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
-    "tables/*.csv",
-    "tables/*.xml",
+    *(f"tables/*.{kind}" for kind in ("csv", "xml")),
     "judgement.md",
     *(f"report.{kind}" for kind in ("html", "pdf", "docx")),
     "attachments/*.png",

@@ -45,6 +45,7 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
         *_chosen(results, words),
         *_linear(results, words),
         *_histories(results, words),
+        *_incremental(results, words),
         *_campaign(results, words),
         *worst_scenario(results, words),
         *_sensitive(results, words),
@@ -152,6 +153,15 @@ def _histories(results: Results, words: Words) -> Iterator[Markup]:
             peak, name = max(peaks)
             text = "judgement.history_stands" if fallen else "judgement.history_peak"
             yield words(text, **what, peak=words.millimetres(peak), state=words.state(name))
+
+
+def _incremental(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield which settled states have no other level at collapse than the original one, as far as is known."""
+    for name, state in results.states.items():
+        loss = state.incremental.loss
+        if loss and loss.distinguishable is False:
+            low, high = (_signed(bound or 0.0, words) for bound in loss.dynamic_range)
+            yield words("judgement.incremental_indistinct", state=words.state(name), low=low, high=high)
 
 
 def _campaign(results: Results, words: Words) -> Iterator[Markup]:

@@ -45,7 +45,7 @@ OF_STATES = (
     "state", "records", "mean_pga_collapse_g", "lowest_pga_collapse_g", "pga_collapse_g", "pga_all_collapse_g",
     "median_g", "dispersion",
 )  # fmt: skip
-COMPARED = (*COMPARISON, "static_surface_pga_g", "dynamic_to_static")
+COMPARED = (*COMPARISON, "dynamic_loss_low", "dynamic_loss_high", "static_surface_pga_g", "dynamic_to_static")
 
 
 def dynamic_tables(results: Results) -> list[Table]:
@@ -182,6 +182,10 @@ def static_dynamic(results: Results) -> Table:
                 compared["static_reduction"] = reduction(static_pga(before), static)
                 whole = original.incremental.pga_collapse_g if original else None
                 compared["dynamic_reduction"] = reduction(whole, dynamic)
+                bounds = (
+                    incremental_of_state.loss.dynamic_range if incremental_of_state.loss else (None, None)
+                )
+                compared["dynamic_loss_low"], compared["dynamic_loss_high"] = bounds
             nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
             rows.append(compared | brought_together(nominal, dynamic))
     return Table("static_dynamic", rows, COMPARED)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assessment.results.schema.dynamic import MeasureFit, Range, Scanned
+from assessment.results.schema.dynamic import Loss, MeasureFit, Range, Scanned
 from assessment.results.schema.part import Part, Sentence, key, optional
 
 
@@ -94,18 +94,12 @@ class CampaignFragility(Part):
     )
 
 
-class CampaignLoss(Part):
+class CampaignLoss(Loss):
     """`campaign.loss[]`: 1 − capacity after a movement / capacity before."""
 
     settlement: str = key("name of the movement")
     share: float = key("of the movement", "–")
     movement_m: float = key("largest component", "m")
-    dynamic: float | None = key("median of the records, of the 50 % level of each; null: not known", "–")
-    dynamic_range: Range = key(
-        "95 % of the bootstrap over records, with what each level is known to; null: not known", "–"
-    )
-    distinguishable: bool | None = key("whether the range leaves zero out; null: no range")
-    left_out: int = key("combinations that are not known on both sides", label=("Escluse", "Left out"))
     static: float | None = key("of the static check, weaker direction", "–")
     static_capacity: float | None = key("of `static_quantity`; a_g as a_g S, at the surface", "g or –")
 

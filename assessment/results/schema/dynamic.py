@@ -210,15 +210,11 @@ class Scanned(Part):
         ("Collasso più basso", "Lowest collapse"),
         ground="surface",
     )
-    level_16_g: float | None = key(
-        "P = 16 %; null: not determined", "g", ("Livello 16 %", "Level of 16 %"), ground="surface"
-    )
+    level_16_g: float | None = key("P = 16 %", "g", ("Livello 16 %", "Level of 16 %"), ground="surface")
     level_50_g: float | None = key("P = 50 %", "g", ("Livello 50 %", "Level of 50 %"), ground="surface")
     level_84_g: float | None = key("P = 84 %", "g", ("Livello 84 %", "Level of 84 %"), ground="surface")
     beta: float | None = key("of the probit; 0: no level above a collapse stands", "–")
-    widest_gap_g: Range | None = key(
-        "the two levels that are widest apart with none run between, from 0.7 of the lowest collapse on", "g"
-    )
+    widest_gap_g: Range | None = key("the two levels widest apart, from 0.7 of the lowest collapse on", "g")
     time_step_s: float | None = key("time step of the levels; null: not completed", "s")
     resurrections_g: list[float] = key("levels above the lowest collapse at which the structure stands", "g")
     runs: int = key("motions computed", label=("Analisi", "Runs"))
@@ -280,6 +276,17 @@ class Fragility(Part):
     measures: list[MeasureFit] = key("the same levels by other measures of the records")
 
 
+class Loss(Part):
+    """1 − level at collapse after / before: the median over records and signs, of the 50 % level of each."""
+
+    dynamic: float | None = key("median of the records, of the 50 % level of each; null: not known", "–")
+    dynamic_range: Range = key(
+        "95 % of the bootstrap, with what each level is known to; null: not known", "–"
+    )
+    distinguishable: bool | None = key("whether the range leaves zero out; null: no range")
+    left_out: int = key("combinations that are not known on both sides", label=("Escluse", "Left out"))
+
+
 class Incremental(Part):
     """`incremental`: the levels of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
 
@@ -297,7 +304,6 @@ class Incremental(Part):
     directions: dict[str, float | None] | None = optional(
         "the same of one sign of the records: +x as in the file, −x the other; null: open", "g"
     )
+    loss: Loss | None = optional("against the original state, of a settled one as in `campaign.loss`")
     fragility: Fragility | None = optional("distribution; null: fewer than two records collapse")
-    pga_collapse_g_range: Range | None = optional(
-        "from `pga_collapse_g` to where all levels run collapse", "g"
-    )
+    pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all levels collapse", "g")

@@ -21,7 +21,7 @@ from assessment.studies.campaign.scans import (
     own_setting,
     reach_of,
 )
-from assessment.studies.campaign.summary import record_levels
+from assessment.studies.campaign.summary import paired_loss, record_levels, within_records
 from assessment.studies.variants import Study
 from mechanics.messages import Message, headed, message
 
@@ -60,6 +60,12 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
                 if each.sign == each.run_sign:
                     scans.tell(each, f"incremental, {searches[-1].record}", found)
         found.states[state] = summarise(searches, found.warnings, state, measures, ratios)
+    fits = [part.fragility for part in found.states.values() if part.fragility]
+    beta = within_records(fit.beta_ensemble for fit in fits)
+    for state, own in by_state.items():
+        if state != ORIGINAL and (drawn := by_state.get(ORIGINAL)):
+            pairs = [(one.shaking.motion.name, one, other) for one, other in zip(drawn, own, strict=True)]
+            found.states[state] = found.states[state].replace(loss=paired_loss(pairs, scans, beta))
     return found
 
 

@@ -73,7 +73,7 @@ def campaign(
     ratios = measures.of(records.motions)
     fits = [fragility_of(state, combinations, rows, scans, table, measures, ratios) for state in moved]
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
-    beta = within_records(fits)
+    beta = within_records(fit.beta_ensemble for fit in fits)
     found = Campaign(
         measure=table.measure,
         period_s=table.period_s,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ from assessment.analyses.dynamic.fragility import (
     standard_value,
 )
 from assessment.results.schema.campaign import CampaignFragility, CampaignLoss
+from assessment.results.schema.dynamic import Loss
 from assessment.results.table import reduction
 from assessment.studies.campaign.movements import Moved
 from assessment.studies.campaign.scans import Asked, Scans, observed_in
@@ -134,9 +135,9 @@ def standard_of(rows: Sequence[CampaignCombination]) -> Standard:
     return standard_value(worse)
 
 
-def within_records(fits: Sequence[CampaignFragility]) -> float:
-    """Return β of the levels of one record over all states: how far a single level is known."""
-    found = [fit.beta_ensemble for fit in fits if fit.beta_ensemble is not None]
+def within_records(betas: Iterable[float | None]) -> float:
+    """Return β of the levels of one record over all states, given those of each: how far a single level is known."""
+    found = [beta for beta in betas if beta is not None]
     return math.sqrt(sum(beta**2 for beta in found) / len(found)) if found else 0.0
 
 
@@ -172,21 +173,28 @@ def loss_of(
     if own and own[0].asked.reach.stripes:
         return row.replace(dynamic=reduction(fit_before.median_g if fit_before else None, fit.median_g))
     before = {(each.record, each.asked.sign): each.asked for each in combinations if each.moved is base}
+    pairs = [(each.record, before[each.record, each.asked.sign], each.asked) for each in own]
+    lost = paired_loss(pairs, scans, beta)
+    if state is base:
+        lost = lost.replace(dynamic_range=[0.0, 0.0], distinguishable=None)
+    return row.replace(**{name: getattr(lost, name) for name in Loss.model_fields})
+
+
+def paired_loss(pairs: Sequence[tuple[str, Asked, Asked]], scans: Scans, beta: float) -> Loss:
+    """Return the median loss of `pairs`: record, scan before, scan after, with its range; see loss_of."""
     names, changes, errors = [], [], []
-    for each in own:
-        pair = [observed_in(scan) for scan in scans.paired(before[each.record, each.asked.sign], each.asked)]
-        first, then = pair[0].middle, pair[1].middle
-        if first is None or not (then or pair[1].safe):
+    for record, *both in pairs:
+        before, after = (observed_in(scan) for scan in scans.paired(*both))
+        if before.middle is None or not (after.middle or after.safe):
             continue
-        names.append(each.record)
-        changes.append(math.log(then / first) if then else math.inf)
-        errors.append(math.hypot(*(seen.known_to(beta) for seen in pair)))
-    row = row.replace(left_out=len(own) - len(names))
+        names.append(record)
+        changes.append(math.log(after.middle / before.middle) if after.middle else math.inf)
+        errors.append(math.hypot(before.known_to(beta), after.known_to(beta)))
+    row = Loss(
+        dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=len(pairs) - len(names)
+    )
     if not names:
         return row
-    row = row.replace(dynamic=_lost(float(np.median(changes))))
-    if state is base:
-        return row.replace(dynamic_range=[0.0, 0.0])
     records = list(dict.fromkeys(names))
     weights = np.ones((1, len(names)), dtype=int)
     if len(records) >= ENOUGH:
@@ -198,6 +206,7 @@ def loss_of(
     ]
     low, high = (_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest"))
     return row.replace(
+        dynamic=_lost(float(np.median(changes))),
         dynamic_range=[low, high],
         distinguishable=None if low is None or high is None else not low <= 0.0 <= high,
     )

@@ -474,6 +474,30 @@ def test_a_motion_whose_rest_is_skipped_is_the_whole_motion(model: Assembly) -> 
     assert skipped.energy.imbalance <= 1e-4
 
 
+def test_skipping_rest_moves_a_peak_no_more_than_a_sharper_program_does() -> None:
+    """Motions turn on the last digits: the median difference is at most three times that of a tenth of the residual."""
+    random = np.random.default_rng(5)
+    differences: list[list[float]] = []
+    for k in range(9):
+        model = (
+            block_on_base(random.uniform(0.4, 0.9), random.uniform(2.0, 4.0))
+            if k % 3
+            else column(random.uniform(0.5, 0.7), random.uniform(2.0, 3.0), 2)
+        )
+        base = random.uniform(1.2, 2.0) * two_pulses(0.01)
+        skipped, whole, sharper = (
+            time_history(model, base, 0.01, tolerances=HistoryTolerances(skips=skips, accepted=accepted))
+            for skips, accepted in ((True, 1e-9), (False, 1e-9), (False, 1e-10))
+        )
+        assert skipped.collapsed == whole.collapsed
+        peaks = [float(abs(m.positions - m.positions[0]).max()) for m in (skipped, whole, sharper)]
+        if peaks[1] > 1e-3 and not whole.collapsed:
+            differences.append([abs(peaks[n] / peaks[1] - 1.0) for n in (0, 2)])
+    assert len(differences) >= 4
+    by_rest, by_residual = np.median(np.array(differences), axis=0)
+    assert by_rest <= max(3.0 * by_residual, 1e-5)
+
+
 def test_a_record_below_activation_costs_ten_steps_and_a_try_how_far_rest_goes() -> None:
     """Of 2400 steps tens are computed; blocks stay exactly where they are, and joints carry what balances."""
     model = running_bond(3, 3)

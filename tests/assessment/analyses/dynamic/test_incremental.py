@@ -125,6 +125,10 @@ def test_incremental_analysis_and_campaign_are_one_set_of_motions_and_have_the_s
             ):
                 assert sign[key] == row[key]
             assert record["pga_collapse_g"] == min(each["pga_collapse_g"] for each in record["signs"])
+    assert results["states"]["original"]["incremental"].get("loss") is None
+    loss = results["states"]["base turned"]["incremental"]["loss"]
+    low, high = loss["dynamic_range"]
+    assert low <= loss["dynamic"] <= high and loss["left_out"] == 0
     # both signs of two records from two states; the campaign's own sign is among them
     assert outcome.computed == 8 + len(STATICS) and results["timing_s"]["campaign"] == 0.0
     again = run(project, build_model(project), 1, Store(tmp_path / "store"))
