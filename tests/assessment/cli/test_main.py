@@ -287,7 +287,7 @@ def test_an_example_as_a_spreadsheet(tmp_path):
     ("options", "said"),
     [
         ((), "--template or --example: missing; assesto new --list names them"),
-        (("--template", "wall", "--example", "tuff_panel"), "both given; choose one"),
+        (("--template", "wall", "--example", "tuff_panel"), "more than one given; choose one"),
         (("--example", "tuff_panl"), 'no such example; did you mean "tuff_panel"?'),
         (("--example", "tuff_panel", "--set", "courses=3"), "--set: of a template only"),
     ],
