@@ -130,13 +130,16 @@ def survey_project(folder: Path | str) -> tuple[Project, ProjectError | None]:
     """
     try:
         file = _source(Path(folder).absolute())
-        content, places = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {})
+        content, places, faults = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {}, [])
     except OSError as error:
         raise ProjectError(f"{error.filename}: project: {error.strerror}; make it readable") from None
     try:
         tables = ProjectContent.model_validate(content)
     except ValidationError as error:
-        raise project_error(file.name, schema_problems(error, content), places) from None
+        wrong = str(project_error(file.name, schema_problems(error, content), places))
+        raise ProjectError("\n".join([*faults, wrong])) from None
+    if faults:
+        raise ProjectError("\n".join(faults))
     problems = list(content_problems(tables, file.parent))
     given = {name: getattr(tables, name) for name in tables.model_fields_set}
     project = Project(**given, folder=file.parent, source=file.name)

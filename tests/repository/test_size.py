@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1900,
     "assessment/cli": 884,
     "assessment/ntc": 2750,
-    "assessment/project": 5530,
+    "assessment/project": 5654,
     "assessment/report": 8373,
     "assessment/results": 3960,
     "assessment/runtime": 1915,

@@ -10,7 +10,7 @@ from assessment.project.schema import KeyPath, Table
 from assessment.project.schema.index import keys_at, table_at, tables_of
 
 COLUMN = 40  # where the meanings begin
-MARK = "TO FILL IN: "
+MARK = {"en": "TO FILL IN: ", "it": "DA COMPILARE: "}
 
 
 def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> str:
@@ -25,7 +25,7 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
     for path, given in toml_tables(content):
         lines += _header(path)
         for key, value in plain_values(given).items():
-            mark = MARK if (*path, key) in marked else ""
+            mark = MARK["en"] if (*path, key) in marked else ""
             lines.append(_beside(toml_line(key, value), mark + keys_at(path).get(key, "")))
         table = table_at(path)
         if table and table not in explained:

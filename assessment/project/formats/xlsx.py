@@ -6,8 +6,8 @@ key | value | comment; "project" holds the title, and a table within a table is 
 a header of keys and one row per entry; the first column of "layers" is the layer's name, and what a strengthening
 changes of a layer stands in columns `layers.NAME.friction` and so on. Of a list of tables within a single table
 (`hypotheses` of identification) every entry has rows of its own, `hypotheses.1.NAME`. A list stands in one cell,
-"0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key, a missing
-sheet an absent table.
+"0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key; a missing sheet, or one
+whose row ACTIVE says no, an absent table. Choices have a drop-down list; comments are in the report's language.
 """
 
 from __future__ import annotations
@@ -20,11 +20,20 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
+from pydantic_core import PydanticUndefined
+
 from assessment.project.formats.comments import MARK, unset_keys
 from assessment.project.formats.workbook import Rows, read_sheets
 from assessment.project.schema import KeyPath, ProjectContent
-from assessment.project.schema.index import alternatives, annotation_at, keys_at, table_at, tables_of
-from assessment.runtime.errors import ProjectError, nearest
+from assessment.project.schema.index import (
+    alternatives,
+    annotation_at,
+    keys_at,
+    named_at,
+    table_at,
+    tables_of,
+)
+from assessment.runtime.errors import nearest
 
 _FORMS = tables_of(ProjectContent)
 _SINGLE: dict[str, KeyPath] = {
@@ -36,6 +45,19 @@ _SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "
 _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
 WIDEST = 90  # letters of a column
 _HELP = "help"  # the sheet that lists all keys; it is not read
+ACTIVE = "active"  # the row of a sheet that says whether its table is in the project
+YES, NO = ("sì", "si", "yes", "true", "vero"), ("no", "false", "falso")  # the first ones are written
+HEADS = {"en": ("key", "value", "comment"), "it": ("chiave", "valore", "nota")}
+IN_USE = {
+    "en": "sì: the table is in the project; no: it is left out",
+    "it": "sì: la tabella vale; no: è tralasciata",
+}
+_OF = {
+    "support": "layers",
+    "control point": "control",
+    "settlement": "settlements",
+}  # sheets with names to choose from
+LAST = 200  # row of a list down to which cells have a drop-down list
 
 
 class _Entry(NamedTuple):
@@ -46,29 +68,38 @@ class _Entry(NamedTuple):
     place: str
 
 
-def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
-    """Return the content of a project spreadsheet and where each value stands (sheet and cell).
+def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]]:
+    """Return the content of a project spreadsheet, where each value stands (sheet and cell), and what is wrong there.
 
-    Raises ProjectError naming sheet and cell where the form is wrong; values are not checked here.
+    Values are not checked here. Raises ProjectError where it cannot be read as one.
     """
     rows, formulas = read_sheets(path)
+    faults: list[str] = []
     for name, sheet in formulas.items():
         if place := _unevaluated(sheet, rows[name]):
-            raise ProjectError(
+            faults.append(
                 f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
                 "open the file in a spreadsheet program and save it, or write the value"
             )
-    for name in rows.keys() - _SHEETS.keys() - {_HELP}:
-        if rows[name]:
-            raise ProjectError(f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}')
+    faults += [
+        f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}'
+        for name in sorted(rows.keys() - _SHEETS.keys() - {_HELP})
+        if rows[name]
+    ]
     content: dict[str, Any] = {}
     places: dict[KeyPath, str] = {}
-    for name in (each for each in _SHEETS if each in rows):
+    off = [_SINGLE[name] for name in _SINGLE if name in rows and not _is_active(rows[name])]
+    used = [
+        name
+        for name in _SHEETS
+        if name in rows and not any(_SHEETS[name][: len(path)] == path for path in off)
+    ]
+    for name in used:
         entries = _table_entries(name, rows[name]) if name in _SINGLE else _list_entries(name, rows[name])
         for entry in entries:
             places[entry.path] = f'sheet "{name}"{entry.place}'
             if fault := _put(content, entry):
-                raise ProjectError(f"{path.name}: {places[entry.path]}: {fault}")
+                faults.append(f"{path.name}: {places[entry.path]}: {fault}")
     for name in content.keys() & _FORMS.keys():
         if _FORMS[name] == "list" and isinstance(content[name], dict):
             content[name] = list(content[name].values())
@@ -77,30 +108,43 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str]]:
                 key: list(value.values()) if isinstance(value, dict) and _listed((name, key)) else value
                 for key, value in content[name].items()
             }
-    return content, places
+    return content, places, faults
+
+
+def _is_active(rows: Rows) -> bool:
+    """Whether a sheet of a single table is in use: the row ACTIVE does not say no."""
+    said = (row[1] for row in rows.values() if len(row) > 1 and str(row[0]).strip().lower() == ACTIVE)
+    return all(_number(_text(each), (bool,)) is not False for each in said)
 
 
 def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
     """Return a project's content, as read from TOML, as a spreadsheet that explains its keys.
 
-    Keys that the content leaves out have an empty cell in the sheets that there are; the sheet "help" has them all.
-    `marked`: keys of single tables whose comment begins with MARK.
+    Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no; the sheet
+    "help" has them all. `marked`: keys of single tables whose comment begins with MARK.
     """
     from openpyxl import Workbook
 
+    language = content.get("report", {}).get("language", "it")
     book = Workbook()
     book.remove(book.active)
     for name, table in _SHEETS.items():
         node: Any = content
         for part in table:
             node = node.get(part) if node else None
-        if node is None or (not node and name not in _SINGLE):
+        sheet = book.create_sheet(name)
+        if name in _SINGLE:
+            _fill(sheet, _table_rows(table, node, marked, language))
+            _offer(
+                sheet,
+                [(f"B{row[0].row}", _row_path(table, row[0].value)) for row in sheet.iter_rows(min_row=2)],
+            )
             continue
-        rows = _table_rows(table, node, marked) if name in _SINGLE else _list_rows(name, node)
-        _fill(book.create_sheet(name), rows)
-    for name in _FORMS.keys() & set(book.sheetnames) - _SINGLE.keys():
-        _explain_header(book[name])
-    _fill(book.create_sheet(_HELP), _help_rows())
+        _fill(sheet, _list_rows(name, node or {}))
+        _explain_header(sheet, language)
+        headings = [(cell.column_letter, _below((name, 0), _text(cell.value))) for cell in sheet[1]]
+        _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in headings])
+    _fill(book.create_sheet(_HELP), _help_rows(language))
     file = BytesIO()
     book.save(file)
     return file.getvalue()
@@ -123,11 +167,43 @@ def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
     sheet.freeze_panes = "A2"
 
 
-def _explain_header(sheet: Any) -> None:
+def _offer(sheet: Any, cells: Iterable[tuple[str, KeyPath]]) -> None:
+    """Give the cells of keys a drop-down list of what can be chosen; other values can be typed all the same."""
+    from openpyxl.worksheet.datavalidation import DataValidation
+
+    for place, path in cells:
+        if formula := _choices(path):
+            offered = DataValidation(type="list", formula1=formula, allow_blank=True, showErrorMessage=False)
+            sheet.add_data_validation(offered)
+            offered.add(place)
+
+
+def _choices(path: KeyPath) -> str:
+    """Return the formula of a drop-down list of the key at a path; empty where nothing is to be chosen."""
+    from openpyxl.utils import get_column_letter
+
+    if path[-1] == ACTIVE:
+        return f'"{YES[0]},{NO[0]}"'
+    kinds = alternatives(annotation_at(path))
+    sheet = _OF.get(named_at(path) or "")
+    if sheet and str in kinds:
+        column = next(_list_rows(sheet, {})).index("support" if sheet == "layers" else "name") + 1
+        return f"={sheet}!${get_column_letter(column)}$2:${get_column_letter(column)}${LAST}"
+    chosen = [str(each) for kind in kinds if get_origin(kind) is Literal for each in get_args(kind)]
+    for kind in (kind for kind in kinds if get_origin(kind) is tuple):
+        members = [
+            m for one in alternatives(get_args(kind)[0]) if get_origin(one) is Literal for m in get_args(one)
+        ]
+        if all(isinstance(member, str) for member in members) and members:
+            chosen += [*members, "; ".join(members)]
+    return f'"{",".join(chosen)}"' if chosen else f'"{YES[0]},{NO[0]}"' if bool in kinds else ""
+
+
+def _explain_header(sheet: Any, language: str) -> None:
     """Put the meaning of each key of a list as a note to its heading."""
     from openpyxl.comments import Comment
 
-    meanings = keys_at((sheet.title, 0))
+    meanings = keys_at((sheet.title, 0), language)
     for cell in sheet[1]:
         if cell.value in meanings:
             cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
@@ -147,11 +223,12 @@ def _unevaluated(formulas: Rows, values: Rows) -> str | None:
 
 def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
     table = _SINGLE[name]
-    if table:
+    if table and (_default_at(table) is None or _default_at(table) is PydanticUndefined):
         yield _Entry(table, {}, "")
     for index, (number, row) in enumerate(rows.items()):
         key, value = (*row, None)[:2]
-        if value is None or (index == 0 and str(key).strip().lower() == "key"):
+        word = str(key).strip().lower()
+        if value is None or word == ACTIVE or (index == 0 and word in {heads[0] for heads in HEADS.values()}):
             continue
         path = _row_path(table, _text(key).strip())
         yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
@@ -247,7 +324,8 @@ def _typed(value: Any, annotation: Any) -> Any:
 
 def _number(text: str, kinds: tuple[Any, ...]) -> Any:
     if bool in kinds:
-        return {"true": True, "false": False}.get(text.strip().lower(), text)
+        word = text.strip().lower()
+        return True if word in YES else False if word in NO else text
     try:
         number = float(text.replace(",", "."))
     except ValueError:
@@ -262,21 +340,36 @@ def _text(value: Any) -> str:
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 
-def _table_rows(table: KeyPath, node: Mapping[str, Any], marked: Collection[KeyPath]) -> Iterator[list[Any]]:
-    comments = keys_at(table)
-    yield ["key", "value", "comment"]
-    for key, value in {**node, **dict.fromkeys(unset_keys(table, node))}.items():
+def _table_rows(
+    table: KeyPath, node: Mapping[str, Any] | None, marked: Collection[KeyPath], language: str
+) -> Iterator[list[Any]]:
+    comments = keys_at(table, language)
+    yield [*HEADS[language]]
+    absent: list[KeyPath] = []
+    for key, value in {**(node or {}), **dict.fromkeys(comments, None), **(node or {})}.items():
         path = (*table, key)
-        if path in _SHEETS.values():
+        if path in _SHEETS.values() or (key in _FORMS and not table):
             continue
         if _listed(path) and isinstance(value, list):
             for number, entry in enumerate(value, 1):
                 yield from ([f"{key}.{number}.{k}", _cell(v), comments[key]] for k, v in entry.items())
         elif isinstance(value, Mapping):
-            inner = keys_at(path)
+            inner = keys_at(path, language)
             yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
+        elif table_at(path):
+            absent.append(path)
         else:
-            yield [key, _cell(value), (MARK if path in marked else "") + comments[key]]
+            yield [key, _cell(value), (MARK[language] if path in marked else "") + comments[key]]
+    for path in absent:
+        yield from ([f"{path[-1]}.{k}", None, meaning] for k, meaning in keys_at(path, language).items())
+    if table and _default_at(table) is None:
+        yield [ACTIVE, YES[0] if node is not None else NO[0], IN_USE[language]]
+
+
+def _default_at(table: KeyPath) -> Any:
+    """Return the default of a table: None, it may be absent; PydanticUndefined, it must not."""
+    above = table_at(table[:-1]) or ProjectContent
+    return above.model_fields[str(table[-1])].default
 
 
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
@@ -309,22 +402,22 @@ def _flat(entry: Mapping[str, Any], tables: Mapping[str, str]) -> dict[str, Any]
     return row
 
 
-def _help_rows() -> Iterator[list[Any]]:
+def _help_rows(language: str) -> Iterator[list[Any]]:
     yield ["sheet", "key", "default", "meaning"]
     for name, path in _SHEETS.items():
-        yield from _help_on(name, path if name in _SINGLE else (name, 0), "")
+        yield from _help_on(name, path if name in _SINGLE else (name, 0), "", language)
 
 
-def _help_on(sheet: str, table: KeyPath, prefix: str) -> Iterator[list[Any]]:
+def _help_on(sheet: str, table: KeyPath, prefix: str, language: str) -> Iterator[list[Any]]:
     defaults = unset_keys(table, {})
-    for key, meaning in keys_at(table).items():
+    for key, meaning in keys_at(table, language).items():
         path = (*table, key)
         if table_at(path) is None:
             yield [sheet, prefix + key, _cell(defaults[key]), meaning]
         elif path not in _SHEETS.values():
             named = tables_of(table_at(table) or ProjectContent)[key] == "named"
             inner, below = ((*path, "NAME"), f"{prefix}{key}.NAME.") if named else (path, f"{prefix}{key}.")
-            yield from _help_on(sheet, inner, below)
+            yield from _help_on(sheet, inner, below, language)
 
 
 def _cell(value: Any) -> Any:
@@ -338,6 +431,8 @@ def _cell(value: Any) -> Any:
             else str(each)
             for each in value
         )
+    if isinstance(value, bool):
+        return YES[0] if value else NO[0]
     if isinstance(value, float) and (math.isinf(value) or float(f"{value:.16g}") != value):
         return repr(value)  # openpyxl stores 16 digits and no infinity
     return value

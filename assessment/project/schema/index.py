@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
+from functools import cache
+from importlib.resources import files
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from assessment.project.schema import KeyPath, ProjectContent, Table
+from assessment.project.schema.values import NameOf
 
 Form = Literal["single", "list", "named"]
 """Of a table in the file: [name], [[name]] for each entry of a list, or [name.NAME] for each named entry."""
@@ -34,13 +38,35 @@ def table_at(path: KeyPath) -> type[Table] | None:
     return _table_of(annotation_at(path))
 
 
-def keys_at(path: KeyPath) -> dict[str, str]:
-    """Return the keys of the table at `path` with their descriptions, required ones first; none where keys are free."""
+def keys_at(path: KeyPath, language: str = "en") -> dict[str, str]:
+    """Return the keys of the table at `path` with what they mean, required ones first; none where keys are free."""
     for plain in alternatives(annotation_at(path)):
         if isinstance(plain, type) and issubclass(plain, Table):
             fields = sorted(plain.model_fields.items(), key=lambda item: not item[1].is_required())
+            if language == "it":
+                words = _italian()
+                return {
+                    key: words.get(f"{plain.__name__}.{key}", words.get(key, ["", ""]))[1]
+                    for key, _ in fields
+                }
             return {key: field.description or "" for key, field in fields}
     return {}
+
+
+@cache
+def _italian() -> dict[str, list[str]]:
+    """Return label and meaning of every key in Italian, by KEY or TABLE.KEY."""
+    words: dict[str, list[str]] = tomllib.loads((files("templates") / "app_it.toml").read_text("utf-8"))[
+        "keys"
+    ]
+    return words
+
+
+def named_at(path: KeyPath) -> str | None:
+    """Return of what in the project the value at `path` is a name, None where it is none."""
+    table = table_at(path[:-1]) if path else None
+    field = table.model_fields.get(str(path[-1])) if table else None
+    return next((mark.what for mark in field.metadata if isinstance(mark, NameOf)), None) if field else None
 
 
 def tables_of(table: type[Table]) -> dict[str, Form]:

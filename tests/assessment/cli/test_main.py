@@ -286,7 +286,7 @@ def test_an_example_as_a_spreadsheet(tmp_path):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ((), "--template or --example: missing; assesto new --list names them"),
+        ((), "--template, --drawing or --example: missing; assesto new --list"),
         (("--template", "wall", "--example", "tuff_panel"), "more than one given; choose one"),
         (("--example", "tuff_panl"), 'no such example; did you mean "tuff_panel"?'),
         (("--example", "tuff_panel", "--set", "courses=3"), "--set: of a template only"),

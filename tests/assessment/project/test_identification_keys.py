@@ -112,7 +112,7 @@ def test_a_spreadsheet_and_a_commented_file_hold_the_same(tmp_path):
     folder = write_surveyed(tmp_path, hypotheses, CRACK, LEAN, SPAN, benchmark)
     content = tomllib.loads((folder / "project.toml").read_text())
     (tmp_path / "project.xlsx").write_bytes(to_xlsx(content))
-    read, places = read_xlsx(tmp_path / "project.xlsx")
+    read, places, _ = read_xlsx(tmp_path / "project.xlsx")
     assert read["identification"] == content["identification"]
     assert read["measurement"] == content["measurement"]
     assert any("identification" in place for place in places.values())

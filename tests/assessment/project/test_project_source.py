@@ -95,7 +95,7 @@ def test_a_new_spreadsheet_explains_every_key(tmp_path):
     listed = {(row[0], row[1]): row[3] for row in book["help"].iter_rows(min_row=2, values_only=True)}
     for path in tables():
         sheet, *inner = path[1:] if path[:2] == ("assessment", "site") else path or ("project",)
-        for key, meaning in keys_at(path).items():
+        for key, meaning in keys_at(path, "it").items():
             if key not in tables_of(table_at(path)):
                 below = (
                     inner[1:] if inner[:1] == ["NAME"] else inner
@@ -103,11 +103,11 @@ def test_a_new_spreadsheet_explains_every_key(tmp_path):
                 named = ".".join([*(part for part in below if isinstance(part, str)), key])
                 assert listed[sheet, named] == meaning
     site = {row[0].value: row[2].value for row in book["site"].iter_rows(min_row=2)}
-    assert site["latitude"] == "latitude, degrees north"
+    assert site["latitude"] == keys_at(("assessment", "site"), "it")["latitude"]
     assert {row[0].value: row[2].value for row in book["geometry"].iter_rows(min_row=2)} == keys_at(
-        ("geometry",)
+        ("geometry",), "it"
     )
-    assert {cell.value: cell.comment.text for cell in book["control"][1]} == keys_at(("control", 0))
+    assert {cell.value: cell.comment.text for cell in book["control"][1]} == keys_at(("control", 0), "it")
     assert {cell.value for cell in book["settlements"][1]} == set(keys_at(("settlements", 0)))
 
 

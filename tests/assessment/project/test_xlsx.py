@@ -95,10 +95,79 @@ def test_no_sliding_is_read_as_it_is_typed(folder, typed):
 
 
 def test_a_sheet_explains_its_keys(folder):
+    for language, heads, meaning in (
+        ("en", ["key", "value", "comment"], "out-of-plane depth, m"),
+        ("it", ["chiave", "valore", "nota"], "spessore fuori piano"),
+    ):
+        (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT | {"report": {"language": language}}))
+        sheet = load_workbook(folder / "project.xlsx")["geometry"]
+        assert [cell.value for cell in sheet[1]] == heads
+        assert meaning in sheet["C4"].value
+        assert load_project(folder).report.language == language
+
+
+def choices(book, sheet: str, cell: str) -> str | None:
+    """The formula of the drop-down list of a cell."""
+    found = [each for each in book[sheet].data_validations.dataValidation if cell in each.sqref]
+    return found[0].formula1 if found else None
+
+
+def test_choices_have_a_list_and_a_switch_says_yes_or_no(folder):
     changed(folder)
-    sheet = load_workbook(folder / "project.xlsx")["geometry"]
-    assert [cell.value for cell in sheet[1]] == ["key", "value", "comment"]
-    assert "out-of-plane depth, m" in [row[0].value for row in sheet["C2:C4"]][2]
+    book = load_workbook(folder / "project.xlsx")
+    assert choices(book, "geometry", "B3") == '"mm,cm,m"'
+    assert choices(book, "pushover", "B2") == '"rigid,elastic,rigid; elastic"'
+    heads = {cell.value: cell.column_letter for cell in book["settlements"][1]}
+    assert choices(book, "settlements", f"{heads['to_collapse']}5") == '"sì,no"'
+    supports = next(cell.column_letter for cell in book["layers"][1] if cell.value == "support")
+    assert choices(book, "settlements", f"{heads['support']}2") == f"=layers!${supports}$2:${supports}$200"
+    assert choices(book, "geometry", "B4") is None
+    for typed, meant in (
+        ("sì", True),
+        ("Si", True),
+        ("no", False),
+        ("TRUE", True),
+        ("falso", False),
+        (True, True),
+    ):
+        project = changed(folder, ("settlements", f"{heads['to_collapse']}2", typed))
+        assert project.settlements[0].to_collapse is meant
+
+
+def test_every_table_has_a_sheet_and_those_out_of_use_say_no(folder):
+    assert changed(folder).campaign is None
+    book = load_workbook(folder / "project.xlsx")
+    assert set(ProjectContent.model_fields) - set(book.sheetnames) <= {"title", "accuracy", "scatter"}
+    last = book["campaign"].max_row
+    assert [cell.value for cell in book["campaign"][last]][:2] == ["active", "no"]
+    assert [row[0].value for row in book["assessment"].iter_rows()].count("floor.height_m") == 1
+    used = changed(folder, ("campaign", f"B{last}", "sì"), ("campaign", "B2", "a.acc"))
+    assert used.campaign.records == ("a.acc",)
+    last = book["incremental"].max_row
+    assert changed(folder, ("incremental", f"B{last}", "no")).incremental is None, "what is typed there stays"
+    last = book["assessment"].max_row
+    assert changed(folder, ("assessment", f"B{last}", "no")).assessment is None, "and its site with it"
+
+
+def test_all_faults_are_told_in_one_pass(folder):
+    said = message(
+        folder,
+        ("geometry", "B3", "ft"),
+        ("geometry", "A4", None),
+        ("material", "B2", "heavy"),
+        ("material", "B3", "=1/2"),
+        ("layers", "A3", "ROOF"),
+        ("control", "B2", "1"),
+    ).splitlines()
+    for place in (
+        "geometry.unit",
+        "cell B4: has no key",
+        "material.unit_weight_kN_m3",
+        "formula",
+        "twice",
+        "control[1]",
+    ):
+        assert sum(place in line for line in said) == 1, place
 
 
 def test_lists_and_decimal_commas(folder):
@@ -274,6 +343,6 @@ def test_any_project_survives_toml_to_xlsx_to_toml(content):
     with tempfile.TemporaryDirectory() as name:
         file = Path(name) / "project.xlsx"
         file.write_bytes(to_xlsx(said))
-        sheets, _ = read_xlsx(file)
+        sheets, _, _ = read_xlsx(file)
     second = ProjectContent.model_validate(tomllib.loads(commented_toml(sheets)))
     assert second.model_dump() == first.model_dump() == ProjectContent.model_validate(content).model_dump()
