@@ -203,8 +203,7 @@ def _came_to(entry: History) -> str:
         return "not computed"
     if entry.collapsed:
         return f"collapse at {_value(entry.time_of_collapse_s, '{:.3g} s')}"
-    peak = None if entry.peak_displacement_m is None else 1000.0 * entry.peak_displacement_m
-    return f"peak {_value(peak, '{:.3g} mm')}"
+    return f"peak {Words.of('en').millimetres(entry.peak_displacement_m)}"
 
 
 def _campaign_lines(found: Campaign) -> Iterator[str]:

@@ -24,9 +24,8 @@ SPENT = 0.5  # of the potential energy from which the structure has come back: w
 LATELY = 0.5  # s
 COUNTS = ("steps", "skipped", "programs", "iterations", "halvings")
 STILL = 0.01  # of √(g·size): speed below which a block rests
-ENERGIES = (
-    "kinetic", "potential", "elastic", "input", "friction", "impact", "viscous", "integrator", "residual",
-)  # fmt: skip
+STORED = ("kinetic", "potential", "elastic")
+ENERGIES = (*STORED, "input", "friction", "impact", "viscous", "integrator", "residual")
 
 
 @dataclass(frozen=True)
@@ -90,9 +89,10 @@ class Response:
 
     def integrator_share(self) -> float:
         """Return what the integrator took over the energy turned over, of all runs; see mechanics' Energy."""
-        turnover = max(part.energy.turnover for part in self.parts)
-        taken = sum(float(part.energy.integrator[-1] - part.energy.integrator[0]) for part in self.parts)
-        return abs(taken) / turnover if turnover > 0.0 else 0.0
+        energies, model = [part.energy for part in self.parts], self.last.model
+        least = HISTORY.nothing * model.weight * model.size  # where nothing moves
+        taken = sum(float(energy.integrator[-1] - energy.integrator[0]) for energy in energies)
+        return abs(taken) / max(least, *(energy.turnover for energy in energies))
 
 
 def respond(

@@ -25,6 +25,7 @@ from mechanics.pictures import Shape, fill_roles, ghost
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 BAND = "0.82"  # grey between the members of an ensemble
 FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
+LEAST_M = 1e-5  # what an axis of displacements shows at least: where nothing moves, no rounding
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
 
@@ -64,8 +65,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     if until:
         axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
     axes.set(xlabel=label("time_s", words), ylabel=label("displacement_m", words))
-    if bound > 0.0:
-        axes.set_ylim(-1050.0 * bound, 1050.0 * bound)
+    axes.set_ylim(*(1050.0 * max(bound, LEAST_M) * side for side in (-1.0, 1.0)))
     handles: list[Artist] = [
         Line2D([], [], linewidth=0.9, label=_outcome(state, entry, words), **state_style(number).keywords)
         for number, (state, entry) in enumerate(found.items())

@@ -23,6 +23,7 @@ KEPT = re.compile(
     r"(?<=\d) (?=(?:mm|cm|m|kN|kNm|rad|mrad|°|%|s|g)(?!\w))|(?<=[\w>*]) = (?=[−\d])|(?<=[≤≥×]) (?=\d)"
 )
 NO_BREAK = "\u00a0"
+NOTHING_M = 1e-6  # m; displacements below it are rounding
 Label = TypeVar("Label", str, Markup)
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -104,8 +105,11 @@ class Words:
         return self.comma(text).replace("-", "−") if float(text) else "0"
 
     def millimetres(self, value: float | None) -> str:
-        """Write a length given in metres as millimetres, with the unit."""
-        return self.show(None) if value is None else f"{self.number(1000.0 * value)} mm"
+        """Write a length given in metres as millimetres, with the unit; one below a micrometre is rounding."""
+        if value is None:
+            return self.show(None)
+        less = 0.0 < abs(value) < NOTHING_M
+        return f"< {self.comma('0.001')} mm" if less else f"{self.number(1000.0 * value)} mm"
 
     def comma(self, text: str) -> str:
         """Put the language's decimal mark into a number written with a point."""

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import ROCK
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import NOTHING_M, Words, direction_name
 from assessment.results.schema import derived  # noqa: F401 - its columns
 from assessment.results.schema.part import QUANTITIES, Quantity
 from assessment.results.table import Row
@@ -166,4 +166,6 @@ def number(found: Quantity, value: float, words: Words, significant: int = 3) ->
         return words.per_cent(value)
     if found.decimals is not None:
         return words.rounded(found.factor * value, found.decimals)
+    if found.shown == "mm" and abs(value) < NOTHING_M:
+        return "0"
     return words.number(found.factor * value, min(significant, found.digits or significant))

@@ -352,7 +352,7 @@ def test_the_terminal_has_a_line_of_each_motion_and_movement():
     ]
     fallen, peak, drawn, *_, whole = dynamic_lines(typed(results))
     assert fallen == "history wave, original: collapse at 5.32 s"
-    assert peak == "history calm, original: peak 58 mm"
+    assert peak == "history calm, original: peak 58.0 mm"
     assert drawn.startswith(f"campaign, {SETTLED} × 0: median PGA at collapse 0.38")
     assert drawn.endswith(" (lowest)") and "loss" not in drawn
     assert "loss +30.0 % (static +20.0 %)" in whole

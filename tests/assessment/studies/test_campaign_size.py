@@ -64,7 +64,8 @@ class MadeUp:
                 SimpleNamespace(
                     collapsed=strength > 1.0, collapse_reason="it fell", worst=1e-12, notes=(), steps=SAMPLES,
                     skipped=0, programs=SAMPLES, iterations=SAMPLES, halvings=0,
-                    energy=SimpleNamespace(turnover=1.0, **dict.fromkeys(ENERGIES, np.zeros(2))),
+                    model=model,
+                    energy=SimpleNamespace(**dict.fromkeys(ENERGIES, np.zeros(2)), turnover=1.0),
                 ),
             ),
         )  # fmt: skip

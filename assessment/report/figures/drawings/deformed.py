@@ -60,14 +60,7 @@ LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbe
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
 CAPITAL = 0.75  # of the size of a font: the height of a digit
 CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
-MEASURED: dict[str, Any] = {
-    "linestyle": "none",
-    "marker": "D",
-    "markersize": 4.0,
-    "markerfacecolor": "1.0",
-    "markeredgecolor": INK,
-    "markeredgewidth": 1.0,
-}
+MEASURED: dict[str, Any] = HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
 WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5}
 NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE}
 BOXED: dict[str, Any] = {

@@ -44,3 +44,11 @@ def test_what_is_not_there_is_told_from_what_was_not_reached():
     assert written("x_C_m", None, ENGLISH) == written("direction", None, ENGLISH) == dash
     assert written("median_low_g", None, ENGLISH) == written("beta_high", None, ENGLISH) == dash
     assert written("median_g", None, ENGLISH) == not_reached
+
+
+def test_a_displacement_below_a_micrometre_is_rounding():
+    """ "peak 4.62e-10 mm" was printed of a block that does not move."""
+    words = Words.of("en")
+    assert words.millimetres(4.6e-13) == "< 0.001 mm" and words.millimetres(0.0) == "0 mm"
+    assert words.millimetres(2.3e-6) == "0.00230 mm"
+    assert str(written("peak_displacement_m", 4.6e-13, words)) == "0"
