@@ -33,7 +33,7 @@ from mechanics.steps.dynamic_system import (
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
-from mechanics.steps.static_system import static_system
+from mechanics.steps.static_system import Sliding, static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
 
@@ -94,7 +94,8 @@ class TimeHistory:
     `collapse_reason`: see time_history; the arrays end there. `energy`: the balance at each time.
 
     `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
-    steps, of `cold` starts and of steps that were `skipped` at rest; `worst`: largest unbalanced force, per weight of a
+    steps, of `cold` starts, of steps `lifting` by the associative law where Coulomb's was not
+    solved, and of steps that were `skipped` at rest; `worst`: largest unbalanced force, per weight of a
     block; `unsure`: largest energy that errors of velocities may have, as a share of what was turned over. `notes`:
     warnings about the motion.
     """
@@ -119,6 +120,7 @@ class TimeHistory:
     worst: float
     unsure: float
     notes: tuple[Message, ...]
+    lifting: int
     skipped: int
     model: Assembly
 
@@ -176,6 +178,7 @@ def time_history(
     control: ArrayLike | None = None,
     ultimate: float | None = None,
     restitution: float = 0.0,
+    sliding: Sliding = "coulomb",
     tolerances: HistoryTolerances = HISTORY,
 ) -> TimeHistory:
     """Integrate the motion under base accelerations (k,) in g, sampled at `time_step` (s) and linear in between.
@@ -191,14 +194,15 @@ def time_history(
     or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of
     viscous contact forces proportional to stiffness, at the first frequency of the structure as drawn with all joints
     closed. `restitution` (rigid joints, second order): of normal velocities at impacts. `control`: a drawn point (2,) m
-    whose horizontal displacement is recorded. Joints of finite strength have to be elastic: what is crushed of them
-    stays so (kernels.crushing).
+    whose horizontal displacement is recorded. `sliding`: "coulomb", or "associative", by which what slides lifts; a
+    step of rigid joints that is not solved by the former is solved by the latter, and counted. Joints of finite
+    strength have to be elastic: what is crushed of them stays so (kernels.crushing).
 
     The motion ends at collapse: a block has turned by more than 1 rad, has fallen by more than its size and still
     falls, or is out of reach of all its contacts; or the control point is past its `ultimate` displacement (m) and
     moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
     """
-    # twelve arguments: the public function of the package, called with keywords
+    # thirteen arguments: the public function of the package, called with keywords
     Assembly.check(model)
     base = _base(acceleration, vertical_acceleration, time_step)
     _check(model, contacts, integrator, damping_ratio, restitution)
@@ -206,7 +210,7 @@ def time_history(
     used, chosen = _chosen(model, contacts, integrator, tolerances.few)
     halving, resolved = _halving(model, contacts, used, time_step, tolerances)
     system, start, motion, undecided = _begun(
-        model, contacts, model.starting(state), used, halving, damping_ratio, restitution, tolerances
+        model, contacts, sliding, model.starting(state), used, halving, damping_ratio, restitution, tolerances
     )
 
     parts: list[Recorded] = []
@@ -282,6 +286,7 @@ def _chosen(model: Assembly, contacts: Behaviour, integrator: Integrator, few: i
 def _begun(
     model: Assembly,
     contacts: Behaviour,
+    sliding: Sliding,
     state: State,
     integrator: Integrator,
     halving: Halving,
@@ -290,8 +295,8 @@ def _begun(
     tolerances: HistoryTolerances,
 ) -> tuple[DynamicSystem, State, Motion, Message | None]:
     """Return the system, the state in which the motion begins, the motion, and a warning about that state."""
-    start, forces, undecided = _settled(model, contacts, state)
-    statics = static_system(model, contacts).around(start.positions, 0.0)
+    start, forces, undecided = _settled(model, contacts, sliding, state)
+    statics = static_system(model, contacts, sliding).around(start.positions, 0.0)
     gaps = np.zeros(len(statics.contacts))
     if contacts == "rigid":
         # dilatant sliding leaves gaps in joints that carry: loose blocks must not fall through them
@@ -345,7 +350,7 @@ def _halving(
 
 
 def _settled(
-    model: Assembly, contacts: Behaviour, state: State
+    model: Assembly, contacts: Behaviour, sliding: Sliding, state: State
 ) -> tuple[State, Array | None, Message | None]:
     """Return the state in which the motion begins, and its joint forces (j, 3); None where they are not known.
 
@@ -357,7 +362,7 @@ def _settled(
     try:
         if state.carrying is None:
             check_self_weight(model, state)
-        step = rest(static_system(model, contacts).around(state.positions, size), state)
+        step = rest(static_system(model, contacts, sliding).around(state.positions, size), state)
         if lifted(step, model.weight) > REST.lifted * model.size:
             step = motion_to_rest(
                 StepProblem(step.system, step.state, model.dead_load, size), step.state.positions
@@ -425,7 +430,8 @@ def _history(
         worst=float(system.counts[4]),
         unsure=float(system.counts[5]) / max(energy.turnover, tolerances.nothing * model.weight * model.size),
         notes=_notes(model, x[-1], energy, tolerances),
-        skipped=int(system.counts[6]),
+        lifting=int(system.counts[6]),
+        skipped=int(system.counts[7]),
         model=model,
     )
 

@@ -18,8 +18,6 @@ from mechanics.kernels.dynamics.motion import (
     JOINT,
     LARGEST,
     LONGER,
-    RATE,
-    SPEED,
     SPRING,
     SUNK,
     remember,
@@ -151,9 +149,10 @@ class DynamicSystem:
 
     `theta`: share of a step at which the equations of motion hold; `damping` (s): viscous contact force over the
     stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps; `accepted`:
-    residual of a program, per weight and span, that is accepted. `counts` (7,): programs, iterations, halvings, cold
-    starts, the worst residual of force, per weight, the largest energy (kNm) that errors of velocities may have, and
-    steps at rest that were not computed; `skips`: whether there are any.
+    residual of a program, per weight and span, that is accepted. `counts` (8,): programs, iterations, halvings, cold
+    starts, the worst residual of force, per weight, the largest energy (kNm) that errors of velocities may have, steps
+    by the associative law where Coulomb's is not solved, and steps at rest that were not computed; `skips`: whether
+    there are any.
     """
 
     system: StaticSystem
@@ -162,7 +161,7 @@ class DynamicSystem:
     restitution: float
     halving: Halving
     accepted: float
-    counts: Array = field(default_factory=lambda: np.zeros(7))
+    counts: Array = field(default_factory=lambda: np.zeros(8))
     skips: bool = True
 
     @property
@@ -278,7 +277,7 @@ class DynamicSystem:
                 row = slice(done + 1, done + still + 1)
                 found.x[row], found.v[row], found.energy[row] = motion.blocks[0], 0.0, motion.energy
                 found.forces[row] = rest.forces(base[row, 0])
-                self.counts[6] += still
+                self.counts[7] += still
                 done += still
                 continue
             until = steps if rest is None else done + 1
@@ -298,7 +297,7 @@ class DynamicSystem:
             else:
                 rest.grow(at, forces)
                 motion.blocks[0] = found.x[done] = found.x[done - 1]
-            motion.blocks[1:3], motion.joints[:, SPEED : RATE + 1], motion.halved = 0.0, 0.0, 0
+            motion.blocks[1:3], motion.halved = 0.0, 0
             found.v[done] = 0.0
             if rest.computed >= LONG:
                 self._look_ahead(motion, rest, ahead, step)

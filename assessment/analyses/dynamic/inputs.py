@@ -54,7 +54,12 @@ class MotionInputs:
             Shaking(
                 resting.model,
                 motion,
-                Setting(integrated or _own(table), control, self.ultimates.get((state, control.name))),
+                Setting(
+                    integrated or _own(table),
+                    control,
+                    self.ultimates.get((state, control.name)),
+                    self.project.contacts.sliding,
+                ),
                 state,
                 resting.start,
             )

@@ -17,6 +17,7 @@ from mechanics.types import GRAVITY, Array
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.schema import ControlTable, MotionTable
+    from mechanics.steps import Sliding
 
 TAIL = 2.0  # s of free motion that are followed at a time
 TAILS = 15  # at most
@@ -38,6 +39,7 @@ class Setting:
     table: MotionTable
     control: ControlTable
     ultimate: float | None = None
+    sliding: Sliding = "coulomb"
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,7 @@ def respond(
         return time_history(
             model, acceleration, step, table.contacts, state, table.integrator, vertical,
             damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
-            tolerances=HISTORY if to_rest else SEARCH,
+            sliding=setting.sliding, tolerances=HISTORY if to_rest else SEARCH,
         )  # fmt: skip
 
     vertical = None if motion.vertical is None else factor * motion.vertical

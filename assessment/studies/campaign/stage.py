@@ -151,7 +151,7 @@ def _combinations(
                 run_sign = table.signs[0] if symmetric and state.start is drawn.initial else sign
                 place = (state.settlement, motion.name, sign)
                 after = before.get(place) or before.get(motion.name) or (found[0].asked if found else None)
-                setting = Setting(own_setting(table), point, state.ultimate)
+                setting = Setting(own_setting(table), point, state.ultimate, project.contacts.sliding)
                 shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
                 stripes = tuple(level / ratio for level in table.levels_g or ())
                 levels = Reach(table.max_scale, stripes=stripes) if stripes else reach

@@ -24,9 +24,7 @@ from mechanics.kernels.dynamics.motion import (
     GAPS,
     GONE,
     LONGER,
-    RATE,
     REMAINS,
-    SPEED,
     SPRING,
     SUNK,
     bed_under,
@@ -37,7 +35,7 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, TIED, H, U, V, place
-from mechanics.kernels.law import BED, FRICTION, LAW, LEFT, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, LAW, LEFT, SHEAR, SLID, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -127,11 +125,11 @@ def _rigid_gaps(
 @compiled
 def posed(
     a: Any, b: Any, start: Array, v: Array, joints: Array, basic: Array, h: float, theta: float, beta: float,
-    restitution: float, size: float, places: Array, law: Array, back: Array,
+    restitution: float, size: float, places: Array, law: Array,
 ) -> Any:  # fmt: skip
     """Return which joints (i,) overlap in a step; `places` get the gaps of the start with the rows of the middle.
 
-    `law` (j, LAW) becomes that of the step; `back` (j,) m: the lift of slides that is subtracted.
+    `law` (j, LAW) becomes that of the step.
     """
     # many arguments: arrays one by one, see mechanics.kernels
     elastic, count = elastic_beds(basic), 0
@@ -140,7 +138,6 @@ def posed(
     for k in range(len(a)):
         p, s = places[k], start[k]
         p[U], p[PHI], p[V] = s[U] - joints[k, SUNK], s[PHI], s[V]
-        gap = p[U] - s[H] * abs(s[PHI])
         p[H] = min(p[H], s[H])
         law[k, SLID] = s[V]
         if not elastic:
@@ -150,17 +147,12 @@ def posed(
             continue
         active[count] = k
         count += 1
-        # Coulomb: the lift of a slide that goes on as it did is taken back, which leaves that by which it has changed
-        back[k] = law[k, FRICTION] * h * max(joints[k, SPEED] + h * joints[k, RATE], 0.0)
         if elastic:
             law[k, BED] *= stretch
             law[k, SHEAR] /= stretch
             law[k, SLID] += law[k, SHEAR] * joints[k, SPRING]
             u0, phi0, _ = relative(s, a[k], b[k], v)
             _begins(p, s, (u0, phi0), h, 1.0 / stretch, law[k], joints[k])
-        else:  # where a slower slide has let rigid faces into each other, it is left until they are out again
-            back[k] = max(back[k] + min(gap, 0.0), 0.0)
-        p[U] += back[k]
     return active[:count]
 
 

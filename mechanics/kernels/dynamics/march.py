@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.dynamics.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
+from mechanics.kernels.dynamics.program import LIFTING, NEAR
 from mechanics.kernels.dynamics.step import attempt
 from mechanics.kernels.jit import compiler
+from mechanics.kernels.law import DILATION
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -45,17 +47,19 @@ def march(
     where it is not solved, the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
     rest, and whether the first share is of the kinetic energy of the moment; a part is as long as the one before unless
     that took little; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked
-    for anew, `radius` (b,) of blocks; `halved`: how often the last step before was; `counts` (6,): programs,
-    iterations, halvings, cold starts, the worst residual of force, per weight, and the largest energy (kNm) that errors
-    of velocities may have. Returns the number of steps done; why the march ends, 0: all steps are done, 1: a corner has
-    moved by the margin, 2: a program is not solved (the motion is as before it), 3: rigid joints rested before the last
-    step and do after it (REST); how often it was halved.
+    for anew, `radius` (b,) of blocks; `halved`: how often the last step before was; `counts` (7,): programs,
+    iterations, halvings, cold starts, the worst residual of force, per weight, the largest energy (kNm) that errors of
+    velocities may have, and steps by the associative law where Coulomb's is not solved. Returns the number of steps
+    done; why the march ends, 0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved
+    (the motion is as before it), 3: rigid joints rested before the last step and do after it (REST); how often it was
+    halved.
     """
     # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
     levels, share, most, unsure, of_moment = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = not elastic_beds(basic)
+    starts = LIFTING + 1 if rigid and c > 0 and basic[0, DILATION] < 1.0 else LIFTING
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
     whole, deep = 1 << most, halved  # so many of the shortest steps are one; how often the next one is halved
     for k in range(steps):
@@ -79,16 +83,17 @@ def march(
             exactly = accepted if kinetic > 0.0 or not rigid else SHARPLY * accepted
             counted = kinetic if of_moment else energy[LARGEST]
             small = share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
-            for start in range(2):
-                counts[3] += start
+            for start in range(starts):
+                counts[3] += start > NEAR
                 found, done, taken, turned, force, errors = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
                     restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, packed,
-                    start > 0,
+                    start,
                 )  # fmt: skip
                 counts[0] += 1
                 counts[1] += done
                 if found:
+                    counts[6] += start == LIFTING
                     counts[4], counts[5] = max(counts[4], force), max(counts[5], errors)
                     break
             # blocks that meet no faster than one falls within a whole step may not have met at all

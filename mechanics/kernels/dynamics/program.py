@@ -23,6 +23,9 @@ CENTRAL_RIGID, CENTRAL_ELASTIC = 0.1, 1.0
 # of rigid joints the program begins at the central iterate of the last one, the first with products and with forces
 # missed by no more than these, and with no product of an end below LIFTED: they would drift to the bounds otherwise
 CENTRAL, CENTRAL_FORCE, LIFTED = 0.1, 1e-2, 0.01
+# the program of a step begins near the forces and gaps that joints had; where that leads nowhere from the gaps alone
+# (cold); then by the associative law
+NEAR, FROM_GAPS, LIFTING = range(3)
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
@@ -108,7 +111,7 @@ def _interior_point(
 
 @compiled
 def solve(
-    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, cold: bool,
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, begins: int,
     elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, near: Array, speed: Array, h: float,
 ) -> tuple[int, float, float, float]:  # fmt: skip
     """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step of length h.
@@ -122,13 +125,13 @@ def solve(
     # many arguments: arrays one by one, see mechanics.kernels
     weight, size, span, accepted, _ = scale
     done = 0
-    if elastic and not cold:
+    if elastic and begins == NEAR:
         done, force, gap = newton(
             rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
         if force <= accepted:
             return done, force, gap, 0.0
-    if cold:
+    if begins != NEAR:
         _begin_cold(at, span, stops, f, y)
     elif not elastic and near.any():
         dx[:] = h * speed
@@ -150,7 +153,7 @@ def solve(
         done += more
         if force <= accepted:
             return done, force, gap, 0.0
-    else:
+    elif begins == NEAR:
         more, force, gap, product = _interior_point(
             rows, at, laws, load, mass, dx, f, y, (weight, size, span, CENTRAL_FORCE, CENTRAL), stored_matrix, packed,
             chosen,

@@ -26,8 +26,6 @@ from mechanics.kernels.dynamics.motion import (
     LONGER,
     MIDDLE,
     N1,
-    RATE,
-    SPEED,
     SPRING,
     STANDARD_GRAVITY,
     STEPPING,
@@ -37,7 +35,7 @@ from mechanics.kernels.dynamics.motion import (
     elastic_beds,
     relative,
 )
-from mechanics.kernels.dynamics.program import COLD, solve
+from mechanics.kernels.dynamics.program import COLD, LIFTING, solve
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V
 from mechanics.kernels.law import CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
@@ -48,6 +46,7 @@ compiled = compiler("contract", "reassoc")
 
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 CLOSING = 2.0  # times the way of a step: gaps that are wider stay open, as a rule
+STALLED = 2e-6  # per weight and span: products that are accepted by Coulomb's law
 STILL = 1e-3  # of its speed before: a slide that has come to rest
 
 
@@ -55,13 +54,14 @@ STILL = 1e-3  # of its speed before: a slide that has come to rest
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
-    resultants: Array, stored_matrix: Array, packed: Any, cold: bool,
+    resultants: Array, stored_matrix: Array, packed: Any, begins: int,
 ) -> tuple[bool, int, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (4, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
     span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
-    have; `resultants` (j, 3): N, P and T found; `cold`: the program begins from the gaps alone.
+    have; `resultants` (j, 3): N, P and T found; `begins`: where the program does (program.NEAR), LIFTING: by the
+    associative law.
     Returns whether a solution was found, the number of iterations, the energy that the step took, that which its length
     leaves uncertain (slides that turn back; elastic joints: of contacts under way), the residual of force, and the
     energy (kNm) that errors of velocities may have.
@@ -76,11 +76,13 @@ def attempt(
     for i in range(n):
         m += 3 * (first[i] >= 0)
     elastic = elastic_beds(basic)
-    places, start, law, back = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy(), np.zeros(c)
+    places, start, law = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy()
+    if begins == LIFTING:
+        law[:, DILATION] = 1.0
     placed(a, b, faces, x, joints, start)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
     placed(a, b, faces, x + ahead * (v + 0.5 * ahead * past), joints, places)
-    touching = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law, back)
+    touching = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law)
     inside = np.empty(len(touching), np.bool_)
     for q in range(len(touching)):
         k = touching[q]
@@ -107,14 +109,17 @@ def attempt(
         products = 4.0 * max(len(chosen), 1) * weight * span
         closed = max(accepted, errors / products)
         more, force, _, product = solve(
-            row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed), cold, elastic,
+            row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed),
+            begins, elastic,
             COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, near, central, h,
         )  # fmt: skip
         done += more
         joints[:, MIDDLE:SPRING] = 0.0
         for q in range(len(chosen)):
             joints[chosen[q], MIDDLE:SPRING] = near[q]
-        if not (force <= accepted and product <= closed):  # nor if they are no numbers
+        # by Coulomb's law the last products may fall slowly, of forces that balance
+        stalled = STALLED if len(laws) > 0 and laws[0, DILATION] < 1.0 else 0.0
+        if not (force <= accepted and product <= max(closed, stalled)):  # nor if they are no numbers
             return False, done, 0.0, 0.0, force, 0.0
         if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
             break
@@ -137,7 +142,7 @@ def attempt(
             work += load[i, e] * moved[i, e]
     spent = np.zeros(ENERGIES)
     contact, turned = _worked(
-        a, b, chosen, start, at, laws, basic, f, y, back, v, moved, speed, h, theta, beta, weight, joints,
+        a, b, chosen, start, at, laws, basic, f, y, v, moved, speed, h, theta, beta, weight, joints,
         resultants, spent,
     )  # fmt: skip
     if elastic:
@@ -146,8 +151,8 @@ def attempt(
             k = chosen[q]
             normal = resultants[k, 0]
             du, dphi, _ = relative(at[q], a[k], b[k], moved)
-            # by the law of the step: the lift that was taken back, less that of the slide
-            u = start[k, U] - joints[k, SUNK] + du + back[k] - laws[q, FRICTION] * (y[q, 2] + y[q, 3])
+            lift = laws[q, DILATION] * laws[q, FRICTION] * (y[q, 2] + y[q, 3])
+            u = start[k, U] - joints[k, SUNK] + du - lift
             closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
             done_on[k] = -(normal * du + resultants[k, 1] * dphi)
             if normal > PRESSED * weight:  # the blocks meet, or part, where the joint presses, at this speed
@@ -212,8 +217,8 @@ def _yield(a: Any, b: Any, faces: Array, x: Array, basic: Array, resultants: Arr
 
 @compiled
 def _worked(
-    a: Any, b: Any, chosen: Any, start: Array, at: Array, laws: Array, basic: Array, f: Array, y: Array, back: Array,
-    v: Array, moved: Array, speed: Array, h: float, theta: float, beta: float, weight: float, joints: Array,
+    a: Any, b: Any, chosen: Any, start: Array, at: Array, laws: Array, basic: Array, f: Array, y: Array, v: Array,
+    moved: Array, speed: Array, h: float, theta: float, beta: float, weight: float, joints: Array,
     resultants: Array, spent: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """Return the work of all joints on the blocks in a step, and the part that slides which turn back leave uncertain.
@@ -225,7 +230,7 @@ def _worked(
     elastic = elastic_beds(basic)
     stretch = theta + beta / h if elastic else 1.0
     contact, turned = 0.0, 0.0
-    slid, shear = joints[:, SPEED].copy(), joints[:, SPRING].copy()
+    shear = joints[:, SPRING].copy()
     joints[:, N1:GAPS], joints[:, SPRING:SUNK], resultants[:] = 0.0, 0.0, 0.0
     for k in range(len(joints)):
         spent[ELASTIC] -= 0.5 * basic[k, SHEAR] * shear[k] ** 2
@@ -235,9 +240,6 @@ def _worked(
         du, dphi, dv = relative(at[q], a[k], b[k], moved)
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
         resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t
-        if normal > PRESSED * weight:
-            joints[k, SPEED] = abs(y[q, 2] - y[q, 3]) / h
-            joints[k, RATE] = (joints[k, SPEED] - slid[k]) / h if slid[k] > 0.0 else 0.0
         contact += normal * du + moment * dphi + t * dv
         limit = laws[q, FRICTION] * normal
         if elastic:
