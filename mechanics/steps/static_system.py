@@ -158,7 +158,7 @@ def check_sliding(sliding: Sliding) -> None:
     )
 
 
-def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "coulomb") -> StaticSystem:
+def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
     """Return the system of an assembly with its joints as drawn; ArgumentError for an unknown behaviour or sliding."""
     model.check_behaviour(behaviour)
     check_sliding(sliding)

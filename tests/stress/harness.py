@@ -17,6 +17,7 @@ from types import ModuleType
 
 import numpy as np
 
+from mechanics import Assembly
 from mechanics.errors import ArgumentError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.model.contacts import Contacts
 from mechanics.program import Certificate
@@ -83,7 +84,9 @@ def _within(result: object) -> Iterator[object]:
     inner: Iterable[object] = ()
     if isinstance(result, tuple | list):
         inner = result
-    elif is_dataclass(result) and not isinstance(result, (Certificate, Contacts, StaticSystem, Iterate)):
+    elif is_dataclass(result) and not isinstance(
+        result, (Assembly, Certificate, Contacts, StaticSystem, Iterate)
+    ):
         inner = (getattr(result, field.name) for field in fields(result))
     for value in inner:
         yield from _within(value)

@@ -1,0 +1,61 @@
+"""Motions by Coulomb's law: what slides does not lift, and what nothing presses has no friction."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mechanics import Assembly, Block, Material, time_history
+from tests.support.structures import block_on_base, rectangle, running_bond
+
+G = 9.80665
+
+
+def between_walls(friction: float, stiffness: float) -> Assembly:
+    """A beam of 1.8 m, 0.8 m high, that fits between two walls."""
+    stone = Material(20.0, friction, stiffness)
+    left, right = rectangle(-0.5, 0.0, 0.0, 2.0), rectangle(1.8, 0.0, 2.3, 2.0)
+    return Assembly(
+        [
+            Block(left, 1.0, stone, support="left"),
+            Block(right, 1.0, stone, support="right"),
+            Block(rectangle(0.0, 1.0, 1.8, 1.8), 1.0, stone),
+        ]
+    )
+
+
+@pytest.mark.parametrize(("friction", "stiffness"), [(0.84, 1e5), (0.84, 1e7), (5.0, 1e6)])
+@pytest.mark.parametrize("time_step", [0.005, 0.001])
+def test_a_beam_that_nothing_presses_between_walls_falls_freely(friction, stiffness, time_step):
+    """½gt² in 0.3 s, whatever friction, stiffness and step; it was held by the lift of its slides."""
+    model = between_walls(friction, stiffness)
+    motion = time_history(model, np.zeros(round(0.3 / time_step) + 1), time_step, "elastic")
+    fallen = motion.positions[0, 2, 1] - motion.positions[-1, 2, 1]
+    assert fallen == pytest.approx(0.5 * G * 0.3**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_block_that_slides_does_not_lift(contacts):
+    """A slide of millimetres; by the associative law with its lift it would rise by μ times as much."""
+    model = block_on_base(1.0, 0.5, friction=0.3, stiffness=1e6)
+    shaken = 0.6 * np.sin(3.0 * np.pi * np.arange(0.0, 1.0, 0.002))
+    motion = time_history(model, shaken, 0.002, contacts)
+    slid = float(abs(motion.positions[:, 1, 0] - motion.positions[0, 1, 0]).max())
+    lifted = float((motion.positions[:, 1, 1] - motion.positions[0, 1, 1]).max())
+    assert slid > 0.02
+    assert lifted < 1e-3 * 0.3 * slid
+    assert motion.lifting == 0
+
+
+def test_peaks_of_a_sliding_wall_do_not_hang_on_the_step():
+    """Peaks at half the step within 3 %; few steps need the associative law."""
+    model = running_bond(4, 6, friction=0.6, stiffness=1e6)
+    rng = np.random.default_rng(1)
+    frequency, phase = rng.uniform(0.5, 5.0, 12), rng.uniform(0.0, 2.0 * np.pi, 12)
+    peaks = []
+    for step in (0.005, 0.0025):
+        time = np.arange(0.0, 2.0, step)[:, None]
+        motion = time_history(model, 0.2 * np.sin(2.0 * np.pi * frequency * time + phase).sum(axis=1), step)
+        peaks.append(float(abs(motion.positions[:, :, 0] - motion.positions[0, :, 0]).max()))
+        assert motion.lifting <= 0.01 * motion.programs
+    assert peaks[1] == pytest.approx(peaks[0], rel=0.03)
