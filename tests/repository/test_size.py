@@ -13,7 +13,7 @@ from tests import ROOT
 LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 241,
-    "assessment/analyses": 5207,
+    "assessment/analyses": 5214,
     "assessment/app": 1600,
     "assessment/benchmark": 1900,
     "assessment/cli": 884,
@@ -28,7 +28,7 @@ LINES = {
     "mechanics/kernels": 3550,
     "mechanics/model": 3352,
     "mechanics/pictures": 431,
-    "mechanics/procedures": 3042,
+    "mechanics/procedures": 3048,
     "mechanics/records": 1200,
     "mechanics/solvers": 1150,
     "mechanics/steps": 1752,
