@@ -50,12 +50,12 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     columns = min(2, len(shares))
     figure, panels = chart(words, columns=columns, rows=-(-len(shares) // columns), height_mm=54.0)
     points = [point for row in rows for point in _points(row, runs)]
-    bounds = [bound for row in rows for bound in (row.pga_collapse_g, row.pga_safe_g)]
+    bounds = [bound for row in rows for bound in (row.lowest_collapse_g, row.pga_safe_g)]
     peaks = [1000.0 * p.peak_displacement_m for p in points if p.peak_displacement_m is not None]
     reach, top = 1.1 * max(peaks, default=1.0) or 1.0, 1.15 * max(filter(None, bounds), default=1.0)
     for axes, share in zip(panels, shares, strict=False):
         for row in (each for each in rows if each.share == share):
-            lowest = row.pga_collapse_g
+            lowest = row.lowest_collapse_g
             found = [p for p in _points(row, runs) if not p.collapsed]
             stood = [p for p in found if not (lowest and p.pga_g > lowest)]
             if stood:
@@ -106,13 +106,9 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
         axes.plot(level, curve, color="0.0", linestyle=dashes)
         axes.plot(*seen[row.share], linestyle="none", **mark)
         handles.append(Line2D([], [], linestyle=dashes, label=_curve_label(row, words), **mark))
-    pga, sa = label("pga_g", words), words.plain("figure.sa", period=campaign.period_s)
-    axes.set(
-        xlabel=pga if campaign.measure == "PGA" else sa,
-        ylabel=words.plain("figure.probability"),
-        xlim=(start, top),
-        ylim=(0.0, 1.0),
-    )
+    sa = words.plain("figure.sa", period=campaign.period_s)
+    axes.set(xlabel=label("pga_g", words) if campaign.measure == "PGA" else sa, xlim=(start, top))
+    axes.set(ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
     figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
     return figure
 
@@ -122,12 +118,8 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     names, campaign = moved(results), known(results.campaign)
     columns = min(2, len(names))
     figure, panels = chart(words, columns=columns, rows=-(-len(names) // columns), height_mm=70.0)
-    drawn = [
-        loss
-        for row in campaign.loss
-        for loss in (row.dynamic, row.static, *row.dynamic_range)
-        if loss is not None
-    ]
+    told = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
+    drawn = [loss for loss in told if loss is not None]
     least, most = min([0.0, *drawn]), max([0.01, *drawn])
     room = 5.0 * (most - least)  # per cent
     for axes, name in zip(panels, names, strict=False):
@@ -172,7 +164,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
 
 
 def _seen(campaign: Campaign, settlement: str, share: float) -> tuple[list[float], list[float]]:
-    """Return levels (g, of the measure) and the share of the combinations that had collapsed at each."""
+    """Return levels of 50 % or stripes (g, of the measure) and the share of the combinations that collapse there."""
     rows = [
         row
         for row in campaign.combinations
@@ -181,9 +173,8 @@ def _seen(campaign: Campaign, settlement: str, share: float) -> tuple[list[float
     if campaign.method == "stripes":
         fallen = np.array([known(row.collapsed) for row in rows], dtype=float)
         return campaign.levels_g, fallen.mean(axis=0).tolist()
-    pga = campaign.measure == "PGA"
-    found = [row.pga_collapse_g if pga else row.sa_collapse_g for row in rows]
-    levels = sorted(level for level in found if level is not None)
+    ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in campaign.records}
+    levels = sorted(ratio[row.record] * row.level_50_g for row in rows if row.level_50_g is not None)
     return levels, ((np.arange(len(levels)) + 0.5) / len(rows)).tolist()
 
 

@@ -113,25 +113,30 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
 
 
 def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> Figure:
-    """Draw PGA over peak displacement of each record, a panel per state; arrows where the structure collapses."""
+    """Draw PGA over peak displacement of each record, a panel per state; arrows at the lowest collapse of each.
+
+    Dotted: the levels of which 16, 50 and 84 % of the records and signs collapse.
+    """
     columns = min(2, len(states))
     figure, panels = chart(words, columns=columns, rows=-(-len(states) // columns), height_mm=75.0)
     found = [results.states[name].incremental for name in states]
     records = [record for each in found for record in known(each.records)]
     stood = [point for record in records for point in record.points if not point.collapsed]
     reach = 1.25 * max((known(point.peak_displacement_m) for point in stood), default=0.0)
-    tops = [level for record in records for level in (record.pga_collapse_g, record.pga_safe_g) if level]
+    tops = [level for record in records for level in (record.lowest_collapse_g, record.pga_safe_g) if level]
     tops += [level for record in records for level in record.resurrections_g]
     for axes, name, each in zip(panels, states, found, strict=False):
-        for marker, record in zip(
-            _cycle(len(known(each.records)), MARKERS), known(each.records), strict=True
-        ):
+        own = known(each.records)
+        for marker, record in zip(_cycle(len(own), MARKERS), own, strict=True):
             _curve(axes, record, marker, 1000.0 * reach)
         low, high = each.pga_collapse_g_range or (None, None)
         if low is not None and high is not None and high > low:
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
         if each.pga_collapse_g is not None:
             axes.axhline(each.pga_collapse_g, color="0.0", linewidth=0.6, linestyle=DASHES[1])
+        if fit := each.fragility:
+            for level in (fit.level_16_g, fit.median_g, fit.level_84_g):
+                axes.axhline(known(level), color="0.4", linewidth=0.6, linestyle=":")
         axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
@@ -144,6 +149,9 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     ]
     named = words.plain("figure.quoted_pga")
     handles.append(Line2D([], [], color="0.0", linewidth=0.6, linestyle=DASHES[1], label=named))
+    if any(each.fragility for each in found):
+        probable = words.plain("figure.probable")
+        handles.append(Line2D([], [], color="0.4", linewidth=0.6, linestyle=":", label=probable))
     if any((each.pga_collapse_g_range or (None, None))[1] is not None for each in found):
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
     if any(record.resurrections_g for record in records):
@@ -159,23 +167,24 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
 
 
 def draw_fragility(results: Results, words: Words) -> Figure:
-    """Draw the probability of collapse over PGA of each state: lognormal curve, and the records' own steps."""
+    """Draw the probability of collapse over PGA of each state: lognormal curve, and the 50 % levels it is fitted to."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
     found = fragile(results)
     figure, (axes,) = chart(words, height_mm=75.0)
     fits = [known(each.fragility) for each in found.values()]
-    top = max(fit.median_g * np.exp(2.0 * fit.dispersion) for fit in fits)
+    top = max(fit.median_g * np.exp(max(2.0 * fit.dispersion, 0.1)) for fit in fits)
     pga = np.linspace(1e-3 * top, top, 200)
     for number, (fit, (state, each)) in enumerate(zip(fits, found.items(), strict=True)):
         named = words.plain(
             "figure.fragility", state=words.state(state), median=fit.median_g, dispersion=fit.dispersion
         )
-        curve = ndtr(np.log(pga / fit.median_g) / fit.dispersion)
+        curve = ndtr(np.log(pga / fit.median_g) / max(fit.dispersion, 1e-3))
         style = state_style(number)
         axes.plot(pga, curve, label=named, **style.keywords)
-        fallen = sorted(r.pga_collapse_g for r in known(each.records) if r.pga_collapse_g is not None)
-        share = (np.arange(len(fallen)) + 0.5) / len(known(each.records))
+        signs = [part for record in known(each.records) for part in record.signs]
+        fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
+        share = (np.arange(len(fallen)) + 0.5) / max(len(signs), 1)
         axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style.color,
                   markerfacecolor="1.0" if state != "original" else style.color)  # fmt: skip
     axes.set(xlabel=label("pga_g", words), ylabel=words.plain("figure.probability"))
@@ -206,7 +215,7 @@ def fragile(results: Results) -> dict[str, Incremental]:
 def _curve(axes: Axes, record: Search, marker: str, edge: float) -> None:
     """Draw one IDA curve (mm, g): the runs withstood below collapse, the arrow of collapse, resurrections alone."""
     line: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "marker": marker, "markersize": 3.0}
-    collapse = record.pga_collapse_g
+    collapse = record.lowest_collapse_g
     stood = [point for point in record.points if not point.collapsed]
     below = [p for p in stood if collapse is None or p.pga_g < collapse]
     above = [p for p in stood if p not in below]

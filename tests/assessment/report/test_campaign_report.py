@@ -238,6 +238,8 @@ def test_what_is_not_known_is_not_drawn():
         if row["share"] == 1.0:
             row |= {
                 "pga_collapse_g": None,
+                "lowest_collapse_g": None,
+                "level_50_g": None,
                 "pga_safe_g": None,
                 "pga_collapse_range": None,
                 "points": [],
