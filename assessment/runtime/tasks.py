@@ -166,20 +166,16 @@ class Workers:
         at_hand = _Stage(
             function, tasks, titles, self.show, dict(zip(every, weights or repeat(1.0), strict=False))
         )
-        kind = returned(function)
-        if self.store and not self.fresh:
-            for number in filter(at_hand.ready, every):
-                if text := self.store.find(key := at_hand.key(number)):
-                    with suppress(Exception):  # whatever another text than a result makes of it: it is absent
-                        at_hand.known[number] = unpacked(text, kind)
-                        del at_hand.weights[number]
-                        self.taken += key not in self.kept
+        for number in filter(at_hand.ready, every):
+            if self._took(at_hand, number):
+                del at_hand.weights[number]
         if not tasks:
             return []
         self.show.begin(stage, len(tasks), len(at_hand.known), sum(at_hand.weights.values()))
         for number in at_hand.known:
             at_hand.tell(number)
         try:
+            kind = returned(function)
             for number, text in self._compute(at_hand, worthwhile):
                 if self.store:
                     self.store.keep(key := at_hand.key(number), text)
@@ -192,6 +188,17 @@ class Workers:
         self.show.end()
         return [at_hand.known[number] for number in every]
 
+    def _took(self, stage: _Stage, number: int) -> bool:
+        """Take over the stored result of a task that is ready; return whether there is one. It is looked for once."""
+        if self.store is None or self.fresh or number in stage.keys:
+            return False
+        if text := self.store.find(key := stage.key(number)):
+            with suppress(Exception):  # whatever another text than a result makes of it: it is absent
+                stage.known[number] = unpacked(text, returned(stage.function))
+                self.taken += key not in self.kept
+                return True
+        return False
+
     def _compute(self, stage: _Stage, worthwhile: bool) -> Iterator[tuple[int, str]]:
         """Yield the number of each task that is left and its packed result, as they are finished.
 
@@ -201,6 +208,9 @@ class Workers:
         several = len(waiting) > 1 and (self.jobs > 1 or self.scheduler is not None)
         if not waiting or not (worthwhile or several):
             for number in waiting:
+                if self._took(stage, number):
+                    stage.finish(number, stage.known[number])
+                    continue
                 stage.name([number])
                 yield number, _packed(stage.function, stage.task(number), partial(stage.hear, number))
             return
@@ -208,10 +218,14 @@ class Workers:
         futures: dict[Future[str], int] = {}
 
         def begin() -> None:
-            for number in filter(stage.ready, tuple(waiting)):
-                waiting.remove(number)
-                task = engine.submit(_packed, stage.function, stage.task(number), engine.teller(number))
-                futures[task] = number
+            while ready := [number for number in waiting if stage.ready(number)]:
+                for number in ready:
+                    waiting.remove(number)
+                    if self._took(stage, number):
+                        stage.finish(number, stage.known[number])
+                        continue
+                    task = engine.submit(_packed, stage.function, stage.task(number), engine.teller(number))
+                    futures[task] = number
 
         def look() -> None:
             stage.name(futures.values())

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from assessment.runtime.cache import Store
+from assessment.runtime.fingerprint import fingerprint
 from assessment.runtime.tasks import From, Workers
 from tests.support.told import Seen, quarter
 
@@ -62,6 +63,13 @@ def test_an_argument_from_an_earlier_result(jobs, tmp_path):
     with Workers(jobs=jobs, store=Store(tmp_path)) as again:
         assert again.each("add", operator.add, tasks, [""] * 4, False) == sums
         assert (again.computed, again.taken) == (0, 4)
+    first = Store(tmp_path)
+    (first.folder / fingerprint(operator.add, tasks[0])).unlink()
+    with Workers(
+        jobs=jobs, store=first
+    ) as again:  # what follows from it is as it was, and is not computed again
+        assert again.each("add", operator.add, tasks, [""] * 4, False) == sums
+        assert (again.computed, again.taken) == (1, 3)
 
 
 def _doubled(result: float) -> float:

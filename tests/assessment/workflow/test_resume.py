@@ -218,12 +218,12 @@ FORGED = (
 )
 
 
-@pytest.mark.parametrize("first", [0, len(FORGED) // 2])
-def test_entries_that_are_no_results_count_as_absent(done, capsys, first):
+@pytest.mark.parametrize("begin", [0, len(FORGED) // 2])
+def test_entries_that_are_no_results_count_as_absent(done, capsys, begin):
     """Each has the digest of its content, and ended in a traceback; the record of the last run is one of them."""
     before, every = output(done), sum(planned(done).values())
     store = Store(done / "output" / FOLDER)
-    for number, entry in enumerate(entries(done), first):
+    for number, entry in enumerate(entries(done), begin):
         store.keep(entry.name, FORGED[number % len(FORGED)])
     again, taken = counts(done, capsys)
     # null is a result: nothing stands against self-weight
