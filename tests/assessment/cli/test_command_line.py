@@ -56,7 +56,7 @@ def test_help_ends_with_examples_and_the_exit_codes(capsys, command):
     text = capsys.readouterr().out
     examples, codes = text[text.index("examples:") :].split("exit codes:")
     shown = [line.strip() for line in examples.splitlines()[1:] if line.strip()]
-    assert len(shown) in {2, 3} and all(line.startswith(f"assesto {command}".strip()) for line in shown)
+    assert 2 <= len(shown) <= 4 and all(line.startswith(f"assesto {command}".strip()) for line in shown)
     assert re.findall(r"^  (\d)  ", codes, re.MULTILINE) == ["0", "2", "3"]
 
 
@@ -118,8 +118,10 @@ def test_what_argparse_finds_is_told_as_every_other_message(capsys):
 
 
 def test_the_examples_of_the_help_are_accepted(tmp_path, monkeypatch, capsys):
-    """Those of `assesto new`: a folder each."""
+    """Those of `assesto new`: a folder each; the drawing that one of them begins with is a template's."""
     monkeypatch.chdir(tmp_path)
+    assert main(["new", "drawn", "--template", "arch"]) == 0
+    (tmp_path / "drawn" / "geometry.dxf").rename(tmp_path / "survey.dxf")
     for example in cli.EXAMPLES["new"]:
         assert main(example.split()[1:]) == 0
 

@@ -152,7 +152,7 @@ def test_the_report_needs_results(project, capsys):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ([], "--template or --example: missing; assesto new --list names them"),
+        ([], "--template, --drawing or --example: missing; assesto new --list names what there is"),
         (["--template", "arc"], "no such template; did you mean"),
         (["--template", "block", "--set", "width=1"], 'no such option; did you mean "width_m"'),
         (["--template", "block", "--set", "width_m"], "--set width_m: not KEY=NUMBER"),

@@ -124,7 +124,7 @@ def test_results_print_a_line(model, moved):
     for found in (model, moved.final, limit_analysis(model), moved, curve, motion):
         assert len(repr(found)) < 160 and repr(found).startswith(f"{type(found).__name__}(")
     assert repr(model) == "Assembly(4 blocks, 1 of them supports)"
-    assert repr(limit_analysis(model)) == "Limit(+x, α = 0.2, associative friction)"
+    assert repr(limit_analysis(model, sliding="coulomb")) == "Limit(+x, α = 0.2, coulomb friction)"
 
 
 def test_a_drawing_leaves_the_style_of_the_session(model):
