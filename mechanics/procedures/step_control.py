@@ -159,6 +159,9 @@ def _reach(
             stop = error
     if not shortest:
         raise stop
+    if problem.system.dilation < 1.0:  # the lift of the shortest step is small
+        with suppress(NoEquilibriumError, ConvergenceError):
+            return find_equilibrium(replace(problem, dilation=1.0), guess, last), False
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         rested = motion_to_rest(problem, begun)

@@ -28,7 +28,7 @@ LINES = {
     "mechanics/kernels": 3550,
     "mechanics/model": 3352,
     "mechanics/pictures": 431,
-    "mechanics/procedures": 3049,
+    "mechanics/procedures": 3052,
     "mechanics/records": 1200,
     "mechanics/solvers": 1150,
     "mechanics/steps": 1752,
