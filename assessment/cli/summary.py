@@ -12,7 +12,7 @@ from assessment.report.chapters.answer import lead
 from assessment.report.text.language import Words, plain_text
 from assessment.results.echo import turns
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines
-from assessment.results.plain import plain, ratio_decimals
+from assessment.results.plain import plain
 from assessment.results.schema import Results
 from assessment.results.schema.campaign import Campaign
 from assessment.results.schema.dynamic import History
@@ -121,9 +121,8 @@ def _table(rows: list[dict[str, Any]]) -> list[str]:
         numbers = f"{_number(row['alpha_0'], 4):7} {_number(row['d_0_m'], 4):8}"
         for limit in limits:
             check = row["checks"].get(limit, {"a_g_g": None, "zeta_E": None})
-            ratio = check["zeta_E"]
-            digits = 2 if ratio is None else ratio_decimals(ratio)
-            numbers += f" {_number(check['a_g_g'], 3):8} {_number(ratio, digits):7}"
+            ratio = "–" if check["zeta_E"] is None else Words.of("en").ratio(check["zeta_E"])
+            numbers += f" {_number(check['a_g_g'], 3):8} {ratio:7}"
         lines.append(f"{row['state']:{width}}  {row['direction']}  {numbers.rstrip()}")
     return lines
 
