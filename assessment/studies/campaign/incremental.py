@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from assessment.analyses.accuracy import accuracy_of
 from assessment.analyses.dynamic.fragility import ENOUGH, over_records, standard_value
 from assessment.analyses.dynamic.record_set import Measures
 from assessment.project.schema import ORIGINAL
@@ -44,7 +45,10 @@ class Found(Study):
 def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Found:
     """Scan every record, of both signs, from every state, and sum them up by state."""
     found, asked = Found(), _asked(inputs, motions)
-    scans.run("incremental", asked)
+    if accuracy_of(inputs.project).tolerance is None:
+        scans.settle("incremental", asked, len(SIGNS), found)
+    else:
+        scans.run("incremental", asked)
     for _, row, warnings in scans.refine("finer: incremental", asked):
         found.errors.append(row)
         found.warnings += warnings

@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from assessment.studies.variants import Study
     from mechanics import Assembly
 
+LOOKS, LOOKED_TO = (
+    2,
+    0.05,
+)  # halvings of the time step where no accuracy is asked for, and by how much levels may move
 SCALED = 3.0  # factor on a record beyond which its level is no longer that of such an earthquake
 
 
@@ -155,6 +159,27 @@ class Scans:
             if not isinstance(each.shaking.start, str) and not self.of(each, 0).reason
         ]
 
+    def settle(self, stage: str, asked: Sequence[Asked], first: int, study: Study) -> None:
+        """Scan all with the time step halved as often as the `first` of them need, whatever accuracy is asked for.
+
+        Where several steps of some are known already, those say it; of no first ones all are run as they are.
+        """
+        looked = [each for each in asked if len(self.found.get(each.key, {})) > 1]
+        if not looked:
+            self.run(stage, asked)
+            looked = list(asked[:first])
+            for halvings in range(1, LOOKS + 1 if looked else 1):
+                self.run(f"finer: {stage}", looked, halvings)
+                if self.needed(looked)[0] < halvings:
+                    break
+        halvings, moved = self.needed(looked)
+        self.run(stage, asked, halvings)
+        if halvings:
+            study.warnings.append(message(
+                "{stage}: time step halved {count} times: levels at collapse at the one given differ by {moved:.0%} "
+                "in the mean", stage=stage, moved=math.exp(moved) - 1.0, count=halvings,
+            ))  # fmt: skip
+
     def needed(self, asked: Sequence[Asked]) -> tuple[int, float]:
         """Return how often the time step has to be halved, and by how much, in ln, the one given moves the levels.
 
@@ -169,7 +194,7 @@ class Scans:
                 if last is not None and level is not None:
                     moved.setdefault(n, []).append(math.log(level / last))
         mean = {n: sum(moved[n]) / len(moved[n]) for n in sorted(moved)}
-        tolerance = accuracy_of(self.project).tolerance or math.inf
+        tolerance = accuracy_of(self.project).tolerance or LOOKED_TO
         wrong = [n for n in mean if abs(mean[n]) > tolerance]
         return (wrong[-1] + 1 if wrong else 0), mean.get(0, 0.0)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -65,9 +64,8 @@ def campaign(
     study.warnings += [note for motion in records.motions for note in motion.notes if note not in reported]
     moved = moved_states(project, models, statics, demands, scans.workers, study)
     combinations = _combinations(project, models[ORIGINAL].assembly, table, records, moved)
-    scans.run(
-        "campaign", asked := [each.asked for each in combinations], _halvings(asked, table, scans, study)
-    )
+    asked = [each.asked for each in combinations]
+    scans.settle("campaign", asked, 0 if table.levels_g else len(table.signs), study)
     rows = _rows(combinations, scans, table, study)
     measures = Measures(project)
     ratios = measures.of(records.motions)
@@ -108,28 +106,6 @@ def campaign(
     )
     study.findings += [_of_campaign(text) for text in _findings(found)]
     return found
-
-
-def _halvings(asked: Sequence[Asked], table: CampaignTable, scans: Scans, study: Study) -> int:
-    """Return how often the time step is halved in a campaign: as those scans need that were run at several steps.
-
-    Those are of [incremental], or else both signs of the first record from the first state. Stripes are run as asked.
-    """
-    if table.levels_g:
-        return 0
-    if not any(len(scans.found.get(each.key, {})) > 1 for each in asked):
-        asked = asked[: len(table.signs)]
-        scans.run("campaign", asked)
-        study.warnings += [text for *_, told in scans.refine("campaign: finer", asked) for text in told]
-    halvings, moved = scans.needed(asked)
-    if halvings:
-        text = message(
-            "time step halved {count} times: levels at collapse at the one given differ by {moved:.0%} in the mean",
-            moved=math.exp(moved) - 1.0,
-            count=halvings,
-        )
-        study.warnings.append(_of_campaign(text))
-    return halvings
 
 
 def _combinations(

@@ -112,7 +112,9 @@ def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_proc
         show = Told()
         states = plain(run(project, build_model(project), jobs, show=show).results)["states"]
         found.append([states[name]["incremental"] for name in project.states])
-        told.append(show.lines[show.lines.index(("begin", "incremental", 8, 0)) :])
+        begun = show.lines.index(("begin", "incremental", 8, 0))
+        told.append(show.lines[begun : show.lines.index(("end",), begun) + 1])
+        assert ("begin", "finer: incremental", 2, 0) in show.lines
     for state in (state for states in found for state in states):
         assert len(state["records"]) == 2
         assert all(record.pop("seconds") > 0.0 for record in state["records"])
