@@ -45,10 +45,8 @@ class Found(Study):
 def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Found:
     """Scan every record, of both signs, from every state, and sum them up by state."""
     found, asked = Found(), _asked(inputs, motions)
-    if accuracy_of(inputs.project).tolerance is None:
-        scans.settle("incremental", asked, len(SIGNS), found)
-    else:
-        scans.run("incremental", asked)
+    looked = len(SIGNS) if accuracy_of(inputs.project).tolerance is None else 0
+    scans.settle("incremental", asked, looked, found)
     for _, row, warnings in scans.refine("finer: incremental", asked):
         found.errors.append(row)
         found.warnings += warnings

@@ -160,10 +160,7 @@ class Scans:
         ]
 
     def settle(self, stage: str, asked: Sequence[Asked], first: int, study: Study) -> None:
-        """Scan all with the time step halved as often as the `first` of them need, whatever accuracy is asked for.
-
-        Where several steps of some are known already, those say it; of no first ones all are run as they are.
-        """
+        """Scan all at the time step that the first ones need, or those known at several; first = 0: as given."""
         looked = [each for each in asked if len(self.found.get(each.key, {})) > 1]
         if not looked:
             self.run(stage, asked)
