@@ -136,7 +136,7 @@ def _first_after(
         work = length / float(abs(rate[:, :2]).max())
         problem = StepProblem(system, rest.state, model.dead_load, length, lateral, work)
         with suppress(NoEquilibriumError, ConvergenceError):
-            return length, reach(problem, rest.state.positions + work * rate, rest, shortest=False)[0]
+            return length, reach(problem, rest.state.positions + work * rate, rest, hair == START.hair[-1])[0]
     raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
 
 

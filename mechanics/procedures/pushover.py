@@ -326,9 +326,7 @@ class _Curve:
             self._lean()
             return
         gone_back = self.displacement[-1] - self.along(step.state.positions)
-        if gone_back > max(
-            self.tolerances.back * self.displacement[-1], self.tolerances.still * self.model.size
-        ):
+        if gone_back > max(self.tolerances.back * self.displacement[-1], self.push.increment):
             raise RunawayError(message("a part falls, and the control point goes back"))
         if jumped and self.along(step.state.positions) <= max(
             (then for then, _ in self.crossed), default=-np.inf
