@@ -51,13 +51,15 @@ def measured(columns: int, courses: int) -> Row:
 
     HiGHS is the reference of walls that it solves in seconds.
     """
-    limit_analysis(running_bond(8, 8))  # what is imported and compiled once
+    limit_analysis(running_bond(8, 8), sliding="associative")  # what is imported and compiled once
     building, model = seconds_of(lambda: running_bond(columns, courses))
-    seconds, found = seconds_of(lambda: limit_analysis(model))
+    seconds, found = seconds_of(lambda: limit_analysis(model, sliding="associative"))
     blocks, memory, program = int(model.movable.sum()), peak_memory(), pushed_program(model)
     baseline = seconds_of(piqp(program))[0]
     if blocks <= REPEATED:
-        seconds, baseline = map(float, in_turn(lambda: limit_analysis(model), piqp(program)))
+        seconds, baseline = map(
+            float, in_turn(lambda: limit_analysis(model, sliding="associative"), piqp(program))
+        )
     row: Row = {"case": f"wall {columns} × {courses}", "blocks": blocks, "joints": len(model.contacts)}
     row |= {"building_s": building, "seconds": seconds, "ratio": seconds / baseline, "memory_MB": memory}
     row |= {"alpha": found.alpha, "certificate": found.certificate.worst(1e-3 * model.size)}

@@ -236,6 +236,7 @@ def test_with_the_keyboard_alone(page, home):
 def test_what_goes_wrong_is_told_and_nothing_is_lost(page, home):
     begin(page, home, "wrong")
     folder = home / "wrong"
+    page.wait_for_selector("body[data-model=shown]")
     before = (folder / "project.toml").read_bytes()
 
     # no drawing; a value out of its range, at its field

@@ -78,7 +78,7 @@ def test_the_baseline_solves_the_steps_of_a_curve():
 def test_peak_memory_of_limit_analysis():
     """Python and its libraries take 190 MB of it; dense matrices of this wall would take 500 MB more."""
     row = walls.apart(*walls.WALLS[300])
-    assert row["memory_MB"] < 260.0
+    assert row["memory_MB"] < 270.0
     assert row["error"] < 1e-8
 
 

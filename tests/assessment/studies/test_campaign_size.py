@@ -88,7 +88,9 @@ def test_of_thousands_of_histories_numbers_are_left_and_no_curves(project, tmp_p
     finally:
         tracemalloc.stop()
     campaign = plain(outcome.results)["campaign"]
-    assert made.count >= 3_000 and made.count == sum(row["runs"] for row in campaign["combinations"])
+    counted = sum(row["runs"] for row in campaign["combinations"])
+    # the first record is scanned with half the step too
+    assert 3_000 <= counted <= made.count <= 1.02 * counted
     assert len(campaign["combinations"]) == campaign["computed"] == 10 * RECORDS
     assert all(row["pga_collapse_g"] for row in campaign["combinations"])
     assert made.most == 1  # whole motion at a time

@@ -107,15 +107,18 @@ EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
     "collisions": ("[layers.BASE]", "[contacts]\ncollisions = false\n[layers.BASE]", EVERYTHING),
     "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", {"pushover": 1.0}),
     # what a history may reach before it has fallen
-    "another direction": ('["+x"]', '["+x", "-x"]', {"history": 1.0, "incremental": 1.0}),
+    "another direction": ('["+x"]', '["+x", "-x"]', {"history": 1.0, "incremental": 1.0, "finer: incremental": 1.0}),
     "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', {}),
     # one state of the two
     "the movement": (
-        "rotation_rad = -0.02", "rotation_rad = -0.03", {"self-weight": 0.0, "pushdown": 1.0, OTHER: 0.5}
+        "rotation_rad = -0.02", "rotation_rad = -0.03",
+        {"self-weight": 0.0, "pushdown": 1.0, "finer: incremental": 0.0, OTHER: 0.5},
     ),
     "a sweep": ("increment_rad = 0.01", "increment_rad = 0.01\nsteps = 2", {}),
     "the record's scale": ('record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9', {"history": 1.0}),
-    "the tolerance of the search": ("tolerance_g = 0.2", "tolerance_g = 0.1", {"incremental": 1.0}),
+    "the tolerance of the search": (
+        "tolerance_g = 0.2", "tolerance_g = 0.1", {"incremental": 1.0, "finer: incremental": 1.0}
+    ),
     "fewer states": ('[[history]]\nrecord = "wave.csv"', '[[history]]\nstates = ["original"]\nrecord = "wave.csv"', {}),
     "limit states": ('["SLV"]', '["SLV", "SLC"]', {}),
     "the report's language": ('language = "it"', 'language = "en"', {}),
@@ -155,7 +158,9 @@ def test_a_record_that_changed_is_seen(done):
     before = planned(done)
     write_wave(done / "wave.csv", 0.11)
     assesto(done)
-    assert computed(done) == expected(before, planned(done), {"history": 1.0, "incremental": 1.0})
+    assert computed(done) == expected(
+        before, planned(done), {"history": 1.0, "incremental": 1.0, "finer: incremental": 1.0}
+    )
 
 
 def test_another_record_leaves_the_first_as_it_is(done):

@@ -102,7 +102,8 @@ ELASTIC_END = "structure with elastic contacts loses equilibrium"
 
 
 def limits_told(results, language):
-    return " ".join(displacement_limits(typed(results), Words.of(language)))
+    told = " ".join(displacement_limits(typed(results), Words.of(language)))
+    return " ".join(told.split())  # no-break spaces before units among them
 
 
 def test_the_limits_are_those_of_the_checks_that_were_made():
