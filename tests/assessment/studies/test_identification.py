@@ -89,7 +89,7 @@ def test_a_movement_is_found_again_from_exact_measurements(identify, model, tmp_
     assert ready.support == "destro" and ready.displacement_m == pytest.approx(TRUTH[:2], abs=1e-6)
 
 
-@pytest.mark.parametrize("z", [0.0, 1.5e-5, -1.5e-5, 2e-4])
+@pytest.mark.parametrize("z", [0.0, -1.5e-5])
 def test_standard_errors_do_not_divide_a_jump_by_a_step(identify, model, tmp_path, z):
     """The crown opens at one edge or the other as the support rises or goes down: a jump of its crack at z = 0.
 
