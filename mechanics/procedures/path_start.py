@@ -31,8 +31,7 @@ class StartTolerances:
     ones where hinges of a settlement close under little; `settled`: first step from
     a settled state, whose open hinges may close first, as a share of an increment; `least`: length of a first step, as
     a share of the compression under gravity; `resolved`: of that compression, the last digit of a position that does
-    not hide it; `hair`: first step from a known rest, as a share of the block size; the
-    longer ones where the shorter ones are not solved.
+    not hide it; `hair`: first step from a known rest, as shares of the block size: the first that is solved counts.
     """
 
     first: tuple[float, ...] = (0.02, 0.002, 0.0002)
@@ -99,8 +98,8 @@ def _pushed_from_rest(
     """Return the start of a rigid curve by Coulomb's law: what follows a rest under gravity at once.
 
     `forces` (j, 3): N, P and T of the drawn joints at rest; `rate` (b, 3) and `limit`: mechanism and multiplier by the
-    associative law. Joints that may slide have no one multiplier in a state: that of the step of a hair's breadth
-    counts, which the forces at rest lead to. None if no joint slides in it: both laws have one multiplier. Raises
+    associative law. A state whose joints slide has many multipliers: that of a first short step from the forces at
+    rest counts. None if no joint slides in it: both laws have one multiplier. Raises
     UnstableError where the forces do not hold the structure, ConvergenceError where no such step is found.
     """
     size, lateral = LIMIT.onset * model.size, model.lateral_load(direction)

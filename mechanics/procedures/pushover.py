@@ -53,10 +53,10 @@ class PushoverTolerances:
     `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
     largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords, within `jump` of a
     step: else it jumps); `flat`, a change that does not count; `closing`, to which the peak behind a joint that closes
-    is located. `back`: share of its
-    displacement by which the control point goes back where a part falls; `wedged`: multiplier, times that of limit
-    analysis where it is above 1, beyond which the load only wedges the blocks; `farther`: share of an increment beyond
-    α = 0 from which a structure is left to itself; `points`: most points of a curve.
+    is located. `back`: share of its displacement, an increment at least, by which the control point goes back where a
+    part falls; `wedged`: multiplier beyond which the load only wedges the blocks, times that of limit analysis where
+    this is above 1; `farther`: share of an increment beyond α = 0 from which a structure is left to itself; `points`:
+    most points of a curve.
     """
 
     still: float = 1e-3
