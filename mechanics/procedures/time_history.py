@@ -58,7 +58,8 @@ class HistoryTolerances:
     `accepted`: residual of a program, per weight and span; `skips`: whether rest is skipped; `chunk`: steps after which
     collapse is looked for.
 
-    Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `nothing`: energy, as a
+    Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `lifting`: share of the
+    programs that are solved by the associative law which needs none; `nothing`: energy, as a
     share of the weight lifted by a block's size, below which nothing moves.
     """
 
@@ -73,6 +74,7 @@ class HistoryTolerances:
     skips: bool = True
     chunk: int = 200
     balanced: float = 1e-4
+    lifting: float = 1e-3
     nothing: float = 1e-6
 
 
@@ -430,7 +432,7 @@ def _history(
         cold=cold,
         worst=float(system.counts[4]),
         unsure=float(system.counts[5]) / max(energy.turnover, tolerances.nothing * model.weight * model.size),
-        notes=_notes(model, x[-1], energy, tolerances),
+        notes=_notes(model, x[-1], energy, system.counts[6] / max(programs, 1), tolerances),
         lifting=int(system.counts[6]),
         skipped=int(system.counts[7]),
         model=model,
@@ -455,10 +457,16 @@ def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -
 
 
 def _notes(
-    model: Assembly, last: Array, energy: Energy, tolerances: HistoryTolerances
+    model: Assembly, last: Array, energy: Energy, lifting: float, tolerances: HistoryTolerances
 ) -> tuple[Message, ...]:
-    """Return warnings: blocks that overlap, an energy balance with an error."""
+    """Return warnings: blocks that overlap, steps that lift (`lifting`: share), an energy balance with an error."""
     notes = () if model.collisions else passing_through(model, last)
+    if lifting > tolerances.lifting:
+        text = message(
+            "Coulomb's law was not solved in {share:.1%} of the steps: what slides lifts in these; take a shorter step",
+            share=lifting,
+        )
+        notes = (*notes, text)
     moves = energy.turnover > tolerances.nothing * model.weight * model.size
     if moves and energy.imbalance > tolerances.balanced:
         text = message(

@@ -23,7 +23,7 @@ TAIL = 2.0  # s of free motion that are followed at a time
 TAILS = 15  # at most
 SPENT = 0.5  # of the potential energy from which the structure has come back: with less it does not fall
 LATELY = 0.5  # s
-COUNTS = ("steps", "skipped", "programs", "iterations", "halvings")
+COUNTS = ("steps", "skipped", "lifting", "programs", "iterations", "halvings")
 STILL = 0.01  # of √(g·size): speed below which a block rests
 STORED = ("kinetic", "potential", "elastic")
 ENERGIES = (*STORED, "input", "friction", "impact", "viscous", "integrator", "residual")
@@ -77,7 +77,7 @@ class Response:
         return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
 
     def counts(self) -> dict[str, int]:
-        """Return steps, skipped, programs, iterations and halvings of all runs."""
+        """Return steps, skipped, lifting, programs, iterations and halvings of all runs."""
         return {name: sum(getattr(part, name) for part in self.parts) for name in COUNTS}
 
     def energy(self) -> Energy:

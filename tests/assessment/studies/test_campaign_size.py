@@ -63,7 +63,7 @@ class MadeUp:
             (
                 SimpleNamespace(
                     collapsed=strength > 1.0, collapse_reason="it fell", worst=1e-12, notes=(), steps=SAMPLES,
-                    skipped=0, programs=SAMPLES, iterations=SAMPLES, halvings=0,
+                    skipped=0, lifting=0, programs=SAMPLES, iterations=SAMPLES, halvings=0,
                     model=model,
                     energy=SimpleNamespace(**dict.fromkeys(ENERGIES, np.zeros(2)), turnover=1.0),
                 ),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, time_history
+from mechanics.procedures.time_history import HISTORY, _notes
 from tests.support.structures import block_on_base, rectangle, running_bond
 
 G = 9.80665
@@ -59,3 +60,13 @@ def test_peaks_of_a_sliding_wall_do_not_hang_on_the_step():
         peaks.append(float(abs(motion.positions[:, :, 0] - motion.positions[0, :, 0]).max()))
         assert motion.lifting <= 0.01 * motion.programs
     assert peaks[1] == pytest.approx(peaks[0], rel=0.03)
+
+
+def test_steps_that_lift_are_told():
+    """From a thousandth of the programs on."""
+    model = block_on_base(1.0, 0.5, friction=0.3, stiffness=1e6)
+    moved = time_history(model, 0.6 * np.sin(np.arange(0.0, 3.0, 0.03)), 0.002)
+    still = moved.energy
+    told = _notes(model, moved.positions[-1], still, 0.002, HISTORY)
+    assert any("Coulomb's law was not solved in 0.2%" in note for note in told)
+    assert not any("Coulomb" in note for note in _notes(model, moved.positions[-1], still, 0.0005, HISTORY))
