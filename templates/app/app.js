@@ -88,9 +88,11 @@ export const attempt = async (job) => {
 };
 
 // ---- what has changed is drawn ----
-let seen = "", modelling = false;
+let seen = "", modelling = false, asked = 0, told = 0;
 export const poll = async () => {
-  const before = store.state, state = await ask("state");
+  const turn = ++asked, state = await ask("state"), before = store.state;
+  if (turn < told) return;  // a later question has its answer already
+  told = turn;
   store.state = { ...state, content: state.content ?? (state.folder === before.folder ? before.content : null) };
   if (state.language && (before.folder !== state.folder)) store.language ??= state.language;
   const text = JSON.stringify(state);

@@ -63,6 +63,7 @@ def page(browser, served):
     found.wait_for_selector("body[data-open]")
     if found.get_attribute("body", "data-open") == "true":
         found.click("#home")
+        found.wait_for_selector("body[data-open=false]")  # else a drop goes to the project that is still open
     yield found
     context.close()
     assert wrong == []
