@@ -66,13 +66,13 @@ class Study:
     failures: list[Message] = field(default_factory=list)
     seconds: float = 0.0
 
-    def take(self, variant: Variant, stages: Iterable[StateResult]) -> None:
-        """Add quality, times and messages of the analyses of a variant; the messages get its name."""
+    def take(self, title: str, stages: Iterable[StateResult]) -> None:
+        """Add quality, times and messages of the analyses of a variant; the messages get its title."""
         for stage in stages:
             self.quality += stage.quality
             self.seconds += sum(stage.seconds.values())
-            self.warnings += [headed(variant.what, text) for text in stage.warnings]
-            self.failures += [headed(variant.what, text) for text in stage.failures]
+            self.warnings += [headed(title, text) for text in stage.warnings]
+            self.failures += [headed(title, text) for text in stage.failures]
 
 
 def analyse(
@@ -91,7 +91,7 @@ def analyse(
     results = iter(analyse_states(requests, workers, name))
     for variant in variants:
         stages = [next(results) for _ in range(each)]
-        study.take(variant, stages)
+        study.take(variant.what, stages)
         pushovers = curves(stages)
         checked: dict[Direction, Capacity] = {}
         if variant.project.assessment:

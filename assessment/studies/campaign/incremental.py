@@ -15,8 +15,8 @@ from assessment.results.schema.studies import ConvergenceRow
 from assessment.studies.campaign.scans import (
     Asked,
     Scans,
-    asked_of,
-    mirrored,
+    asked_for,
+    mirror_image,
     numbers,
     observed_in,
     own_setting,
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
     from assessment.analyses.dynamic.inputs import MotionInputs
     from assessment.project.motions import BaseMotion
 
-SIGNS = (1, -1)
-DIRECTIONS = {1: "+x", -1: "-x"}
+DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
 
 
 @dataclass
@@ -44,53 +43,30 @@ class Found(Study):
 
 def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Found:
     """Scan every record, of both signs, from every state, and sum them up by state."""
-    found, asked = Found(), _asked(inputs, motions)
-    looked = len(SIGNS) if accuracy_of(inputs.project).tolerance is None else 0
-    scans.settle("incremental", asked, looked, found)
-    for _, row, warnings in scans.refine("finer: incremental", asked):
-        found.errors.append(row)
-        found.warnings += warnings
+    project, table = inputs.project, inputs.project.incremental
+    assert table is not None
+    drawn, found = inputs.starts[ORIGINAL, table.contacts].model, Found()
+    tasks = [("", task, 1.0, None) for task in inputs.tasks(table, motions, own_setting(table))]
+    asked = asked_for(tasks, tuple(DIRECTIONS), reach_of(project), mirror_image(project, drawn, table))
+    scans.settle(
+        "incremental", asked, len(DIRECTIONS) if accuracy_of(project).tolerance is None else 0, found
+    )
+    found.errors = scans.refine(asked, found)
+    measures, ratios = Measures(project), Measures(project).of(motions)
     by_state: dict[str, list[Asked]] = {}
     for each in asked:
         by_state.setdefault(each.shaking.state, []).append(each)
-    measures, ratios = Measures(inputs.project), Measures(inputs.project).of(motions)
+        if each.sign == each.run_sign:
+            scans.tell(each, f"incremental, {each.record}", found)
     for state, own in by_state.items():
-        searches = []
-        for both in zip(own[:: len(SIGNS)], own[1 :: len(SIGNS)], strict=True):
-            searches.append(_search(both, scans))
-            for each in both:
-                if each.sign == each.run_sign:
-                    scans.tell(each, f"incremental, {searches[-1].record}", found)
+        searches = [_search(both, scans) for both in zip(own[::2], own[1::2], strict=True)]
         found.states[state] = summarise(searches, found.warnings, state, measures, ratios)
-    fits = [part.fragility for part in found.states.values() if part.fragility]
-    beta = within_records(fit.beta_ensemble for fit in fits)
+    beta = within_records(part.fragility.beta_ensemble for part in found.states.values() if part.fragility)
     for state, own in by_state.items():
-        if state != ORIGINAL and (drawn := by_state.get(ORIGINAL)):
-            pairs = [(one.shaking.motion.name, one, other) for one, other in zip(drawn, own, strict=True)]
-            found.states[state] = found.states[state].replace(loss=paired_loss(pairs, scans, beta))
+        if state != ORIGINAL and (before := by_state.get(ORIGINAL)):
+            loss = paired_loss(list(zip(before, own, strict=True)), scans, beta)
+            found.states[state] = found.states[state].replace(loss=loss)
     return found
-
-
-def _asked(inputs: MotionInputs, motions: Sequence[BaseMotion]) -> list[Asked]:
-    """Return every record of both signs from every state; each begins where the one before found a collapse.
-
-    That is the record's other sign, or its first one in the state before; of the first state the first record's.
-    """
-    table = inputs.project.incremental
-    assert table is not None
-    drawn, reach = inputs.starts[ORIGINAL, table.contacts].model, reach_of(inputs.project)
-    symmetric = mirrored(inputs.project, drawn, table)
-    asked: list[Asked] = []
-    before: dict[str, Asked] = {}
-    for task in inputs.tasks(table, motions, own_setting(table)):
-        one_sign = symmetric and task.start is drawn.initial
-        name = task.motion.name
-        for sign in SIGNS:
-            run_sign = SIGNS[0] if one_sign else sign
-            after = before.get(name) or (asked[0] if asked else None)
-            asked.append(asked_of(task, sign, run_sign, reach, after))
-            before[name] = asked[-1]
-    return asked
 
 
 def _search(both: Sequence[Asked], scans: Scans) -> Search:
@@ -101,12 +77,10 @@ def _search(both: Sequence[Asked], scans: Scans) -> Search:
         if each.run_sign != each.sign:
             part = part.replace(same_as=each.run_sign, runs=0, points=[], counts=None)
         signs.append(part)
-    known = [part for part in signs if part.reason is None]
     failed = [part for part in signs if part.reason is not None]
-    worse = failed[0] if failed else min(known, key=lambda part: part.pga_collapse_g or float("inf"))
+    worse = failed[0] if failed else min(signs, key=lambda part: part.pga_collapse_g or float("inf"))
     counted = next(each for each in both if each.sign == worse.sign)
-    seen = observed_in(scans.of(counted))
-    motion = counted.shaking.motion
+    seen, motion = observed_in(scans.of(counted)), counted.shaking.motion
     shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)}
     return Search(
         record=motion.name,
@@ -139,26 +113,26 @@ def summarise(
             least=ENOUGH,
         )
         warnings.append(headed(title, few))
-    if any(part.same_as is not None for record in records for part in record.signs):
+    signs = [(each.record, part) for each in records for part in each.signs]
+    if any(part.same_as is not None for _, part in signs):
         alike = message(
             "a symmetric structure: one sign of each record was run, the other is its mirror image; "
             "motions that turn on their last digits would differ by a few percent"
         )
         warnings.append(headed(title, alike))
     standard = standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
+    by_sign = {
+        sign: standard_value([(p.pga_collapse_g, p.pga_safe_g) for _, p in signs if p.sign == sign]).pga
+        for sign in DIRECTIONS
+    }
     found = Incremental(
         records=list(records),
         mean_pga_collapse_g=standard.mean,
         lowest_pga_collapse_g=standard.lowest,
         rule=standard.rule,
         pga_collapse_g=standard.pga,
-        directions={
-            DIRECTIONS[sign]: standard_value(
-                [(p.pga_collapse_g, p.pga_safe_g) for each in records for p in each.signs if p.sign == sign]
-            ).pga
-            for sign in SIGNS
-        },
-        fragility=_fragility(records, measures, ratios or {}),
+        directions={DIRECTIONS[sign]: pga for sign, pga in by_sign.items()},
+        fragility=_fragility(signs, measures, ratios or {}),
     )
     ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
     if not ends:
@@ -171,20 +145,21 @@ def summarise(
 
 
 def _fragility(
-    records: Sequence[Search], measures: Measures | None, ratios: Mapping[str, Mapping[str, float]]
+    signs: Sequence[tuple[str, SignScan]],
+    measures: Measures | None,
+    ratios: Mapping[str, Mapping[str, float]],
 ) -> Fragility | None:
     """Return the fragility of a state over records and signs; None where fewer than two records collapse."""
-    parts = [(each.record, part) for each in records for part in each.signs]
-    levels = record_levels(parts)
+    levels = record_levels(signs)
     fallen = {each.record for each in levels if not each.withstood}
-    fit = over_records(levels) if len(fallen) > 1 and len(levels) == len(parts) else None
+    fit = over_records(levels) if len(fallen) > 1 and len(levels) == len(signs) else None
     if fit is None:
         return None
     low, high = fit.probable
     return Fragility(
         median_g=fit.median,
         dispersion=fit.beta,
-        records=len(records),
+        records=len({record for record, _ in signs}),
         censored=sum(each.withstood for each in levels),
         beta_record=fit.beta_record,
         beta_ensemble=fit.beta_ensemble,

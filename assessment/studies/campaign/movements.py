@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
     from assessment.project.structure.state_models import StateModel
-    from assessment.results.schema.checks import Capacity, Direction
+    from assessment.results.schema.checks import Direction
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly
@@ -63,16 +63,6 @@ def moved_title(settlement: str, share: float) -> Message:
     return message("{state} × {share:g}", state=settlement, share=share)
 
 
-@dataclass(frozen=True, eq=False)
-class _Reviewed:
-    """The assembly of a state, its rest or why there is none; the analyses behind it, and its pushover curves."""
-
-    model: Assembly
-    start: Start
-    stages: Sequence[StateResult]
-    curves: Mapping[Direction, Pushovers]
-
-
 def moved_states(
     project: Project,
     models: Mapping[str, StateModel],
@@ -91,30 +81,29 @@ def moved_states(
     asked, beside = table.settlements or project.unstrengthened[1:], _beside(project, table)
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
     parts = _parts(movements, models, table, workers)
-    point = project.control_point(table.control).name
+    point, drawn = project.control_point(table.control).name, models[ORIGINAL].assembly
     found = []
     for _, whole in movements:
-        model, drawn = models[whole.name].assembly, models[ORIGINAL].assembly
+        model = models[whole.name].assembly
         length = whole_movement(model, whole.support, whole.displacement_m, whole.rotation_rad)
         for share in table.shares:
-            if share == 0.0:
-                own = statics.states[ORIGINAL]
-                state = _Reviewed(drawn, drawn.initial, [], own.pushover)
-            elif share == 1.0:
-                own, stages = statics.states[whole.name], statics.stages_of(whole.name)
-                state = _Reviewed(model, _rest(stages, table), stages, own.pushover)
-            else:
-                stages = parts[whole.name, share]
-                _take(study, whole.name, share, stages)
-                state = _Reviewed(model, _rest(stages, table), stages, curves(stages))
-            # those of the whole and of none are among the warnings of their states
-            warnings = study.warnings if 0.0 < share < 1.0 else []
-            capacity = _static(beside, state, demands, warnings)
-            # of the control point, m: where the static capacity vanishes
-            ultimate = ultimates({ORIGINAL: state.curves}).get((ORIGINAL, point))
-            found.append(
-                Moved(whole.name, share, share * length, state.model, state.start, capacity, ultimate)
+            name = whole.name if share else ORIGINAL
+            place, warnings = (whole.name, share), []  # of the whole and of none: told with their states
+            stages, pushed = statics.stages_of(name), statics.states[name].pushover
+            if 0.0 < share < 1.0:
+                stages, warnings = parts[place], study.warnings
+                pushed = curves(stages)
+                for stage in stages:
+                    study.quality += stage.quality
+                    study.seconds += sum(stage.seconds.values())
+                    study.warnings += [headed(moved_title(*place), text) for text in stage.failures]
+            start = drawn.initial if not share else _rest(stages, table)
+            static = _static(
+                beside, model if share else drawn, stages if share else [], pushed, demands, warnings
             )
+            # of the control point, m: where the static capacity vanishes
+            ultimate = ultimates({ORIGINAL: pushed}).get((ORIGINAL, point))
+            found.append(Moved(*place, share * length, model if share else drawn, start, static, ultimate))
     return found
 
 
@@ -141,20 +130,10 @@ def _parts(
     return parts
 
 
-def _take(study: Study, name: str, share: float, stages: Iterable[StateResult]) -> None:
-    """Add what the analyses of a share left beside their curves."""
-    for stage in stages:
-        study.quality += stage.quality
-        study.seconds += sum(stage.seconds.values())
-        study.warnings += [headed(moved_title(name, share), text) for text in stage.failures]
-
-
 def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
     """Return the state at rest under the contacts of the campaign, or why it was not reached."""
     [own] = [stage for stage in stages if stage.behaviour == table.contacts]
-    if own.reached is not None:
-        return own.reached
-    return why_not_reached(own)
+    return own.reached if own.reached is not None else why_not_reached(own)
 
 
 def _beside(project: Project, table: CampaignTable) -> Project:
@@ -170,28 +149,31 @@ def _beside(project: Project, table: CampaignTable) -> Project:
     return project.model_copy(update=changed)
 
 
-def _static(project: Project, state: _Reviewed, demands: Demands, warnings: list[Message]) -> float | None:
+def _static(
+    project: Project,
+    model: Assembly,
+    stages: Sequence[StateResult],
+    pushed: Mapping[Direction, Pushovers],
+    demands: Demands,
+    warnings: list[Message],
+) -> float | None:
     """Return the static capacity of the weaker direction, of the joints of `project`; None if one is not known."""
     if project.pushover is None:
         return None
-    pushed = state.curves
     if "elastic" not in project.pushover.contacts:
         pushed = {direction: each.replace(elastic=None) for direction, each in pushed.items()}
-    stages = [stage for stage in state.stages if stage.behaviour in project.pushover.contacts]
     if project.assessment:
-        assessed = assess(project, state.model, pushed, demands)
+        assessed = assess(project, model, pushed, demands)
         warnings += told(assessed)
-        checks = capacities(assessed)
-        limit_state = quoted_limit_state(project)
-        values = [_surface_pga(checks.get(each), limit_state) for each in directions(project)]
+        checked, limit = capacities(assessed), quoted_limit_state(project) or ""
+        checks = [
+            checked[each].checks.get(limit) if each in checked else None for each in directions(project)
+        ]
+        values = [check.pga_g if check else None for check in checks]
     else:
-        found = capacities_of(project, stages, pushed, {})
-        values = [compared(each, quantity(project)) for each in found.values()]
+        own = [stage for stage in stages if stage.behaviour in project.pushover.contacts]
+        values = [
+            compared(each, quantity(project)) for each in capacities_of(project, own, pushed, {}).values()
+        ]
     known = [value for value in values if value is not None]
     return min(known) if known and len(known) == len(values) else None
-
-
-def _surface_pga(capacity: Capacity | None, limit_state: str | None) -> float | None:
-    """Return the PGA at the surface (g) that the check of a limit state gives; None where it gives none."""
-    check = capacity.checks.get(limit_state or "") if capacity else None
-    return check.pga_g if check else None

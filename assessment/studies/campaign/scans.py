@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.accuracy import LEVELS, accuracy_of
-from assessment.analyses.dynamic.ensemble import Scatter, scatter_of
+from assessment.analyses.dynamic.ensemble import scatter_of
 from assessment.analyses.dynamic.fragility import Observed, observed
 from assessment.analyses.dynamic.inputs import WORTHWHILE
 from assessment.analyses.dynamic.scan import EXPECTED, SPACING, Reach, Scan, scan
@@ -29,32 +29,79 @@ if TYPE_CHECKING:
     from assessment.studies.variants import Study
     from mechanics import Assembly
 
-LOOKS, LOOKED_TO = (
-    2,
-    0.05,
-)  # halvings of the time step where no accuracy is asked for, and by how much levels may move
+LOOKS, LOOKED_TO = 2, 0.05  # without an accuracy: halvings of the time step, and by how much levels may move
 SCALED = 3.0  # factor on a record beyond which its level is no longer that of such an earthquake
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A record of one sign from a state; `shaking` has the sign that is run.
+    """A record of one `sign` from a state; `shaking` has the sign that is run.
 
     Both signs of a structure that is its own mirror image are one run. `after`: the one at whose level it begins.
+    `ratio`: measure of intensity over the PGA of the record; `state`: what [campaign] knows of the state.
     """
 
-    title: Message
     shaking: Shaking
     sign: int
     run_sign: int
     reach: Reach
     after: Asked | None = None
+    ratio: float = 1.0
+    state: Any = None
+
+    @property
+    def record(self) -> str:
+        """Name of the record."""
+        return self.shaking.motion.name
+
+    @property
+    def title(self) -> Message:
+        """State, record and sign, for messages."""
+        sign = "+" if self.sign > 0 else "−"
+        return message("{state}, {record}, {sign}", state=self.shaking.state, record=self.record, sign=sign)
+
+    @property
+    def starts(self) -> bool:
+        """Whether the state at rest was reached."""
+        return not isinstance(self.shaking.start, str)
 
     @cached_property
     def key(self) -> str:
         """Key of the scan: what its motions depend on."""
         of = self.shaking
         return fingerprint(scan, (of.model, of.motion, of.setting, of.start, self.reach))
+
+
+def asked_for(
+    shakings: Iterable[tuple[Hashable, Shaking, float, Any]],
+    signs: Sequence[int],
+    reach: Reach,
+    mirror_image: Assembly | None,
+) -> list[Asked]:
+    """Return every shaking with every sign; each: path of its state, shaking, ratio and state.
+
+    A scan begins at the level found for the same record and sign at the state before on the same path, else at that of
+    the record's first sign, else at that of the first record: levels depend on what is asked for alone, not on what is
+    finished. `mirror_image`: the structure as drawn, of which one sign is run, None: it is not its own mirror image.
+    """
+    found: list[Asked] = []
+    before: dict[Hashable, Asked] = {}
+    for path, shaking, ratio, state in shakings:
+        motion = shaking.motion
+        one_sign = mirror_image is not None and shaking.start is mirror_image.initial
+        for sign in signs:
+            run_sign, place = signs[0] if one_sign else sign, (path, motion.name, sign)
+            after = before.get(place) or before.get(motion.name) or (found[0] if found else None)
+            turned = replace(shaking, motion=replace(motion, record=motion.record.scaled(float(run_sign))))
+            own = (
+                reach
+                if not reach.stripes
+                else replace(reach, stripes=tuple(x / ratio for x in reach.stripes))
+            )
+            before[place] = Asked(turned, sign, run_sign, own, after, ratio, state)
+            before.setdefault(motion.name, before[place])
+            found.append(before[place])
+    return found
 
 
 @dataclass
@@ -68,77 +115,70 @@ class Scans:
 
     def run(self, stage: str, asked: Sequence[Asked], halvings: int = 0) -> None:
         """Scan what has not been scanned, the longest records first, at a time step that is halved so often."""
-        scatter = scatter_of(self.project)
-        wanted: dict[str, Asked] = {}
+        new: dict[str, Asked] = {}
         for each in asked:
-            if not isinstance(each.shaking.start, str) and halvings not in self.found.get(each.key, {}):
-                wanted.setdefault(each.key, each)
-        order = sorted(wanted, key=lambda key: -wanted[key].shaking.motion.record.acceleration.size)
-        numbers = {key: number for number, key in enumerate(order)}
-        tasks = [self._task(wanted[key], halvings, scatter, numbers) for key in order]
+            if each.starts and halvings not in self._by_step(each):
+                new.setdefault(each.key, each)
+        wanted = sorted(new.values(), key=lambda each: -each.shaking.motion.record.acceleration.size)
+        numbers = {each.key: number for number, each in enumerate(wanted)}
+        tasks = [self._task(each, halvings, numbers) for each in wanted]
         samples = [task[1].record.acceleration.size for task in tasks]
         work = EXPECTED * sum(len(task[0].contacts) * n for task, n in zip(tasks, samples, strict=True))
-        titles = [wanted[key].title for key in order]
-        for key, found in zip(
-            order, self.workers.each(stage, scan, tasks, titles, work > WORTHWHILE, samples), strict=True
-        ):
-            self.found.setdefault(key, {})[halvings] = found
+        titles = [each.title for each in wanted]
+        done = self.workers.each(stage, scan, tasks, titles, work > WORTHWHILE, samples)
+        for each, found in zip(wanted, done, strict=True):
+            self.found.setdefault(each.key, {})[halvings] = found
 
-    def _task(
-        self, asked: Asked, halvings: int, scatter: Scatter, numbers: Mapping[str, int]
-    ) -> tuple[Any, ...]:
+    def _task(self, asked: Asked, halvings: int, numbers: Mapping[str, int]) -> tuple[Any, ...]:
         shaking, motion = asked.shaking, asked.shaking.motion
         near: float | From | None = None
         for _ in range(halvings):
             motion = motion.at_half_step()
-        known = [each.key for each in (asked, asked.after) if each is not None and each.key in self.found]
+        known = [each for each in (asked, asked.after) if each is not None and each.key in self.found]
         if known:
-            near = level_found(self._finest(known[0]))
+            near = level_found(self.of(known[0]))
         elif asked.after is not None and asked.after.key in numbers and not asked.reach.stripes:
             near = From(numbers[asked.after.key], level_found)
-        start = (shaking.model, motion, shaking.setting, shaking.start, scatter)
         campaign = self.project.campaign
-        return (*start, asked.reach, near, (campaign.curve_members if campaign else None) or ())
+        curves = (campaign.curve_members if campaign else None) or ()
+        start = (shaking.model, motion, shaking.setting, shaking.start, scatter_of(self.project))
+        return (*start, asked.reach, near, curves)
 
-    def of(self, asked: Asked, halvings: int | None = None) -> Scan:
-        """Return the scan that was asked for at the time step halved so often, None: at the finest that was run.
+    def _by_step(self, asked: Asked) -> dict[int, Scan]:
+        """The scans of what is asked for, by halvings of the time step."""
+        return self.found.get(asked.key, {}) if asked.starts else {}
 
-        One that could not be completed at a finer step is that of the step before.
-        """
+    def of(self, asked: Asked) -> Scan:
+        """Return the scan at the finest time step that was run; of one not completed that of the step before."""
         if isinstance(asked.shaking.start, str):
             return Scan(reason=asked.shaking.start)
-        return self._finest(asked.key) if halvings is None else self.found[asked.key][halvings]
-
-    def _finest(self, key: str) -> Scan:
-        found = self.found[key]
-        return next(
-            (found[n] for n in sorted(found, reverse=True) if found[n].reason is None), found[min(found)]
-        )
+        found = self.found[asked.key]
+        finest = (found[n] for n in sorted(found, reverse=True) if found[n].reason is None)
+        return next(finest, found[min(found)])
 
     def paired(self, one: Asked, other: Asked) -> tuple[Scan, Scan]:
         """Return the scans of two at the finest time step that both have."""
-        if isinstance(one.shaking.start, str) or isinstance(other.shaking.start, str):
+        both = self._by_step(one).keys() & self._by_step(other).keys()
+        if not both:
             return self.of(one), self.of(other)
-        last = max(self.found[one.key].keys() & self.found[other.key].keys())
-        return self.found[one.key][last], self.found[other.key][last]
+        return self.found[one.key][max(both)], self.found[other.key][max(both)]
 
     def tell(self, asked: Asked, stage: str, study: Study) -> None:
         """Add messages, certificates and seconds of a scan to a study, once."""
         found = self.of(asked)
-        if not isinstance(asked.shaking.start, str):
-            if asked.key in self.told:
-                return
-            self.told.add(asked.key)
-        elif found.reason is not None:
-            study.warnings.append(headed(asked.title, found.reason))
+        if not asked.starts:
+            study.warnings += [headed(asked.title, found.reason)] if found.reason else []
+            return
+        if asked.key in self.told:
+            return
+        self.told.add(asked.key)
         if found.counts:
-            programs = found.counts.programs
-            study.quality.append(quality_row(asked.shaking.state, stage, programs, found.worst))
+            study.quality.append(quality_row(asked.shaking.state, stage, found.counts.programs, found.worst))
         study.failures += [headed(asked.title, text) for text in found.failures]
         study.warnings += [headed(asked.title, text) for text in (*found.notes, *_doubts(asked, found))]
         study.seconds += found.seconds
 
-    def refine(self, stage: str, asked: Sequence[Asked]) -> list[tuple[Asked, ConvergenceRow, list[Message]]]:
+    def refine(self, asked: Sequence[Asked], study: Study) -> list[ConvergenceRow]:
         """Scan again, over all levels, with the time step halved twice: two may agree by chance; then until they do.
 
         Return the estimated error of each; nothing where the project asks for no accuracy.
@@ -146,22 +186,17 @@ class Scans:
         accuracy = accuracy_of(self.project)
         if accuracy.tolerance is None:
             return []
-        waiting = [
-            each for each in asked if not isinstance(each.shaking.start, str) and not self.of(each).reason
-        ]
+        known = [each for each in asked if each.starts and self.found[each.key][0].reason is None]
+        waiting = known
         for halvings in range(1, accuracy.halvings + 1):
-            self.run(stage, waiting, halvings)
+            self.run("finer: incremental", waiting, halvings)
             if halvings + 1 >= LEVELS:
                 waiting = [each for each in waiting if (self._moved(each) or 0.0) > accuracy.tolerance]
-        return [
-            (each, *self._row(each, accuracy.tolerance))
-            for each in asked
-            if not isinstance(each.shaking.start, str) and not self.of(each, 0).reason
-        ]
+        return [self._row(each, accuracy.tolerance, study) for each in known]
 
     def settle(self, stage: str, asked: Sequence[Asked], first: int, study: Study) -> None:
         """Scan all at the time step that the first ones need, or those known at several; first = 0: as given."""
-        looked = [each for each in asked if len(self.found.get(each.key, {})) > 1]
+        looked = [each for each in asked if len(self._by_step(each)) > 1]
         if not looked:
             self.run(stage, asked)
             looked = list(asked[:first])
@@ -184,7 +219,7 @@ class Scans:
         tolerance: a level by itself may turn on the last digits. Of what was scanned at several steps alone.
         """
         moved: dict[int, list[float]] = {}
-        for found in (self.found.get(key, {}) for key in {each.key: None for each in asked}):
+        for found in {each.key: self._by_step(each) for each in asked}.values():
             lowest = {n: observed_in(each).lowest for n, each in found.items()}
             last = lowest[max(lowest)] if len(lowest) > 1 else None
             for n, level in lowest.items():
@@ -203,27 +238,25 @@ class Scans:
             return None
         return abs(last[1] / last[0] - 1.0)
 
-    def _row(self, asked: Asked, tolerance: float) -> tuple[ConvergenceRow, list[Message]]:
+    def _row(self, asked: Asked, tolerance: float, study: Study) -> ConvergenceRow:
         by_step, moved = self.found[asked.key], self._moved(asked)
         found = [by_step[n] for n in sorted(by_step)]
-        seen = [observed_in(each) for each in found]
-        levels = [each.capacity for each in seen]
+        levels = [observed_in(each).capacity for each in found]
         failed = next((each.reason for each in found if each.reason), None)
         none = not any(levels) and not failed  # no step finds a collapse
         met = none or (moved is not None and moved <= tolerance and not failed)
         row = ConvergenceRow(
             state=asked.shaking.state,
-            record=asked.shaking.motion.name,
+            record=asked.record,
             halvings=len(found) - 1,
             met=met,
             levels={"pga_collapse_g": levels},
         )
-        last = levels[-1]
-        if moved is not None and last is not None:
-            error = moved * last + last * (1.0 - math.exp(-seen[-1].spacing))
-            row = row.replace(pga_collapse_error_g=error, relative_error=error / last)
+        if moved is not None and (last := levels[-1]) is not None:
+            error = moved + 1.0 - math.exp(-observed_in(found[-1]).spacing)
+            row = row.replace(pga_collapse_error_g=error * last, relative_error=error)
         if met:
-            return row, []
+            return row
         if failed:
             text = message("a finer time step fails: {reason}", reason=failed)
         elif moved is None:
@@ -235,17 +268,8 @@ class Scans:
                 moved=moved,
                 step=found[-1].time_step,
             )
-        return row, [headed(asked.title, text)]
-
-
-def asked_of(shaking: Shaking, sign: int, run_sign: int, reach: Reach, after: Asked | None) -> Asked:
-    """Return what is asked for of a shaking by a record of one sign, of which `run_sign` is run."""
-    motion = shaking.motion
-    title = message(
-        "{state}, {record}, {sign}", state=shaking.state, record=motion.name, sign="+" if sign > 0 else "−"
-    )
-    turned = replace(shaking, motion=replace(motion, record=motion.record.scaled(float(run_sign))))
-    return Asked(title, turned, sign, run_sign, reach, after)
+        study.warnings.append(headed(asked.title, text))
+        return row
 
 
 def _doubts(asked: Asked, found: Scan) -> Iterator[Message]:
@@ -289,14 +313,14 @@ def own_setting(table: MotionTable) -> MotionTable:
     return MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
 
 
-def mirrored(project: Project, model: Assembly, table: MotionTable) -> bool:
-    """Whether the structure as drawn responds to a record and to its negative with mirror images.
+def mirror_image(project: Project, model: Assembly, table: MotionTable) -> Assembly | None:
+    """Return the structure as drawn if it responds to a record and to its negative with mirror images, else None.
 
     The control point has to be its own mirror image too: its ultimate displacement may decide about collapse.
     """
     mirror = Mirror.of(model, table.contacts)
     point = project.control_point(table.control).point_m
-    return mirror is not None and mirror.swaps(point, point)
+    return model if mirror is not None and mirror.swaps(point, point) else None
 
 
 def observed_in(found: Scan) -> Observed:

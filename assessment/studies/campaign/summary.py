@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,38 +36,27 @@ if TYPE_CHECKING:
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
 
 
-@dataclass(frozen=True, eq=False)
-class Combination:
-    """A record of one sign from a share of a movement; `ratio`: intensity measure over the PGA of the record."""
-
-    moved: Moved
-    record: str
-    ratio: float
-    asked: Asked
-
-
 def fragility_of(
     state: Moved,
-    combinations: Sequence[Combination],
-    rows: Sequence[CampaignCombination],
+    own: Sequence[tuple[Asked, CampaignCombination]],
     scans: Scans,
     table: CampaignTable,
     measures: Measures,
     ratios: Mapping[str, Mapping[str, float]],
 ) -> CampaignFragility:
-    """Return the fragility of a state, of the measure; of fewer than three records without ranges and rule."""
-    own = [(each, row) for each, row in zip(combinations, rows, strict=True) if each.moved is state]
+    """Return the fragility of a state and its `own` rows, of the measure; of few records without ranges and rule."""
     known = [(each, row) for each, row in own if row.reason is None]
     levels = record_levels([(each.record, row) for each, row in known])
-    of_measure = [
-        RecordLevel(level.record, level.level * each.ratio, level.withstood, level.beta)
-        for (each, _), level in zip(known, levels, strict=False)
-    ]
+    rule = None if table.levels_g else standard_of([row for _, row in own])
+    fit = None
     if table.levels_g:
         fit = _of_stripes([each for each, _ in known], scans, table.levels_g)
-    else:
-        fit = over_records(of_measure) if known and len(levels) == len(known) else None
-    rule = None if table.levels_g else standard_of([row for _, row in own])
+    elif known and len(levels) == len(known):
+        by_measure = [
+            replace(x, level=x.level * each.ratio) for (each, _), x in zip(known, levels, strict=True)
+        ]
+        fit = over_records(by_measure)
+    scanned = fit if fit and not table.levels_g else None
     low, high = fit.probable if fit and fit.beta < math.inf else (None, None)
     return CampaignFragility(
         settlement=state.settlement,
@@ -80,11 +69,11 @@ def fragility_of(
         median_range=fit.median_range if fit else None,
         beta=fit.beta if fit else None,
         beta_range=fit.beta_range if fit else None,
-        beta_record=fit.beta_record if fit and not table.levels_g else None,
-        beta_ensemble=fit.beta_ensemble if fit and not table.levels_g else None,
+        beta_record=scanned.beta_record if scanned else None,
+        beta_ensemble=scanned.beta_ensemble if scanned else None,
         level_16_g=low,
         level_84_g=high,
-        measures=measures.fits(levels, ratios) if fit and not table.levels_g else [],
+        measures=measures.fits(levels, ratios) if scanned else [],
         rule=rule.rule if rule else None,
         pga_collapse_g=rule.pga if rule and rule.rule else None,
     )
@@ -99,7 +88,7 @@ def record_levels(parts: Sequence[tuple[str, Scanned]]) -> list[RecordLevel]:
     ]
 
 
-def _of_stripes(known: Sequence[Combination], scans: Scans, levels: Sequence[float]) -> Dispersion | None:
+def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -> Dispersion | None:
     """Return the fit of stripes: of each record the share of its motions that collapse at each level.
 
     None: the outcomes tell no median (see fit_stripes).
@@ -107,7 +96,7 @@ def _of_stripes(known: Sequence[Combination], scans: Scans, levels: Sequence[flo
     if not known:
         return None
     fallen = np.array(
-        [[point.members_collapsed / point.members for point in scans.of(each.asked).points] for each in known]
+        [[point.members_collapsed / point.members for point in scans.of(each).points] for each in known]
     )
     fit = fit_stripes(np.array(levels), fallen, np.ones((1, len(known))))
     median, beta = float(fit.median[0]), float(fit.beta[0])
@@ -144,57 +133,48 @@ def within_records(betas: Iterable[float | None]) -> float:
 def loss_of(
     state: Moved,
     base: Moved | None,
-    combinations: Sequence[Combination],
+    asked: Sequence[Asked],
     scans: Scans,
     beta: float,
-    fit: CampaignFragility,
-    fit_before: CampaignFragility | None,
+    fits: Mapping[Moved, CampaignFragility],
 ) -> CampaignLoss:
-    """Return the loss of capacity 1 − after/before of a movement, dynamic beside static.
+    """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic beside static.
 
     Scans give the median over records and signs of the losses of 50 % levels, at one time step; its range is that of
     the bootstrap over records, with what each level is known to (`beta`: of the levels of one record). Pairs with a
     value missing are counted in `left_out`. Stripes give the loss of the median, without a range.
     """
-    row = CampaignLoss(
+    own, before = ([each for each in asked if each.state is of] for of in (state, base))
+    loss = Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
+    if base is not None and own and own[0].reach.stripes:
+        loss = loss.replace(dynamic=reduction(fits[base].median_g, fits[state].median_g))
+    elif base is not None:
+        loss = paired_loss(list(zip(before, own, strict=True)), scans, beta)
+        if state is base:
+            loss = loss.replace(dynamic_range=[0.0, 0.0])
+    return CampaignLoss(
         settlement=state.settlement,
         share=state.share,
         movement_m=state.movement,
-        dynamic=None,
-        dynamic_range=[None, None],
-        distinguishable=None,
-        left_out=0,
         static=reduction(base.static, state.static) if base else None,
         static_capacity=state.static,
+        **{name: getattr(loss, name) for name in Loss.model_fields},
     )
-    if base is None:
-        return row
-    own = [each for each in combinations if each.moved is state]
-    if own and own[0].asked.reach.stripes:
-        return row.replace(dynamic=reduction(fit_before.median_g if fit_before else None, fit.median_g))
-    before = {(each.record, each.asked.sign): each.asked for each in combinations if each.moved is base}
-    pairs = [(each.record, before[each.record, each.asked.sign], each.asked) for each in own]
-    lost = paired_loss(pairs, scans, beta)
-    if state is base:
-        lost = lost.replace(dynamic_range=[0.0, 0.0], distinguishable=None)
-    return row.replace(**{name: getattr(lost, name) for name in Loss.model_fields})
 
 
-def paired_loss(pairs: Sequence[tuple[str, Asked, Asked]], scans: Scans, beta: float) -> Loss:
-    """Return the median loss of `pairs`: record, scan before, scan after, with its range; see loss_of."""
+def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans, beta: float) -> Loss:
+    """Return the median loss of `pairs`, before and after, with its range; see loss_of."""
     names, changes, errors = [], [], []
-    for record, *both in pairs:
+    for both in pairs:
         before, after = (observed_in(scan) for scan in scans.paired(*both))
         if before.middle is None or not (after.middle or after.safe):
             continue
-        names.append(record)
+        names.append(both[0].record)
         changes.append(math.log(after.middle / before.middle) if after.middle else math.inf)
         errors.append(math.hypot(before.known_to(beta), after.known_to(beta)))
-    row = Loss(
-        dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=len(pairs) - len(names)
-    )
+    left_out = len(pairs) - len(names)
     if not names:
-        return row
+        return Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=left_out)
     records = list(dict.fromkeys(names))
     weights = np.ones((1, len(names)), dtype=int)
     if len(records) >= ENOUGH:
@@ -205,10 +185,12 @@ def paired_loss(pairs: Sequence[tuple[str, Asked, Asked]], scans: Scans, beta: f
         float(np.median(np.repeat(values, weights[k % len(weights)]))) for k, values in enumerate(noise)
     ]
     low, high = (_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest"))
-    return row.replace(
+    unmoved = all(one is other for one, other in pairs)
+    return Loss(
         dynamic=_lost(float(np.median(changes))),
         dynamic_range=[low, high],
-        distinguishable=None if low is None or high is None else not low <= 0.0 <= high,
+        distinguishable=None if unmoved or low is None or high is None else not low <= 0.0 <= high,
+        left_out=left_out,
     )
 
 

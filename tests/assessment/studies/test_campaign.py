@@ -19,6 +19,7 @@ from assessment.analyses.dynamic.fragility import (
     fit_stripes,
     samples_of_records,
 )
+from assessment.analyses.dynamic import record_set
 from assessment.analyses.dynamic.record_set import Measures, Target, compatibility, scaled_to
 from assessment.analyses.dynamic.scan import Reach, Scan
 from assessment.ntc.demand.spectrum import ElasticSpectrum
@@ -33,10 +34,9 @@ from assessment.results.schema.dynamic import Level
 from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.progress import Show
-from assessment.studies.campaign import records
 from assessment.studies.campaign.scans import Asked, Scans
-from assessment.studies.campaign.stage import _open_ends, _steep
-from assessment.studies.campaign.summary import Combination, loss_of, standard_of
+from assessment.studies.campaign.stage import doubts
+from assessment.studies.campaign.summary import loss_of, standard_of
 from assessment.workflow.stages import run as workflow
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
@@ -218,10 +218,10 @@ def test_a_median_beyond_all_numbers_is_none():
 
 
 def test_stripes_without_dispersion_are_warned_of():
-    found = made(CampaignFragility, {"median_g": 0.4, "beta": 0.0})
-    [warning] = _steep(found)
+    told = {"combinations": 2, "failed": 0, "withstood": 0}
+    [warning] = doubts(made(CampaignFragility, told | {"median_g": 0.4, "beta": 0.0}), True)
     assert "a median acceleration of 0.4 g" in warning and "dispersione" in in_italian(warning)
-    assert not _steep(made(CampaignFragility, {"median_g": None, "beta": None}))
+    assert not list(doubts(made(CampaignFragility, told | {"median_g": 0.4, "beta": 0.2}), True))
 
 
 def test_the_bootstrap_keeps_the_signs_of_a_record_together_and_is_the_same_at_every_run():
@@ -245,11 +245,11 @@ def test_the_bootstrap_covers_the_median_as_often_as_it_says():
 
 def test_lower_bounds_and_a_missing_median_are_warned_of():
     stand = {"combinations": 2, "failed": 0, "withstood": 2, "median_g": None}
-    [bounds, none] = _open_ends(made(CampaignFragility, stand))
+    [bounds, none] = doubts(made(CampaignFragility, stand), False)
     assert "2 of 2 combinations do not collapse" in bounds and "no median of collapse" in none
-    [bounds] = _open_ends(made(CampaignFragility, stand | {"combinations": 3, "median_g": 0.5}))
+    [bounds] = doubts(made(CampaignFragility, stand | {"combinations": 3, "median_g": 0.5}), False)
     assert "2 of 3 combinations" in bounds
-    assert not _open_ends(made(CampaignFragility, stand | {"withstood": 0, "median_g": 0.5}))
+    assert not list(doubts(made(CampaignFragility, stand | {"withstood": 0, "median_g": 0.5}), False))
     for warning in (bounds, none):
         assert "combinazioni" in in_italian(warning) or "mediana" in in_italian(warning)
 
@@ -279,17 +279,16 @@ class Levels:
                                                    static=0.5 - 0.1 * share) for share in (0.0, 1.0))  # fmt: skip
         for state, levels in ((self.before, before), (self.after, after)):
             for record, level in levels.items():
-                shaking = SimpleNamespace(start=None)
-                asked = Asked("", shaking, 1, 1, Reach(5.0))
+                shaking = SimpleNamespace(start=None, motion=SimpleNamespace(name=record))
+                asked = Asked(shaking, 1, 1, Reach(5.0), state=state)
                 asked.__dict__["key"] = f"{record} {state.share}"
-                self.combinations.append(Combination(state, record, 1.0, asked))
+                self.combinations.append(asked)
                 runs = [(0.9, False)] if level is None else [(0.998 * level, False), (1.002 * level, True)]
                 points = [made(Level, {"pga_g": pga, "collapsed": fell}) for pga, fell in runs]
                 self.scans.found[asked.key] = {0: Scan(points)}
 
     def loss(self, beta=0.0):
-        fit = made(CampaignFragility)
-        return loss_of(self.after, self.before, self.combinations, self.scans, beta, fit, fit)
+        return loss_of(self.after, self.before, self.combinations, self.scans, beta, {})
 
 
 def test_losses_are_those_of_each_record_by_itself():
@@ -569,7 +568,7 @@ def made_record(spectrum, seed) -> Record:
 
 
 def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
-    monkeypatch.setattr(records, "made_record", made_record)
+    monkeypatch.setattr(record_set, "made_record", made_record)
     edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
     edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
     assert run(block, "--only", "campaign", "--jobs", "1") == 0
@@ -629,7 +628,7 @@ def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
 def test_the_time_step_is_halved_as_often_as_the_mean_of_the_levels_needs(levels, halvings):
     scans, asked = Scans(SimpleNamespace(accuracy="standard"), None), []
     for k, by_step in enumerate(levels):
-        asked.append(Asked("", None, 1, 1, Reach(5.0)))
+        asked.append(Asked(SimpleNamespace(start=None), 1, 1, Reach(5.0)))
         asked[-1].__dict__["key"] = str(k)
         scans.found[str(k)] = {
             n: Scan([made(Level, {"pga_g": level or 0.9, "collapsed": level is not None})])
