@@ -12,6 +12,7 @@ from scipy.optimize import minimize
 from scipy.special import ndtr
 from scipy.stats import CensoredData, norm
 
+from assessment.analyses.dynamic import record_set
 from assessment.analyses.dynamic.fragility import (
     RecordLevel,
     confidence,
@@ -19,7 +20,6 @@ from assessment.analyses.dynamic.fragility import (
     fit_stripes,
     samples_of_records,
 )
-from assessment.analyses.dynamic import record_set
 from assessment.analyses.dynamic.record_set import Measures, Target, compatibility, scaled_to
 from assessment.analyses.dynamic.scan import Reach, Scan
 from assessment.ntc.demand.spectrum import ElasticSpectrum
