@@ -22,7 +22,7 @@ LINES = {
     "assessment/report": 8373,
     "assessment/results": 3962,
     "assessment/runtime": 1913,
-    "assessment/studies": 2740,
+    "assessment/studies": 2807,
     "assessment/workflow": 1252,
     "mechanics": 600,
     "mechanics/kernels": 3550,

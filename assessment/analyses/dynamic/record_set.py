@@ -10,20 +10,17 @@ import numpy as np
 
 from assessment.analyses.dynamic.fragility import RecordLevel, over_records
 from assessment.ntc.limit_states import QUOTED
-from assessment.project.motions import motion_of
-from assessment.results.schema.campaign import CampaignRecord, CampaignSpectrum
+from assessment.results.schema.campaign import CampaignSpectrum
 from assessment.results.schema.dynamic import MeasureFit
 from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
-    from assessment.analyses.checks.demand import Demands
     from assessment.ntc.demand.spectrum import Spectrum
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
-    from assessment.runtime.tasks import Workers
 
 DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k]
 DAMPING = 0.05  # of spectra and of Sa(T)
@@ -31,54 +28,6 @@ LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mea
 PERIODS = 60  # at which spectra are compared
 PERIOD, FIRST, LAST = 1.0, 0.15, 2.0  # s: of Sa(T) and AvgSa where the project names none
 UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
-
-
-@dataclass(frozen=True, eq=False)
-class RecordSet:
-    """The motions of a campaign; `ratios`: intensity measure of each motion over its PGA.
-
-    `spectrum`: mean spectrum and target, None if no record is made or scaled to a target.
-    """
-
-    motions: Sequence[BaseMotion]
-    ratios: Sequence[float]
-    spectrum: CampaignSpectrum | None
-
-    def rows(self, table: CampaignTable) -> list[CampaignRecord]:
-        """Return a row of results for each motion."""
-        return [
-            CampaignRecord(
-                record=motion.name,
-                record_pga_g=motion.pga,
-                scale=motion.scale,
-                duration_s=motion.record.duration,
-                time_step_s=motion.record.time_step,
-                **({"sa_g": ratio * motion.pga} if table.period_s else {}),
-            )
-            for motion, ratio in zip(self.motions, self.ratios, strict=True)
-        ]
-
-
-def record_set(
-    project: Project, table: CampaignTable, motions: Sequence[BaseMotion], demands: Demands, workers: Workers
-) -> RecordSet:
-    """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for.
-
-    Raises KilledError where a process was ended from outside.
-    """
-    found, spectrum = list(motions), None
-    if table.generated or table.spectrum_compatible:
-        target = Target.of(demands.spectra)
-        if table.generated:
-            seeds = range(1, table.generated + 1)
-            tasks, titles = [(target.spectrum, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
-            made = workers.each("campaign: records", made_record, tasks, titles, table.generated > 1)
-            found = [motion_of(project, "campaign", table, record) for record in made]
-        if table.spectrum_compatible:
-            found = scaled_to(target, found, table)
-        spectrum = compatibility(target, found, table)
-    ratios = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in found]
-    return RecordSet(found, ratios, spectrum)
 
 
 @dataclass(frozen=True)

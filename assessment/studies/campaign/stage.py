@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from assessment.analyses.dynamic.fragility import ENOUGH
-from assessment.analyses.dynamic.record_set import HIGH, LOW, Measures, RecordSet, record_set
+from assessment.analyses.dynamic.record_set import (
+    HIGH,
+    LOW,
+    Measures,
+    Target,
+    compatibility,
+    made_record,
+    ordinate,
+    scaled_to,
+)
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.scan import Reach
 from assessment.analyses.dynamic.time_history import Shaking
+from assessment.project.motions import motion_of
 from assessment.project.schema import ORIGINAL
-from assessment.results.schema.campaign import Campaign, CampaignCombination, CampaignFragility, SameAs
+from assessment.results.schema.campaign import (
+    Campaign,
+    CampaignCombination,
+    CampaignFragility,
+    CampaignRecord,
+    CampaignSpectrum,
+    SameAs,
+)
 from assessment.studies.campaign.movements import Moved, moved_states, moved_title
 from assessment.studies.campaign.scans import (
     Asked,
@@ -33,6 +51,55 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
     from assessment.project.structure.state_models import StateModel
+    from assessment.runtime.tasks import Workers
+
+
+@dataclass(frozen=True, eq=False)
+class RecordSet:
+    """The motions of a campaign; `ratios`: intensity measure of each motion over its PGA.
+
+    `spectrum`: mean spectrum and target, None if no record is made or scaled to a target.
+    """
+
+    motions: Sequence[BaseMotion]
+    ratios: Sequence[float]
+    spectrum: CampaignSpectrum | None
+
+    def rows(self, table: CampaignTable) -> list[CampaignRecord]:
+        """Return a row of results for each motion."""
+        return [
+            CampaignRecord(
+                record=motion.name,
+                record_pga_g=motion.pga,
+                scale=motion.scale,
+                duration_s=motion.record.duration,
+                time_step_s=motion.record.time_step,
+                **({"sa_g": ratio * motion.pga} if table.period_s else {}),
+            )
+            for motion, ratio in zip(self.motions, self.ratios, strict=True)
+        ]
+
+
+def record_set(
+    project: Project, table: CampaignTable, motions: Sequence[BaseMotion], demands: Demands, workers: Workers
+) -> RecordSet:
+    """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for.
+
+    Raises KilledError where a process was ended from outside.
+    """
+    found, spectrum = list(motions), None
+    if table.generated or table.spectrum_compatible:
+        target = Target.of(demands.spectra)
+        if table.generated:
+            seeds = range(1, table.generated + 1)
+            tasks, titles = [(target.spectrum, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
+            made = workers.each("campaign: records", made_record, tasks, titles, table.generated > 1)
+            found = [motion_of(project, "campaign", table, record) for record in made]
+        if table.spectrum_compatible:
+            found = scaled_to(target, found, table)
+        spectrum = compatibility(target, found, table)
+    ratios = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in found]
+    return RecordSet(found, ratios, spectrum)
 
 
 def campaign(

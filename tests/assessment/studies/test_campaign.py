@@ -12,7 +12,6 @@ from scipy.optimize import minimize
 from scipy.special import ndtr
 from scipy.stats import CensoredData, norm
 
-from assessment.analyses.dynamic import record_set
 from assessment.analyses.dynamic.fragility import (
     RecordLevel,
     confidence,
@@ -34,6 +33,7 @@ from assessment.results.schema.dynamic import Level
 from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.progress import Show
+from assessment.studies.campaign import stage
 from assessment.studies.campaign.scans import Asked, Scans
 from assessment.studies.campaign.stage import doubts
 from assessment.studies.campaign.summary import loss_of, standard_of
@@ -568,7 +568,7 @@ def made_record(spectrum, seed) -> Record:
 
 
 def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
-    monkeypatch.setattr(record_set, "made_record", made_record)
+    monkeypatch.setattr(stage, "made_record", made_record)
     edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
     edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
     assert run(block, "--only", "campaign", "--jobs", "1") == 0
