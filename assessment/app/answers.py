@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from assessment.app.editing import History
-from assessment.app.runs import Runs
 from assessment.app.session import Session, file_name, plain
 from assessment.project.formats.convert import TOML, XLSX
 from assessment.project.formats.convert import convert as to_other_format
@@ -62,7 +61,7 @@ def live(session: Session, sent: Sent) -> dict[str, Any]:
     return dict(
         session.worker.ask(
             "live",
-            folder=session.project,
+            folder=session.folder,
             tag=_given(sent, "tag", str),
             support=_given(sent, "support", str),
             target=target,
@@ -74,7 +73,7 @@ def live(session: Session, sent: Sent) -> dict[str, Any]:
 
 def record(session: Session, sent: Sent) -> dict[str, Any]:
     """Return a(t) and Sa(T) of a record of the project."""
-    path, step = inside(session.project, _given(sent, "name", str)), sent.get("time_step")
+    path, step = inside(session.folder, _given(sent, "name", str)), sent.get("time_step")
     return session.look("record", path, time_step=step if isinstance(step, float | int) else None)
 
 
@@ -84,22 +83,23 @@ def run(session: Session, sent: Sent) -> None:
     if only is not None and not (isinstance(only, list) and only and set(only) <= set(STAGES)):
         raise ProjectError(f"only: must be some of {', '.join(STAGES)}")
     options = ["--fresh"] if sent.get("fresh") else []
-    _runs(session).start("run", *options, *(["--only", ",".join(only)] if only else []))
+    session.project.runs.start("run", *options, *(["--only", ",".join(only)] if only else []))
 
 
 def judgement(session: Session, sent: Sent) -> dict[str, Any]:
     """Return the engineer's judgement; a `text` is written first. Raises ProjectError for one that is too long."""
-    path = session.project / "output" / "judgement.md"
+    path = session.folder / "output" / "judgement.md"
     if (text := sent.get("text")) is not None:
         if not isinstance(text, str) or len(text) > 500_000:
             raise ProjectError("text: must be a text of 500000 letters at most")
-        write_atomically(path, text.encode())
+        with session.lock:
+            write_atomically(path, text.encode())
     return {"text": session.worker.ask("judgement", path=path) if path.is_file() else ""}
 
 
 def convert(session: Session, _: Sent) -> dict[str, Any]:
     """Turn project.xlsx, which the page only reads, into project.toml. Raises ProjectError where there is none."""
-    project = survey_project(session.project)[0]
+    project = survey_project(session.folder)[0]
     if project.source != XLSX:
         raise ProjectError(f"{project.source}: is what the page writes; nothing to convert")
     kept = to_other_format(project.path(project.source), project.content(defaults=False))[1]
@@ -108,9 +108,7 @@ def convert(session: Session, _: Sent) -> dict[str, Any]:
 
 def open_folder(session: Session, sent: Sent) -> None:
     """Show the project of another folder, or with `folder` null none."""
-    folder = None if sent.get("folder") is None else session.home / _given(sent, "folder", str)
-    with session.lock:
-        session.open(folder)
+    session.open(None if sent.get("folder") is None else session.home / _given(sent, "folder", str))
 
 
 def new(session: Session, sent: Sent) -> None:
@@ -127,28 +125,27 @@ def new(session: Session, sent: Sent) -> None:
         session.worker.ask("example", folder=folder, name=_given(sent, "example", str))
     else:
         drawing = session.dropped(_given(sent, "drawing", str))
-        keys = {key: sent.get(key) for key in ("title", "unit", "depth_m", "unit_weight_kN_m3")}
+        keys = {key: sent.get(key) for key in ("title", "unit", "depth_m", "unit_weight_kN_m3", "language")}
         session.worker.ask("begin", folder=folder, drawing=drawing, given=keys)
-    with session.lock:
-        session.open(folder)
+    session.open(folder)
 
 
 ANSWERS: Mapping[str, Callable[[Session, Sent], dict[str, Any] | None]] = {
     "state": lambda session, _: session.state(),
     "schema": schema,
-    "model": lambda session, _: session.worker.ask("model", folder=session.project),
+    "model": lambda session, _: session.worker.ask("model", folder=session.folder),
     "edit": edit,
     "undo": partial(step, -1),
     "redo": partial(step, 1),
     "live": live,
     "repair": lambda session, sent: session.worker.ask(
-        "repair", folder=session.project, apply=bool(sent.get("apply"))
+        "repair", folder=session.folder, apply=bool(sent.get("apply"))
     ),
     "record": record,
-    "spectrum": lambda session, _: session.worker.ask("spectrum", folder=session.project),
+    "spectrum": lambda session, _: session.worker.ask("spectrum", folder=session.folder),
     "run": run,
-    "stop": lambda session, _: _runs(session).stop(),
-    "report": lambda session, _: _runs(session).start("report"),
+    "stop": lambda session, _: session.project.runs.stop(),
+    "report": lambda session, _: session.project.runs.start("report"),
     "judgement": judgement,
     "convert": convert,
     "open": open_folder,
@@ -183,12 +180,6 @@ def _is_path(path: Any) -> bool:
 
 
 def _history(session: Session) -> History:
-    if session.history is None or not (session.project / TOML).is_file():
-        raise ProjectError(f"{session.project}: only {TOML} is written; convert the spreadsheet first")
-    return session.history
-
-
-def _runs(session: Session) -> Runs:
-    if session.runs is None:
-        raise ProjectError("no project is open")
-    return session.runs
+    if not (session.folder / TOML).is_file():
+        raise ProjectError(f"{session.folder}: only {TOML} is written; convert the spreadsheet first")
+    return session.project.history

@@ -7,7 +7,9 @@ import signal
 import socket
 import threading
 import webbrowser
-from contextlib import suppress
+from contextlib import closing, suppress
+from http import HTTPStatus
+from http.client import HTTPConnection, HTTPException
 from pathlib import Path
 
 import uvicorn
@@ -30,7 +32,7 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     or a port that is taken.
     """
     session = Session(Path.cwd(), folder)
-    place = session.folder / OWN / "at" if session.folder else None
+    place = session.folder / OWN / "at" if session.opened else None
     known = _running(place) if place else None
     listening = None if known else _listening(port)
     token = secrets.token_urlsafe(24)
@@ -56,7 +58,8 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
         session.close()
         if place:
             with suppress(OSError):
-                place.unlink()
+                if place.read_text(encoding="utf-8") == address:  # not that of a later one
+                    place.unlink()
 
 
 def _listening(port: int) -> socket.socket:
@@ -76,10 +79,12 @@ def _leave(place: Path, address: str) -> None:
 
 
 def _running(place: Path) -> str | None:
-    """Return the address of a server that shows the folder already."""
-    with suppress(OSError, ValueError):
+    """Return the address of a server that shows the folder already: one that lets its token in."""
+    with suppress(OSError, ValueError, HTTPException):
         address = place.read_text(encoding="utf-8").strip()
-        port = int(address.removeprefix(f"http://{HOST}:").partition("/")[0])
-        socket.create_connection((HOST, port), 0.5).close()
-        return address
+        port, _, path = address.removeprefix(f"http://{HOST}:").partition("/")
+        with closing(HTTPConnection(HOST, int(port), timeout=2.0)) as connection:
+            connection.request("GET", f"/{path}")
+            if connection.getresponse().status == HTTPStatus.OK:
+                return address
     return None

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -23,19 +23,40 @@ from assessment.project.schema.index import alternatives, annotation_at
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.atomic_files import write_atomically
 
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+
 OWN = ".assesto"  # folder beside project.toml: versions of it, where the page is, what was dropped
 VERSIONS = 200  # that are kept
+UNDRAWN = {
+    "title",
+    "report",
+    "pushover",
+    "history",
+    "incremental",
+    "campaign",
+    "sensitivity",
+}  # not in the picture
 Change = tuple[KeyPath, Any]
 """Where a value stands and what it becomes; None: it is deleted, an entry of a list with its place."""
 
 
 class ConflictError(Exception):
-    """The file is not the one that the change was made in."""
+    """The file is not the one that the change was made in, or the project not the one that was asked of."""
 
 
 def digest_of(content: bytes) -> str:
     """Return by which a page knows a version of the project file."""
     return hashlib.sha256(content).hexdigest()[:16]
+
+
+def drawing_tag(project: Project) -> str:
+    """Return by which a page knows a drawing with all that is drawn in it."""
+    content: dict[str, Any] = {key: value for key, value in project.content().items() if key not in UNDRAWN}
+    with suppress(OSError):
+        status = project.path(project.geometry.drawing).stat()
+        content["file"] = [status.st_mtime_ns, status.st_size]
+    return digest_of(json.dumps(content, sort_keys=True).encode())
 
 
 def edited(text: str, changes: Sequence[Change]) -> str:
@@ -160,10 +181,10 @@ class History:
 
     def _added(self, at: int, content: bytes) -> int:
         """Keep a version after another one, in the place of those that came after it; return its number."""
+        write_atomically(self._path(at + 1), content)  # first: on a full disk no other version goes
         for version in self._versions():
-            if version > at or version <= at + 1 - VERSIONS:
+            if version > at + 1 or version <= at + 1 - VERSIONS:
                 self._path(version).unlink()
-        write_atomically(self._path(at + 1), content)
         return at + 1
 
     def _go_to(self, number: int) -> bytes:

@@ -11,7 +11,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from assessment.analyses.checks.demand import demand_spectra
+from assessment.app.editing import drawing_tag
 from assessment.ntc.demand.hazard_grid import HazardError, read_grid, read_site_table
+from assessment.project.catalogue.from_drawing import proposal
+from assessment.project.catalogue.new_project import write_files
 from assessment.project.consistency import attachment_problems
 from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.comments import commented_toml
@@ -22,7 +25,6 @@ from assessment.project.structure.model import build_model, how_to_read
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
-from assessment.runtime.files.atomic_files import write_atomically
 from assessment.workflow.checking import checked
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError, Outline
@@ -35,21 +37,18 @@ if TYPE_CHECKING:
     from mechanics.types import Array
 
 SAMPLES = 2000  # of a record that are drawn
-METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
-NAMED = {"Millimeters": "mm", "Centimeters": "cm"}  # as DXF names them; of metres nothing is warned of
-LONGEST = 100.0  # m: of a structure in a drawing that names no unit
 PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150)])  # s
 
 
 def model_picture(folder: Path) -> dict[str, Any]:
     """Return what the drawing of a project is: its blocks and joints, or its outlines and faults; and warnings.
 
-    Lengths in m. `error`: why a run would refuse the project; `self_weight`: whether it stands, None where that is not
-    known. Raises ProjectError where the keys of the project file are wrong.
+    Lengths in m. `tag`: by which it is known what is drawn; `error`: why a run would refuse the project; `self_weight`:
+    whether it stands, None where that is not known. Raises ProjectError where the keys of the project file are wrong.
     """
     project, contradictions = survey_project(folder)
     found: dict[str, Any] = {"faults": [], "warnings": [], "joints": [], "repairable": False}
-    found |= {"error": None, "self_weight": None}
+    found |= {"error": None, "self_weight": None, "tag": drawing_tag(project)}
     try:
         model = build_model(project)
         found |= _blocks(model.assembly)
@@ -149,18 +148,25 @@ def _short(values: Array) -> list[Any]:
 
 
 def drawing_picture(path: Path) -> dict[str, Any]:
-    """Return the outlines of a DXF file by layer, its size and its unit.
+    """Return the outlines of a DXF file by layer, its size in drawing units, and what a project of it would be.
 
-    `size`: width and height in drawing units. `unit`: the one that the file names, or else the largest that makes it no
-    longer than LONGEST. Raises DrawingError for a file that cannot be read.
+    `unit`: the one that is proposed; `told`: the lines that tell of the proposal. Raises DrawingError for a file that
+    cannot be read.
     """
     found = survey_drawing(path, "m", Layer(Material(20.0), 1.0))
     points = np.concatenate([each.points for each in found.outlines] or [np.zeros((1, 2))])
-    size = np.ptp(points, axis=0)
-    named = [NAMED.get(str(warning.fields["own"])) for warning in found.warnings if "own" in warning.fields]
-    fitting = [unit for unit, metres in METRES.items() if metres * size.max() <= LONGEST]
-    unit = next(filter(None, named), None) or (fitting or ["mm"])[0]
-    return {"layers": Counter(each.layer for each in found.outlines), "size": size.tolist(), "unit": unit}
+    content, lines = _proposed(path, None)
+    layers = Counter(each.layer for each in found.outlines)
+    size, said = np.ptp(points, axis=0).tolist(), [told(text) for text in lines]
+    return {"layers": layers, "size": size, "unit": content["geometry"]["unit"], "told": said}
+
+
+def _proposed(drawing: Path, unit: str | None) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return what `assesto new --drawing` would make of a drawing; of one without a closed outline just itself."""
+    try:
+        return proposal(drawing, unit)
+    except FaultyDrawingError:  # the page shows what is wrong and mends it
+        return {"geometry": {"drawing": drawing.name, "unit": unit or "m"}, "material": {}}, ()
 
 
 def grid_picture(path: Path) -> dict[str, Any]:
@@ -181,20 +187,24 @@ def attachment_picture(path: Path) -> dict[str, Any]:
 
 
 def begin_project(folder: Path, drawing: Path, given: dict[str, Any]) -> None:
-    """Make a project of a drawing in a new folder.
+    """Make a project of a drawing in a new folder, with what is proposed for it.
 
-    `given`: title, unit, depth_m, unit_weight_kN_m3. Raises ProjectError where one is wrong, or the folder is there.
+    `given`: title, unit, depth_m, unit_weight_kN_m3, language. Raises ProjectError where one is wrong, or the folder is
+    there.
     """
-    if folder.exists():
-        raise ProjectError(f"{folder}: exists; write another name")
-    content = {
+    own = {
         "title": given["title"],
         "geometry": {"drawing": drawing.name, "unit": given["unit"], "depth_m": given["depth_m"]},
         "material": {"unit_weight_kN_m3": given["unit_weight_kN_m3"]},
+        "report": {"language": given["language"] or "it"},
     }
     try:
-        ProjectContent.model_validate(content)
+        ProjectContent.model_validate(own)
     except ValidationError as error:
-        raise project_error("project.toml", schema_problems(error, content), {}) from None
-    write_atomically(folder / drawing.name, drawing.read_bytes())
-    write_atomically(folder / "project.toml", commented_toml(content).encode())
+        raise project_error("project.toml", schema_problems(error, own), {}) from None
+    content, _ = _proposed(drawing, given["unit"])
+    content |= {
+        key: content.get(key, {}) | each if isinstance(each, dict) else each for key, each in own.items()
+    }
+    toml = commented_toml(content).encode()
+    write_files(folder, {drawing.name: drawing.read_bytes(), "project.toml": toml})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 import traceback
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from hmac import compare_digest
@@ -66,7 +67,9 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
     async def drop(request: Request) -> Response:
         name, kind = request.path_params["name"], request.query_params.get("kind", "")
         content = await _body(request, MOST_DROPPED)
-        return await run_in_threadpool(_answered, session, partial(session.receive, name, kind, content))
+        return await run_in_threadpool(
+            _answered, session, request, lambda held: held.receive(name, kind, content)
+        )
 
     routes = [
         Route("/", page, methods=["GET"]),
@@ -110,7 +113,7 @@ async def _question(session: Session, request: Request) -> Response:
         return _refused("no JSON", 422)
     if not isinstance(sent, dict):
         return _refused("a question is a JSON object", 422)
-    return await run_in_threadpool(_answered, session, partial(answer, session, sent))
+    return await run_in_threadpool(_answered, session, request, lambda held: answer(held, sent))
 
 
 def _refusal(request: Request, port: int, cookie: str, key: str) -> Response | None:
@@ -150,10 +153,12 @@ async def _too_large(_: Request, error: Exception) -> Response:
     return _refused(f"more than {error.args[0] // 1_000_000} MB; take what is needed of it", 413)
 
 
-def _answered(session: Session, ask: Any) -> Response:
+def _answered(
+    session: Session, request: Request, ask: Callable[[Session], dict[str, Any] | None]
+) -> Response:
     """Return an answer as JSON, or what is wrong; a bug is told with its number in the log."""
     try:
-        return JSONResponse({"ok": True} | (ask() or {}))
+        return JSONResponse({"ok": True} | (ask(session.held(request.headers.get("x-project"))) or {}))
     except ConflictError as conflict:
         return _refused(str(conflict), 409)
     except WorkerError as fault:
@@ -166,7 +171,7 @@ def _answered(session: Session, ask: Any) -> Response:
 
 def _bug(session: Session, text: str, detail: str) -> Response:
     number = secrets.token_hex(3)
-    if session.folder is not None and detail:
+    if session.opened is not None and detail:
         log = session.folder / OWN / "faults"
         with suppress(OSError):
             log.parent.mkdir(exist_ok=True)
@@ -178,9 +183,10 @@ def _bug(session: Session, text: str, detail: str) -> Response:
 def _file(session: Session, request: Request) -> Response:
     """Return a file of the output or of the project, in a frame of its own origin; 404 for everything else."""
     try:
-        places = {"output": session.project / "output", "files": session.project}
+        folder = session.held(request.query_params.get("project")).folder
+        places = {"output": folder / "output", "files": folder}
         path = inside(places[request.path_params["place"]], request.path_params["name"])
-    except (KeyError, ProjectError):
+    except (KeyError, ProjectError, ConflictError):
         return _refused("no such file", 404)
     if path.suffix.lower() not in SHOWN:
         return _refused("no such file", 404)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 import os
@@ -11,11 +12,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from assessment.app.editing import OWN, History, digest_of
+from assessment.app.editing import OWN, ConflictError, History, digest_of, drawing_tag
 from assessment.app.runs import Runs
 from assessment.app.worker import Worker
 from assessment.project.formats.convert import SOURCES, TOML
-from assessment.project.project import Project, survey_project
+from assessment.project.project import survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files.atomic_files import write_atomically
 
@@ -26,68 +27,34 @@ PLACES = {  # of a dropped file: suffixes, and the folder that it is put into
     "picture": ((".png", ".jpg", ".jpeg"), ""),
 }
 REPORTS = ("report.html", "report.pdf", "report.docx")
-UNDRAWN = (
-    "title",
-    "report",
-    "pushover",
-    "history",
-    "incremental",
-    "campaign",
-    "sensitivity",
-)  # not in the picture
 
 
-class Session:
-    """The project folder that is open, or none; `home`: where new ones are made."""
+class Opened:
+    """A project folder that is open: its file and versions, its runs and results."""
 
-    def __init__(self, home: Path, folder: Path | None) -> None:
-        self.home, self.lock, self.worker = home, threading.RLock(), Worker()
-        self.staging = tempfile.TemporaryDirectory(prefix="assesto-", ignore_cleanup_errors=True)
-        self.open(folder)
-
-    def open(self, folder: Path | None) -> None:
-        """Show another project, or none. Raises ProjectError where there is none in the folder."""
-        if folder is not None:
-            folder = folder.absolute().parent if folder.name in SOURCES else folder.absolute()
-            if not any((folder / name).is_file() for name in SOURCES):
-                survey_project(folder)  # raises, and says why
-        self.folder = folder
-        self.runs = Runs(folder) if folder else None
-        self.history = History(folder) if folder else None
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.runs, self.history = folder, Runs(folder), History(folder)
+        self.tag = digest_of(str(folder).encode())  # by which the page knows which project it shows
         self._known: tuple[Any, dict[str, Any]] = (None, {})
         self._stored: tuple[int, dict[str, Any]] = (0, {})
 
-    @property
-    def project(self) -> Path:
-        """The folder of the project. Raises ProjectError where none is open."""
-        if self.folder is None:
-            raise ProjectError("no project is open; open a folder, or make a new project")
-        return self.folder
-
     def state(self) -> dict[str, Any]:
-        """Return what the page shows beside the drawing: content and problems of the file, the run, the results."""
-        if self.folder is None or self.runs is None or self.history is None:
-            found = sorted(path.parent.name for name in SOURCES for path in self.home.glob(f"*/{name}"))
-            return {"folder": None, "home": str(self.home), "projects": found}
-        with self.lock:
-            stamp = self._stamp()
-            if self._known[0] != stamp:
-                self._known = (stamp, self._read())
-            undo, redo = self.history.steps()
-            results = self._results(self._known[1]["inputs"])
+        """Return content and problems of the file, the run, the results."""
+        stamp = self._stamp()
+        if self._known[0] != stamp:
+            self._known = (stamp, self._read())
+        undo, redo = self.history.steps()
+        results = self._results(self._known[1]["inputs"])
         return self._known[1] | {"undo": undo, "redo": redo, "run": self.runs.state(), "results": results}
 
     def _read(self) -> dict[str, Any]:
-        """Return content and problems of the project file as it is now.
-
-        `tag`: by which the drawing is known with all that is drawn in it; `inputs`: digests of the files of a run.
-        """
-        source = next((name for name in SOURCES if (self.project / name).is_file()), TOML)
+        """Return content and problems of the project file as it is now; `inputs`: digests of the files of a run."""
+        source = next((name for name in SOURCES if (self.folder / name).is_file()), TOML)
         found = dict.fromkeys(("content", "error", "tag", "inputs", "digest"))
-        found |= {"folder": str(self.project), "source": source, "problems": []}
+        found |= {"folder": str(self.folder), "project": self.tag, "source": source, "problems": []}
         try:
-            found["digest"] = digest_of((self.project / source).read_bytes())
-            project, contradictions = survey_project(self.project)
+            found["digest"] = digest_of((self.folder / source).read_bytes())
+            project, contradictions = survey_project(self.folder)
         except (ProjectError, OSError) as error:
             return found | {"error": error_text(error)}
         with suppress(OSError, ValueError):
@@ -96,19 +63,12 @@ class Session:
             "content": plain(project.content(defaults=False)),
             "language": project.report.language,
             "problems": str(contradictions).split("\n") if contradictions else [],
-            "tag": self._tag(project),
+            "tag": drawing_tag(project),
         }
-
-    def _tag(self, project: Project) -> str:
-        content = {key: value for key, value in project.content().items() if key not in UNDRAWN}
-        with suppress(OSError):
-            status = project.path(project.geometry.drawing).stat()
-            content["file"] = [status.st_mtime_ns, status.st_size]
-        return digest_of(json.dumps(plain(content), sort_keys=True).encode())
 
     def _results(self, inputs: dict[str, str] | None) -> dict[str, Any] | None:
         """Return the summary of the last results and whether a file has changed since; None: there are none."""
-        output = self.project / "output"
+        output = self.folder / "output"
         try:
             stamp = (output / "results.json").stat().st_mtime_ns
             if self._stored[0] != stamp:
@@ -122,15 +82,65 @@ class Session:
 
     def _stamp(self) -> list[tuple[Any, ...]]:
         """Return what changes when a file of the project does: names, times and sizes, the output left out."""
-        found = []
-        for top in (
-            self.project,
-            *(path for path in self.project.iterdir() if path.name not in ("output", OWN)),
-        ):
+        inputs = [self.folder / name for name in self._known[1].get("inputs") or ()]  # some may lie elsewhere
+        folders = [
+            path for path in self.folder.iterdir() if path.is_dir() and path.name not in ("output", OWN)
+        ]
+        found = set()
+        for path in (*inputs, *(path for top in (self.folder, *folders) for path in top.iterdir())):
             with suppress(OSError):
-                entries = [(entry.path, entry.is_dir(), entry.stat()) for entry in os.scandir(top)]
-                found += [(path, at.st_mtime_ns, at.st_size) for path, folder, at in entries if not folder]
+                found.add((str(path), (at := path.stat()).st_mtime_ns, at.st_size))
         return sorted(found)
+
+
+class Session:
+    """What the server has: the project that is open, or none, and the worker; `home`: where new projects are made."""
+
+    def __init__(self, home: Path, folder: Path | None) -> None:
+        self.home, self.lock, self.worker, self.root = home, threading.RLock(), Worker(), self
+        self.receiving = threading.Lock()
+        self.opened: Opened | None = None
+        self.staging = tempfile.TemporaryDirectory(prefix="assesto-", ignore_cleanup_errors=True)
+        self.open(folder)
+
+    def open(self, folder: Path | None) -> None:
+        """Show another project, or none. Raises ProjectError where there is none in the folder."""
+        if folder is not None:
+            folder = folder.absolute().parent if folder.name in SOURCES else folder.absolute()
+            if not any((folder / name).is_file() for name in SOURCES):
+                survey_project(folder)  # raises, and says why
+        self.root.opened = Opened(folder) if folder else None
+
+    def held(self, tag: str | None) -> Session:
+        """Return the session with its project held fast, whatever is opened meanwhile.
+
+        `tag`: of the project that the page shows, "" where it shows none, None where any will do. Raises ConflictError
+        where another one is open by now.
+        """
+        found = copy.copy(self.root)
+        if tag is not None and tag != (found.opened.tag if found.opened else ""):
+            raise ConflictError("another project was opened meanwhile; nothing was done")
+        return found
+
+    @property
+    def project(self) -> Opened:
+        """The project. Raises ProjectError where none is open."""
+        if self.opened is None:
+            raise ProjectError("no project is open; open a folder, or make a new project")
+        return self.opened
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the project. Raises ProjectError where none is open."""
+        return self.project.folder
+
+    def state(self) -> dict[str, Any]:
+        """Return what the page shows beside the drawing; without a project those that are there."""
+        if self.opened is None:
+            found = sorted(path.parent.name for name in SOURCES for path in self.home.glob(f"*/{name}"))
+            return {"folder": None, "home": str(self.home), "projects": found}
+        with self.lock:
+            return self.opened.state()
 
     def receive(self, name: str, kind: str, content: bytes) -> dict[str, Any]:
         """Keep a dropped file in the project, once it can be read as what it should be; return its picture and name.
@@ -145,22 +155,23 @@ class Session:
             raise ProjectError(
                 f"{name}: must end in {' or '.join(suffixes)}; drop another file, or export it as one"
             )
-        if self.folder is None:
-            write_atomically(self.dropped(name), content)
-            return self.look(kind, self.dropped(name)) | {"name": name}
-        path, number = self.folder / place / name, 1
-        while path.exists() and path.read_bytes() != content:
-            number += 1
-            path = path.with_name(f"{Path(name).stem}-{number}{Path(name).suffix}")
-        trial = self.folder / OWN / "dropped" / path.name
-        try:
-            write_atomically(trial, content)
-            picture = self.look(kind, trial)
-            path.parent.mkdir(exist_ok=True)
-            trial.replace(path)
-        finally:
-            trial.unlink(missing_ok=True)
-        return picture | {"name": path.relative_to(self.folder).as_posix()}
+        with self.receiving:  # two pages may drop files of one name
+            if self.opened is None:
+                write_atomically(self.dropped(name), content)
+                return self.look(kind, self.dropped(name)) | {"name": name}
+            path, number = self.folder / place / name, 1
+            while path.exists() and path.read_bytes() != content:
+                number += 1
+                path = path.with_name(f"{Path(name).stem}-{number}{Path(name).suffix}")
+            trial = self.folder / OWN / "dropped" / path.name
+            try:
+                write_atomically(trial, content)
+                picture = self.look(kind, trial)
+                path.parent.mkdir(exist_ok=True)
+                trial.replace(path)
+            finally:
+                trial.unlink(missing_ok=True)
+            return picture | {"name": path.relative_to(self.folder).as_posix()}
 
     def dropped(self, name: str) -> Path:
         """Return the place of a drawing that is dropped without a project. Raises ProjectError as `file_name`."""

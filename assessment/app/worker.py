@@ -123,7 +123,7 @@ class Live:
 
     def __init__(self) -> None:
         self.key: tuple[str, str] | None = None
-        self.model: ProjectModel | None = None
+        self.built: tuple[str, ProjectModel] | None = None
         self.follow: Following | None = None
 
     def answer(
@@ -160,16 +160,19 @@ class Live:
 
     def _begun(self, folder: Path, tag: str, support: str, whole: bool) -> Following:
         """Return the structure as drawn, with the ties that are there as the support moves."""
+        from assessment.app.editing import drawing_tag
         from assessment.project.project import survey_project
         from assessment.project.schema import ORIGINAL
         from assessment.project.structure.model import build_model
         from mechanics import Following
 
         project = survey_project(folder)[0]
-        if self.model is None or self.key is None or self.key[0] != tag:
-            self.model = build_model(project)
+        if drawing_tag(project) != tag:
+            raise ProjectError("the project has changed meanwhile; move the support again")
+        if self.built is None or self.built[0] != tag:
+            self.built = (tag, build_model(project))
         own = next((each for each in project.settlements if each.support == support and not each.after), None)
-        model = self.model.states[own.name if own else ORIGINAL].settling
+        model = self.built[1].states[own.name if own else ORIGINAL].settling
         step = max(own.increment_m if own else 1e-3, 0.0 if whole else model.size / 50.0)
         return Following(model, support, sliding=project.contacts.sliding, increment=step)
 

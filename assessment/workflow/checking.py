@@ -1,27 +1,56 @@
-"""What a project holds, read and validated without any analysis beyond self-weight: for `assesto check` and the app."""
+"""What a run reads before anything is analysed: model, records, demand; for `assesto check` and the app its verdict."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
 from assessment.analyses.static.lateral import with_control
 from assessment.analyses.static.paths import pressed_in, stand
+from assessment.project.motions import (
+    BaseMotion,
+    campaign_motions,
+    history_motions,
+    incremental_motions,
+    records_of,
+)
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project
+from assessment.project.record_set import check_record_set, doubtful_records, doubtful_units
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.model import ProjectModel, build_model
 from assessment.results.schema import Results
 from assessment.workflow.description import describe
-from assessment.workflow.motions import Motions, read_motions
+from mechanics.messages import Message
+from mechanics.records import Record
+
+
+@dataclass(frozen=True)
+class Motions:
+    """The base motions of [[history]], [incremental] and the files of [campaign]; `records`: every file, as it is."""
+
+    history: list[BaseMotion]
+    incremental: list[BaseMotion]
+    campaign: list[BaseMotion]
+    records: list[Record]
+
+    @property
+    def notes(self) -> list[Message]:
+        """What the user should know about the records."""
+        every = (*self.history, *self.incremental, *self.campaign)
+        told = {motion.name for motion in self.campaign}
+        others = [record for record in self.records if record.name not in told]
+        notes = (note for motion in every for note in motion.notes)
+        return [*notes, *doubtful_records(self.campaign), *doubtful_units(others)]
 
 
 @dataclass(frozen=True, eq=False)
 class Checked:
     """A project that a run would accept: its model, records and demand, and the results before any analysis.
 
-    `results.model.self_weight_stable`: whether the structure as drawn stands; `warnings`: everything to be told.
+    `results.model.self_weight_stable`: whether the structure as drawn stands; `notes`: what is to be told of the files;
+    `warnings`: of all that was checked.
     """
 
     project: Project
@@ -29,31 +58,41 @@ class Checked:
     motions: Motions
     demands: Demands
     results: Results
-    warnings: tuple[str, ...]
+    notes: tuple[Message, ...]
+    warnings: tuple[str, ...] = ()
+
+
+def read_motions(project: Project) -> Motions:
+    """Read every record that the project names. Raises ProjectError or ValueError naming file, line or key."""
+    found = Motions(
+        history_motions(project), incremental_motions(project), campaign_motions(project), records_of(project)
+    )
+    check_record_set(project, found.campaign)
+    return found
+
+
+def read_inputs(project: Project, model: ProjectModel) -> Checked:
+    """Read every file that a run reads, and choose the control points; self-weight is not looked at.
+
+    Raises ProjectError, RecordError or ValueError naming file and key, OSError for a file that cannot be read.
+    """
+    project, chosen = with_control(project, model.assembly)
+    motions = read_motions(project)
+    demands = demand_spectra(project, motions.history) if project.assessment else Demands()
+    notes = (*chosen, *motions.notes, *implausible_hazard(project, demands.spectra))
+    return Checked(project, model, motions, demands, describe(project, model), notes)
 
 
 def checked(project: Project, model: ProjectModel | None = None) -> Checked:
     """Read every file that a run of the project reads, and refuse what it would refuse.
 
-    `model`: that of the project where it is built already.
-
-    Raises FaultyDrawingError with all faults of a drawing that is no assembly, ProjectError, DrawingError, RecordError
-    or ValueError naming file and key for everything else, OSError for a file that cannot be read.
+    `model`: that of the project where it is built already. Raises as `read_inputs`, and FaultyDrawingError with all
+    faults of a drawing that is no assembly.
     """
-    model = model or build_model(project)
-    followed, chosen = with_control(project, model.assembly)
-    results, motions = describe(followed, model), read_motions(project)
-    demands = demand_spectra(project, motions.history) if project.assessment else Demands()
-    warnings: list[str] = [
-        *results.model.warnings,
-        *chosen,
-        *motions.notes,
-        *implausible_hazard(project, demands.spectra),
-        *refused_as_drawn(project, model.states[ORIGINAL]),
-    ]
+    found = read_inputs(project, model := model or build_model(project))
+    results, refused = found.results, refused_as_drawn(project, model.states[ORIGINAL])
     if unstable := stand(model.assembly):
         results = results.replace(model=results.model.replace(self_weight_stable=False))
-        warnings.append(unstable)
-    else:
-        warnings += pressed_in(model.assembly)
-    return Checked(project, model, motions, demands, results, tuple(warnings))
+    more = [unstable] if unstable else pressed_in(model.assembly)
+    warnings = (*results.model.warnings, *found.notes, *refused, *more)
+    return replace(found, project=project, results=results, warnings=warnings)

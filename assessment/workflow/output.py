@@ -140,22 +140,33 @@ def write(
 ) -> list[str]:
     """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
 
-    A judgement.md that was edited is kept and printed. Return warnings (a PDF that could not be made). `jobs`:
-    processes, 0: one per core; `attachments`: pictures that end the report; `tell`: is given the share that is made,
-    about. Raises KilledError if one of them was ended from outside, OSError that names a file; the folder is then
-    unchanged.
+    A judgement.md that was edited is kept and printed; one that is written meanwhile is kept. Return warnings (a PDF
+    that could not be made). `jobs`: processes, 0: one per core; `attachments`: pictures that end the report;
+    `tell`: is given the share that is made, about. Raises KilledError if one of them was ended from outside, OSError
+    that names a file; the folder is then unchanged.
     """
+    from assessment.report.chapters.judgement_file import NAME
+    from mechanics.messages import message
+
     folder.mkdir(parents=True, exist_ok=True)
+    opinion = folder / NAME
+    before = opinion.read_bytes() if opinion.is_file() else b""
     gone = _files(folder) if (folder / "results.json").exists() else []
     with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
         try:
             warnings = _make(results, folder, new, report, jobs, attachments, tell)
+            if opinion.is_file() and (now := opinion.read_bytes()) != before:
+                write_atomically(new / NAME, now)
+                warnings.append(message("judgement.md was changed while the report was made: print it again"))
             put_in_place(new, folder, _files(new), gone)
         except KilledError as error:
             raise KilledError(f"{'report' if report else 'figures and tables'}: {error}") from None
         except OSError as error:
-            raise OSError(error.errno, error.strerror, _at_home(error.filename, new, folder)) from error
+            name = error.filename
+            if name and Path(name).is_relative_to(new):  # told where the user will look for it
+                name = str(folder / Path(name).relative_to(new))
+            raise OSError(error.errno, error.strerror, name) from error
     return warnings
 
 
@@ -204,8 +215,3 @@ def _make(
         write_atomically(new / "results.json", as_bytes(results))
         done = [result_of(work) for work in begun]
     return [*opinion.warnings, *(done[0] if report else [])]
-
-
-def _at_home(name: Any, new: Path, folder: Path) -> Any:
-    """Return the final path of a file that was written in the scratch folder."""
-    return str(folder / Path(name).relative_to(new)) if name and Path(name).is_relative_to(new) else name

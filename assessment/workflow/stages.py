@@ -10,7 +10,7 @@ import numpy as np
 
 from assessment.analyses.checks.capacity import Assessed, assess
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
-from assessment.analyses.checks.demand import Demands, demand_parts, demand_spectra
+from assessment.analyses.checks.demand import Demands, demand_parts
 from assessment.analyses.checks.governing import Governed, Run, governed
 from assessment.analyses.checks.indices import governing, knowledge_of, safety_index, state_indices
 from assessment.analyses.dynamic.histories import histories
@@ -19,10 +19,9 @@ from assessment.analyses.dynamic.time_history import motion_part
 from assessment.analyses.found import Found
 from assessment.analyses.static.ensemble import members
 from assessment.analyses.static.increments import refined
-from assessment.analyses.static.lateral import second_solver, with_control
+from assessment.analyses.static.lateral import second_solver
 from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
-from assessment.project.plausibility import implausible_hazard
 from assessment.project.schema import ORIGINAL
 from assessment.results.quality import joined
 from assessment.results.schema.part import known, present
@@ -37,10 +36,9 @@ from assessment.studies.identification.stage import identification
 from assessment.studies.scenarios import asks_for_scenarios, scenarios
 from assessment.studies.sensitivity import sensitivity
 from assessment.studies.variants import Statics, Study
+from assessment.workflow.checking import Motions, read_inputs
 from assessment.workflow.comparison import comparison, strengthened
-from assessment.workflow.description import describe
 from assessment.workflow.draft import Draft
-from assessment.workflow.motions import Motions, read_motions
 from mechanics.messages import message
 
 if TYPE_CHECKING:
@@ -94,11 +92,9 @@ def run(
 def _stages(project: Project, model: ProjectModel, workers: Workers) -> tuple[Results, bool]:
     """Return the results, and whether every requested analysis was completed."""
     states = model.states
-    project, chosen = with_control(project, states[ORIGINAL].assembly)
-    motions = read_motions(project)
-    demands = demand_spectra(project, motions.history) if project.assessment else Demands()
-    draft = Draft(describe(project, model))
-    draft.warnings += [*chosen, *motions.notes, *implausible_hazard(project, demands.spectra)]
+    read = read_inputs(project, model)
+    project, motions, demands = read.project, read.motions, read.demands
+    draft = Draft(read.results, [*read.notes])
     [unstable] = workers.each(
         "self-weight", stand, [(model.assembly,)], ["self-weight"], large(model.assembly)
     )

@@ -1,6 +1,6 @@
 // The page: what it knows, how it asks, and when it draws what has changed.
 import * as drawing from "./drawing.js";
-import { panel, steps } from "./panels.js";
+import { forget, panel, steps } from "./panels.js";
 
 export const store = { state: {}, model: null, stale: false, words: null, schema: null, stages: [], language: null,
   step: "drawing", selection: null, tool: "select" };
@@ -30,10 +30,12 @@ export class Refused extends Error {
   constructor(status, text) { super(text); this.status = status; }
 }
 
+const ANY = new Set(["/state", "/schema", "/open"]);  // asked whatever project is open
 const sent = async (path, options) => {
+  const project = store.state.project ?? "", own = ANY.has(path) ? {} : { "X-Project": project };
   let answer;
   try {
-    answer = await fetch(path, { ...options, credentials: "same-origin" });
+    answer = await fetch(path, { ...options, headers: { ...options.headers, ...own }, credentials: "same-origin" });
   } catch {
     gone(true);
     throw new Refused(0, w("gone"));
@@ -43,6 +45,7 @@ const sent = async (path, options) => {
   let data = {};
   try { data = JSON.parse(text); } catch { data = { error: text }; }
   if (!answer.ok) throw new Refused(answer.status, data.error ?? text);
+  if (!ANY.has(path) && project !== (store.state.project ?? "")) throw new Refused(409, w("other_opened"));
   return data;
 };
 export const ask = (name, given = {}) => sent(`/${name}`,
@@ -61,30 +64,38 @@ export const note = (text) => { notes = text ? [text] : []; problems(); };
 // ---- changes of the project file: one after the other, each against the version that is known ----
 let queue = Promise.resolve();
 const inTurn = (job) => (queue = queue.then(job, job));
-export const edit = (changes) => inTurn(async () => {
+let formed = new Set();  // digests of the file in which the entries of lists are where the forms have them
+export const outdated = () => !formed.has(store.state.digest);
+export const forms = () => { formed = new Set([store.state.digest]); };
+const shifts = (changes) => changes.some(([path, value]) => value === null && Number.isInteger(path.at(-1)));
+// changes: [path, value] each, or a function that makes them when it is their turn; at: their places are those of the forms
+export const edit = (changes, at = false) => inTurn(async () => {
+  const { digest, project } = store.state, all = typeof changes === "function" ? changes() : changes;
   $("saved").textContent = w("saving");
+  let text = null;
   try {
-    store.state.digest = (await ask("edit", { digest: store.state.digest, changes })).digest;
-    await poll();
-    note("");
-    $("saved").textContent = w("saved");
-    return null;
+    if (at && !formed.has(digest)) throw new Refused(409, "");
+    const made = await ask("edit", { digest, changes: all });
+    if (formed.has(digest) && !shifts(all)) formed.add(made.digest);
   } catch (error) {
-    $("saved").textContent = "";
-    await poll();
-    const text = error.status === 409 ? w("elsewhere") : error.message;
-    note(text);
-    return text;
+    const lost = all.map(([path, value]) => `${path.join(".")} = ${JSON.stringify(value)}`).join("; ");
+    text = error.status === 409 ? w(project === store.state.project ? "elsewhere" : "other_opened", { lost }) : error.message;
   }
+  await poll().catch(() => {});  // told by gone
+  $("saved").textContent = text === null ? w("saved") : "";
+  note(text);
+  return text;
 });
 export const step = (name) => inTurn(async () => {
-  try { store.state.digest = (await ask(name, { digest: store.state.digest })).digest; note(""); }
-  catch (error) { note(error.status === 409 ? w("elsewhere") : error.message); }
-  await poll();
+  let text = null;
+  try { await ask(name, { digest: store.state.digest }); }
+  catch (error) { text = error.status === 409 ? w("elsewhere", { lost: w(name) }) : error.message; }
+  await poll().catch(() => {});
+  note(text);
 });
 export const attempt = async (job) => {
   try { const found = await job(); note(""); return found; }
-  catch (error) { note(error.message); return null; }
+  catch (error) { note(error.status === 409 ? w("other_opened") : error.message); return null; }
 };
 
 // ---- what has changed is drawn ----
@@ -99,24 +110,29 @@ export const poll = async () => {
   if (text !== seen) {
     seen = text;
     if (before.folder !== state.folder) {
-      Object.assign(store, { model: null, selection: null, step: "drawing", tool: "select" });
+      Object.assign(store, { model: null, selection: null, step: "drawing", tool: "select", only: null, dropped: null });
+      forget();
       drawing.show();
     }
     render();
   }
   if (state.folder && state.tag && state.tag !== store.model?.tag) fetchModel(state.tag);
 };
+const EMPTY = { blocks: [], joints: [], faults: [], warnings: [], layers: {} };
+const outlines = (model) => String(model?.blocks.map((block) => block.at));
 const fetchModel = async (tag) => {
   if (modelling) return;
   modelling = true;
-  try {
-    store.model = { ...(await ask("model")), tag };
-    if (!store.model.blocks.length && store.model.error) note("");
-  } catch (error) {
-    const empty = { blocks: [], joints: [], faults: [], warnings: [], layers: {} };
-    store.model = { ...empty, ...store.model, error: error.message, tag };
+  const before = store.model, open = store.state.project;
+  let found = null;
+  try { found = await ask("model"); }
+  catch (error) {
+    if (![0, 409].includes(error.status)) found = { ...EMPTY, ...before, error: error.message, tag, failed: error.status === 500 };
   }
   modelling = false;
+  if (!found || open !== store.state.project) return;  // asked again with the next state
+  store.model = found;
+  if (outlines(found) !== outlines(before)) store.selection = null;
   drawing.show();
   render();
 };
@@ -180,6 +196,7 @@ const problems = () => {
     model.faults?.forEach((fault, k) => line(`✗ ${k + 1}: ${fault.text} `, "wrong", fault.points.length
       ? el("button", { type: "button", className: "plain", onclick: () => drawing.look(fault.points[0]) }, w("show")) : ""));
   }
+  if (model?.failed) said.push(el("p", {}, el("button", { type: "button", id: "again", onclick: () => { model.tag = null; } }, w("again"))));
   if (model?.repairable) said.push(el("p", {}, `${w("repairable")} `,
     el("button", { type: "button", id: "repair", onclick: repair }, w("see_repair"))));
   model?.warnings?.forEach((text) => line(`⚠ ${text[store.language]}`, ""));
@@ -211,25 +228,24 @@ export const take = async (files, kind) => {
     $("saved").textContent = "";
     if (!found) continue;
     if (!store.state.folder) { store.dropped = found; renderPanel(); continue; }
-    const report = content().report?.attachments ?? [];
-    const changes = { drawing: [[["geometry", "drawing"], found.name]], grid: [[["assessment", "site", "grid"], found.name]],
-      picture: report.includes(found.name) ? [] : [[["report", "attachments"], [...report, found.name]]],
-      record: [[["history", content().history?.length ?? 0], { record: found.name }]] }[is];
-    if (changes.length) await edit(changes);
+    const { name } = found;
+    await edit({ drawing: [[["geometry", "drawing"], name]], grid: [[["assessment", "site", "grid"], name]],
+      picture: () => [[["report", "attachments"], [...new Set([...content().report?.attachments ?? [], name])]]],
+      record: () => [[["history", content().history?.length ?? 0], { record: name }]] }[is]);
   }
 };
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => { event.preventDefault(); take(event.dataTransfer.files); });
 
-$("home").addEventListener("click", async () => { await attempt(() => ask("open", { folder: null })); await poll(); });
+const then = (job) => attempt(async () => { await job(); await poll(); });
+$("home").addEventListener("click", () => then(() => ask("open", { folder: null })));
 $("undo").addEventListener("click", () => step("undo"));
 $("redo").addEventListener("click", () => step("redo"));
-$("run").addEventListener("click", async () => {
+$("run").addEventListener("click", () => {
   go("results");
-  await attempt(() => ask("run", store.only?.length ? { only: store.only } : {}));
-  await poll();
+  then(() => ask("run", store.only?.length ? { only: store.only } : {}));
 });
-$("stop").addEventListener("click", async () => { await attempt(() => ask("stop")); await poll(); });
+$("stop").addEventListener("click", () => then(() => ask("stop")));
 $("language").addEventListener("click", () => { store.language = store.language === "it" ? "en" : "it"; render(); });
 addEventListener("keydown", (event) => {
   if (!(event.ctrlKey || event.metaKey) || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;

@@ -11,7 +11,7 @@ export const svg = (tag, attributes = {}, ...children) => {
 };
 const TOOLS = ["select", "lasso", "control", "chain", "crack", "measure"];
 const view = { x: 0, y: 0, w: 1, h: 1 }, layer = { joints: false, numbers: false };
-let fitted = null, shapes = [], parts = null, press = null, trail = [], at = null, drag = null, times = 1;
+let held = null, fitted = null, shapes = [], parts = null, press = null, trail = [], at = null, drag = null, times = 1;
 const root = () => $("drawing");
 const blocks = () => store.model?.blocks ?? [];
 const path = (points, open) => `M${points.map(([x, z]) => `${x},${-z}`).join("L")}${open ? "" : "Z"}`;
@@ -30,7 +30,9 @@ export const fit = () => {
   const [xs, zs] = [0, 1].map((i) => points.map((p) => p[i]));
   const [x0, z0, x1, z1] = [Math.min(...xs), Math.min(...zs), Math.max(...xs), Math.max(...zs)];
   const room = 0.08 * Math.max(x1 - x0, z1 - z0, 1e-3);
-  Object.assign(view, { x: x0 - room, y: -z1 - 1.6 * room, w: x1 - x0 + 2 * room, h: z1 - z0 + 2.8 * room });
+  const tools = Math.min($("tools").offsetHeight / Math.max(root().clientHeight, 1), 0.5);  // their part of the height
+  const h = (z1 - z0 + 2.4 * room) / (1 - tools);
+  Object.assign(view, { x: x0 - room, y: -z1 - room - tools * h, w: x1 - x0 + 2 * room, h });
   frame();
 };
 const frame = () => {
@@ -42,11 +44,13 @@ const frame = () => {
 export const show = () => {
   parts = Object.fromEntries(["ghost", "blocks", "joints", "signs", "faults", "moving", "trail"].map((name) => [name, svg("g")]));
   root().replaceChildren(...Object.values(parts));
+  if (at >= blocks().length) at = null;
   shapes = blocks().map((block, index) => svg("path", { d: path(block.at, block.open), "data-block": index }));
   parts.blocks.append(...shapes);
   root().dataset.blocks = shapes.length;
   if (shapes.length && fitted !== store.state.folder) { fitted = store.state.folder; fit(); }
   delete root().dataset.moved;
+  if (held && held.digest === store.state.digest && held.answer.positions.length === shapes.length) moved(held.answer);
   parts.faults.replaceChildren(...(store.model?.faults ?? []).flatMap((fault, k) => [
     ...fault.lines.map((line) => svg("path", { class: "fault", d: path(line, true) })),
     ...(fault.points.length ? [svg("circle", { class: "number", cx: fault.points[0][0], cy: -fault.points[0][1], "data-r": 9 }),
@@ -140,21 +144,25 @@ export const freeName = (table, stem) => {
   while (names.has(`${stem}${n}`)) n++;
   return `${stem}${n}`;
 };
-export const add = (table, entry) => edit([[[table, content()[table]?.length ?? 0], entry]]);
+export const add = (table, entry) => edit(() => [[[table, content()[table]?.length ?? 0], entry()]]);
 
 const click = (event, index) => {
   const point = place(event), { tool } = store;
   if (tool === "select") choose(index === undefined ? null : event.altKey ? { blocks: [+index] } : { layer: blocks()[index].layer });
-  else if (tool === "control") add("control", { name: freeName("control", "C"), point_m: corner(point) });
+  else if (tool === "control") {
+    const point_m = corner(point);
+    add("control", () => ({ name: freeName("control", "C"), point_m }));
+  }
   else if (tool === "crack") {
     const end = nearest(point, store.model.joints.flatMap((joint) => joint.at), 14);
     if (!end) return note(w("no_joint_here"));
     const measured = { kind: "crack", point_m: rounded(end), opening_mm: 1, sigma_mm: 0.5 };
-    add("measurement", { name: freeName("measurement", `${w("crack")} `), ...measured });
+    add("measurement", () => ({ name: freeName("measurement", `${w("crack")} `), ...measured }));
   } else if (tool === "chain" || tool === "measure") {
     trail = trail.length === 2 ? [corner(point)] : [...trail, corner(point)];
     if (trail.length === 2 && tool === "chain") {
-      add("tie", { name: freeName("tie", `${w("chain")} `), from_m: trail[0], to_m: trail[1] });
+      const [from_m, to_m] = trail;
+      add("tie", () => ({ name: freeName("tie", `${w("chain")} `), from_m, to_m }));
       trail = [];
     } else if (trail.length === 2) {
       const [dx, dz] = [0, 1].map((i) => trail[1][i] - trail[0][i]);
@@ -201,6 +209,7 @@ const moved = (answer) => {
   frame();
 };
 export const home = () => {
+  held = null;
   if (!parts) return;
   shapes.forEach((shape) => shape.removeAttribute("transform"));
   parts.ghost.replaceChildren();
@@ -218,9 +227,9 @@ const chase = async () => {  // one question at a time, for where the pointer is
   if (own.busy) return;
   own.busy = true;
   while (drag === own && !own.slow && String(own.asked) !== String(own.target)) {
-    const target = [...own.target], began = performance.now();
+    const target = [...own.target], began = performance.now(), { model } = store;
     const answer = await attempt(() => live(own, target, { home: own.first }));
-    if (!answer || drag !== own) break;
+    if (!answer || drag !== own || model !== store.model) break;  // the next movement of the pointer asks again
     own.least = Math.min(own.least ?? Infinity, own.first ? Infinity : answer.cost);
     own.slow = Number.isFinite(own.least) && own.least > 0.15;  // the shape then comes on release
     own.first = false;
@@ -234,7 +243,12 @@ const chase = async () => {  // one question at a time, for where the pointer is
 const lead = (target) => { drag.target = target; chase(); };
 export const straight = async (support, wanted) => {
   $("caption").textContent = w("computing");
-  const answer = await attempt(() => live({ support }, wanted, { whole: true }));
+  const { model } = store;
+  let answer = await attempt(() => live({ support }, wanted, { whole: true }));
+  if (answer && model !== store.model) {  // the way of another structure
+    note(w("elsewhere", { lost: `${support}: ${wanted.slice(0, 2).join("; ")} m` }));
+    answer = null;
+  }
   if (answer) moved(answer); else home();
   return answer;
 };
@@ -245,12 +259,16 @@ const release = async () => {
   root().dataset.settled = "awaited";
   const answer = await straight(support, fine(target));
   if (!answer) return;
-  const [x, z, turn] = fine(answer.at), all = content().settlements ?? [];
-  const index = all.findIndex((each) => each.support === support && !each.after), at = ["settlements", index];
-  const moved = { displacement_m: [x, z], ...(turn ? { rotation_rad: turn } : {}) };
-  if (index >= 0) await edit([[[...at, "displacement_m"], [x, z]], [[...at, "rotation_rad"], turn || null]]);
-  else await add("settlements", { name: freeName("settlements", `${support} `), support, ...moved });
-  root().dataset.settled = "written";
+  const [x, z, turn] = fine(answer.at);
+  const failed = await edit(() => {
+    const all = content().settlements ?? [], index = all.findIndex((each) => each.support === support && !each.after);
+    const at = ["settlements", index < 0 ? all.length : index];
+    return [...(index < 0 ? [[at, { name: freeName("settlements", `${support} `), support }]] : []),
+      [[...at, "displacement_m"], [x, z]], ...(index >= 0 || turn ? [[[...at, "rotation_rad"], turn || null]] : [])];
+  });
+  root().dataset.settled = failed === null ? "written" : "refused";
+  if (failed === null) held = { answer, digest: store.state.digest };  // the shape of the file as it is now
+  else home();
 };
 
 // ---- pointer and keys ----

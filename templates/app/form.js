@@ -1,5 +1,5 @@
 // Forms of the tables of the project file, made from its schema: a new key of the file has its field without a line here.
-import { content, edit, el, store, w } from "./app.js";
+import { content, edit, el, outdated, renderPanel, store, w } from "./app.js";
 
 const UNITS = { m: "m", mm: "mm", kN: "kN", kN_m: "kN/m", kN_m2: "kN/m²", kN_m3: "kN/m³", s: "s", g: "g", rad: "rad",
   mrad: "mrad", years: "" };
@@ -78,8 +78,9 @@ const parts = (text) => text.split(/[;\n]/).map((part) => part.trim()).filter(Bo
 
 // ---- one field ----
 const commit = async (control, path, value) => {
-  const error = await edit([[path, value]]), box = control.closest(".field");
+  const error = await edit([[path, value]], true), box = control.closest(".field");
   delete control.dataset.typed;
+  if (outdated()) return renderPanel();  // the field may be of another entry by now
   if (!box?.isConnected) return;
   box.classList.toggle("wrong", Boolean(error));
   Object.assign(box.querySelector(".error"), { hidden: !error, textContent: error ?? "" });
@@ -202,9 +203,9 @@ const starter = (schema) => {  // the least that a new table must have; the page
   return Object.fromEntries((schema.required ?? []).map((key) => [key, value(key)]));
 };
 const adder = (path, schema, entry = null) => el("button", { type: "button", "data-add": path[0],
-  onclick: () => edit([[path, { ...starter(schema), ...entry }]]) }, `+ ${w("add")}`);
+  onclick: () => edit([[path, { ...starter(schema), ...entry }]], true) }, `+ ${w("add")}`);
 const remover = (path, extra) => el("p", { className: "row" }, extra,
-  el("button", { type: "button", "data-remove": path.join("."), onclick: () => edit([[path, null]]) }, w("remove")));
+  el("button", { type: "button", "data-remove": path.join("."), onclick: () => edit([[path, null]], true) }, w("remove")));
 
 export const section = (name, options = {}) => {  // [name], or every [[name]], of the file
   const schema = tableOf(name), whole = plainOf(store.schema.properties[name]), given = content()[name];

@@ -1,5 +1,5 @@
 // The steps: which tables of the project file each shows, and what stands in the place of the drawing.
-import { $, ask, attempt, content, edit, el, note, number, poll, ready, renderPanel, store, take, w } from "./app.js";
+import { $, ask, attempt, content, edit, el, forms, note, number, poll, ready, renderPanel, store, take, w } from "./app.js";
 import { add, freeName, straight } from "./drawing.js";
 import { chart } from "./charts.js";
 import { form, labelOf, parsed, section, supports, tableOf, valueName } from "./form.js";
@@ -35,18 +35,17 @@ const dropper = (kind, text, accept) => {
 // ---- 0: no project ----
 const asked = (id, label, value, more = {}) =>
   el("label", { className: "field" }, el("span", {}, label), el("input", { id, value, "data-at": id, ...more }));
-const make = async (given) => {
-  if (await attempt(() => ask("new", given))) { store.dropped = null; await poll(); }
-};
-const open = async (folder) => { if (await attempt(() => ask("open", { folder }))) await poll(); };
+const make = (given) => attempt(async () => { await ask("new", given); await poll(); });
+const open = (folder) => attempt(async () => { await ask("open", { folder }); await poll(); });
 const fromDrawing = (dropped) => {
-  const value = (id) => $(id).value, size = (factor) => dropped.size.map((each) => number(each * factor, 3)).join(" × ");
+  const { language } = store, value = (id) => $(id).value, size = (factor) => dropped.size.map((each) => number(each * factor, 3)).join(" × ");
   const units = Object.entries({ mm: 1e-3, cm: 1e-2, m: 1 }).map(([unit, factor]) =>
     el("option", { value: unit, selected: unit === dropped.unit }, `${unit}: ${size(factor)} m`));
   const begin = () => make({ name: value("new-title"), drawing: dropped.name, title: value("new-title"), unit: value("new-unit"),
-    depth_m: parsed(value("new-depth")), unit_weight_kN_m3: parsed(value("new-weight")) });
+    depth_m: parsed(value("new-depth")), unit_weight_kN_m3: parsed(value("new-weight")), language });
   return el("fieldset", { id: "begin" }, el("legend", {}, dropped.name),
     small(Object.entries(dropped.layers).map(([layer, n]) => `${layer}: ${n}`).join(" · ")),
+    ...(dropped.told.length ? [small(w("proposed")), el("ul", {}, ...dropped.told.map((each) => el("li", { className: "note" }, each[language])))] : []),
     asked("new-title", w("title"), dropped.name.replace(/\.dxf$/i, "")),
     el("label", { className: "field" }, el("span", {}, w("unit_of_drawing")), el("select", { id: "new-unit" }, ...units)),
     asked("new-depth", w("depth"), "", { inputMode: "decimal" }),
@@ -57,8 +56,8 @@ const start = () => {
   const { state, words, language, dropped } = store;
   const templates = Object.entries(words[language].templates).map(([name, text]) =>
     button(text, () => make({ name: $("template-name").value, template: name }), { "data-template": name }));
-  const examples = Object.entries(fetched("examples", "examples")?.examples ?? {}).map(([name, text]) =>
-    button(text, () => make({ name: $("template-name").value, example: name }), { "data-example": name }));
+  const examples = Object.entries(fetched("examples", "examples")?.examples ?? {}).map(([name, title]) =>
+    button(words[language].examples?.[name] ?? title, () => make({ name: $("template-name").value, example: name }), { "data-example": name }));
   const folder = el("input", { id: "open-folder", "data-at": "open-folder", placeholder: state.home, ariaLabel: w("folder_name") });
   return [el("h2", {}, w("start")), dropper("drawing", w("drop_drawing"), ".dxf"), ...(dropped ? [fromDrawing(dropped)] : []),
     el("h3", {}, w("templates")), asked("template-name", w("folder_name"), w("my_project")), el("p", { className: "row" }, ...templates),
@@ -84,7 +83,7 @@ const chosen = () => {
   const title = el("h2", {}, others.length ? w("blocks", { n: others.length + 1 }) : `${w("block")} ${first} · ${layer}`);
   const regions = content().region ?? [], index = regions.findIndex((each) => String(each.outline_m) === String(outline));
   if (index < 0) {
-    const begin = () => add("region", { name: freeName("region", `${w("region")} `), outline_m: outline });
+    const begin = () => add("region", () => ({ name: freeName("region", `${w("region")} `), outline_m: outline }));
     return [title, small(w("region_help")), button(w("make_region"), begin, { id: "make-region", className: "main" })];
   }
   const inherited = { ...ofAll(), ...(content().layers?.[layer] ?? {}) };
@@ -94,7 +93,7 @@ const chosen = () => {
 const missingLayers = () => {
   const drawn = new Set(Object.keys(store.model?.layers ?? {}).map((name) => name.toLowerCase()));
   return Object.keys(content().layers ?? {}).filter((name) => drawn.size && !drawn.has(name.toLowerCase())).map((name) =>
-    el("p", {}, `${w("not_in_drawing", { name })} `, button(w("remove"), () => edit([[["layers", name], null]]))));
+    el("p", {}, `${w("not_in_drawing", { name })} `, button(w("remove"), () => edit([[["layers", name], null]], true))));
 };
 const drawingPanel = () => {
   const properties = Object.fromEntries(ROOT.map((key) => [key, store.schema.properties[key]]));
@@ -113,19 +112,17 @@ const materialsPanel = () => {
 const UNKNOWNS = ["x", "z", "rotation"];
 const hypotheses = () => {  // which movements of which supports may explain what was measured: a row each
   const given = content().identification.hypotheses ?? [];
-  const changed = (k, each, support, own) => {
-    const next = { ...each, [support]: own };
-    if (!own.length) delete next[support];
-    const all = given.length > k ? given.map((other, n) => (n === k ? next : other)) : [...given, next];
-    return edit([[["identification", "hypotheses"], all.filter((one) => Object.keys(one).length)]]);
-  };
+  const changed = (k, support, unknown, is) => edit(() => {
+    const all = [...content().identification?.hypotheses ?? []], { [support]: had = [], ...others } = all[k] ?? {};
+    const own = UNKNOWNS.filter((one) => (one === unknown ? is : had.includes(one)));
+    all[k] = { ...others, ...(own.length ? { [support]: own } : {}) };
+    return [[["identification", "hypotheses"], all.filter((one) => Object.keys(one).length)]];
+  }, true);
   const box = (k, each, support, unknown) => {
-    const is = (one) => Boolean(each[support]?.includes(one));
-    const onchange = (event) =>
-      changed(k, each, support, UNKNOWNS.filter((one) => (one === unknown ? event.target.checked : is(one))));
+    const onchange = (event) => changed(k, support, unknown, event.target.checked);
     const at = `hypothesis.${k}.${support}.${unknown}`;
     return el("label", { className: "check" },
-      el("input", { type: "checkbox", checked: is(unknown), "data-at": at, onchange }), ` ${valueName(unknown)}`);
+      el("input", { type: "checkbox", checked: Boolean(each[support]?.includes(unknown)), "data-at": at, onchange }), ` ${valueName(unknown)}`);
   };
   return [...given, {}].map((each, k) => el("fieldset", {}, el("legend", {}, `${w("hypothesis")} ${k + 1}`),
     ...supports().map((support) => el("p", {}, `${support}: `, ...UNKNOWNS.map((unknown) => box(k, each, support, unknown))))));
@@ -142,31 +139,35 @@ const settlementsPanel = () => {
 };
 
 // ---- 5, 6: records and spectra ----
-const known = new Map();  // pictures of files and spectra, by what they are of
+let known = new Map();  // pictures of files and spectra of the project, by what they are of
+export const forget = () => { known = new Map(); };
 const fetched = (key, name, given = {}) => {
-  if (!known.has(key)) {
-    known.set(key, null);
+  const own = known;
+  if (!own.has(key)) {
+    own.set(key, null);
     ask(name, given).catch((error) => ({ error: error.message })).then((found) => {
-      known.set(key, found);
+      own.set(key, found);
       wideKey = "";
       renderPanel();
     });
   }
   return known.get(key);
 };
+const read = (file) => store.state.inputs?.[file];  // what is in a file that a run reads
 const site = () => content().assessment
-  ? fetched(`spectrum ${JSON.stringify([content().assessment, store.state.problems])}`, "spectrum") : null;
+  ? fetched(`spectrum ${JSON.stringify([content().assessment, store.state.problems, read(content().assessment.site?.grid)])}`,
+    "spectrum") : null;
 const spectra = (dashed) => Object.entries(site()?.spectra ?? {}).map(([name, each]) =>
   ({ label: `${name} (a_g ${number(each.ag)} g, S ${number(each.S)})`, x: site().periods, y: each.Se, dashed }));
 const records = () => (content().history ?? []).map((each, k) => {
   const time_step = each.time_step_s ?? null;
-  return [each, k, fetched(`record ${each.record} ${time_step}`, "record", { name: each.record, time_step })];
+  return [each, k, fetched(`record ${each.record} ${time_step} ${read(each.record)}`, "record", { name: each.record, time_step })];
 });
 const recordChart = ([each, k, found]) => {
   const own = each.window_s === "arias" ? found.arias : each.window_s ?? [0, 0], scale = Math.abs(each.scale ?? 1);
   const times = [found.time_step, found.duration].map((value) => `${number(value)} s`);
   const title = [found.name, `PGA ${number(found.pga * scale)} g`, ...times, found.unit, w("window_help")].join(" · ");
-  const range = { from: own[0], to: own[1], set: (ends) => edit([[["history", k, "window_s"], ends]]) };
+  const range = { from: own[0], to: own[1], set: (ends) => edit([[["history", k, "window_s"], ends]], true) };
   return chart(title, "t [s]", "a [g]", [{ label: found.name, x: found.time, y: found.acceleration }], range);
 };
 const earthquakeWide = () => {
@@ -232,7 +233,7 @@ const summary = ({ rows, governing }) => {
 };
 const frame = (at) => {
   const { files, stamp } = store.state.results ?? { files: [] };
-  const src = `/output/report.html?${stamp}${at}`;  // the stamp: after a run it is another page
+  const src = `/output/report.html?project=${store.state.project}&${stamp}${at}`;  // the stamp: after a run it is another page
   return files.includes("report.html") ? [el("iframe", { src, title: w("results"), id: "report-frame" })] : [];
 };
 const resultsWide = () => {
@@ -245,15 +246,15 @@ let opinion = null;
 const reportPanel = () => {
   const { results, run, folder } = store.state, stamp = `${folder} ${results?.stamp}`;
   if (opinion?.stamp !== stamp) {
-    opinion = { stamp, text: "" };
-    attempt(() => ask("judgement")).then((found) => { if (found) { opinion.text = found.text; renderPanel(); } });
+    const own = opinion = { stamp, text: "" };
+    attempt(() => ask("judgement")).then((found) => { if (found && own.text === "") { own.text = found.text; renderPanel(); } });
   }
   const keep = async (event) => {
     opinion.text = event.target.value;
     delete event.target.dataset.typed;
     await attempt(() => ask("judgement", { text: opinion.text }));
   };
-  const print = async () => { await attempt(() => ask("report")); await poll(); };
+  const print = () => attempt(async () => { await ask("report"); await poll(); });
   const links = results ? [...results.files.filter((name) => !name.endsWith(".html")), "results.json"] : [];
   return [...sections(["report"], { report: { first: ["language", "client", "engineer", "location", "attachments"] } }),
     dropper("picture", w("drop_picture"), ".png,.jpg,.jpeg"), el("h3", {}, w("judgement")), small(w("judgement_help")),
@@ -261,7 +262,7 @@ const reportPanel = () => {
       oninput: (event) => { event.target.dataset.typed = "1"; } }),
     el("details", { "data-at": "preview" }, el("summary", {}, w("preview_text")), ...marked(opinion.text)),
     el("p", { className: "row" }, button(w("print"), print, { id: "print", disabled: !results || run.running }),
-      ...links.map((name) => el("a", { href: `/output/${name}`, download: name }, name)))];
+      ...links.map((name) => el("a", { href: `/output/${name}?project=${store.state.project}`, download: name }, name)))];
 };
 const marked = (text) => text.replace(/<!--[\s\S]*?-->/g, "").split("\n").filter((line) => line.trim()).map((line) => {
   const [, sign, rest] = /^(#+|[-*]|)\s*(.*)$/.exec(line), parts = rest.split(/\*\*(.+?)\*\*/);
@@ -276,13 +277,13 @@ const PANELS = { drawing: drawingPanel, materials: materialsPanel, settlements: 
 const WIDE = { earthquake: earthquakeWide, site: siteWide, results: resultsWide, report: () => frame("") };
 let wideKey = "";
 const spreadsheet = () => el("p", {}, `${w("spreadsheet")} `, button(w("convert"), async () => {
-  const kept = await attempt(() => ask("convert"));
-  await poll();
+  const kept = await attempt(async () => { const made = await ask("convert"); await poll(); return made; });
   if (kept) note(w("kept", kept));
 }));
 export const panel = () => {
   const { state, step, schema, language } = store, file = content();
   if (!schema) return;
+  forms();
   if (!state.folder) return $("panel").replaceChildren(...start());
   const readOnly = state.source === "project.xlsx";
   $("panel").replaceChildren(...(readOnly ? [spreadsheet()] : []), ...(file.geometry ? PANELS[step]() : [wrong(w("broken"))]));

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from assessment.app.editing import drawing_tag
 from assessment.app.worker import Worker
 from assessment.benchmark.table import Row
 from assessment.project.catalogue.new_project import new_project
@@ -60,9 +61,10 @@ def _of_the_worker(project: Path, case: str) -> Iterator[Row]:
         worker.end()
     yield _latency(case, "the model, with the start of the process", first)
     yield _latency(case, "the model again", again)
-    worker, moved = Worker(), load_project(project).settlements[0]
+    worker, content = Worker(), load_project(project)
+    moved = content.settlements[0]
     target = np.array([*moved.displacement_m, 0.0])
-    given = {"folder": project, "tag": "", "support": moved.support}
+    given = {"folder": project, "tag": drawing_tag(content), "support": moved.support}
     _asked(worker, "live", **given, target=(0.1 * target).tolist(), home=True)
     # by what a pointer moves in a frame or two
     ways = [0.1 + 0.05 * abs((k + 5) % 10 - 5) for k in range(ANSWERS)]

@@ -11,13 +11,13 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from assessment.project.catalogue.new_project import new_folder
+from assessment.project.catalogue.new_project import write_files
 from assessment.project.formats.convert import TOML, source_bytes
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import naming
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError
+from mechanics.messages import Message, message
 from mechanics.model import METRES, NEAR, Sheet, default_tolerance, layer_key
 from mechanics.types import Mask
 
@@ -38,22 +38,17 @@ TO_FILL_IN: tuple[KeyPath, ...] = (
 def new_from_drawing(folder: Path, drawing: Path, source: str = TOML) -> tuple[str, ...]:
     """Write a project of a drawing, a copy of which goes with it, into a new folder, whole or not at all.
 
-    Returns the lines that say what is proposed and what is to be filled in.
-    Raises ProjectError where the folder holds something already, DrawingError where the drawing cannot be read or has
-    no closed outline, OSError where something cannot be read or written.
+    Returns what tells of the proposal. Raises ProjectError where the folder holds something already, DrawingError where
+    the drawing cannot be read or has no closed outline, OSError where something cannot be read or written.
     """
     data = drawing.read_bytes()
     content, told = proposal(drawing)
-    with new_folder(folder) as made:
-        with naming(folder / drawing.name):
-            (made / drawing.name).write_bytes(data)
-        with naming(folder / source):
-            (made / source).write_bytes(source_bytes(source, content, TO_FILL_IN))
+    write_files(folder, {drawing.name: data, source: source_bytes(source, content, TO_FILL_IN)})
     return told
 
 
-def proposal(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return the content of a project for the drawing of that name, and the lines that tell of it.
+def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple[Message, ...]]:
+    """Return the content of a project for the drawing of that name, and the lines that tell of it; None: unit unknown.
 
     Raises DrawingError as `new_from_drawing`, ProjectError for a name that no project can have.
     """
@@ -65,7 +60,7 @@ def proposal(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
     drawn = sheet.drawing
     if not drawn.blocks:
         raise FaultyDrawingError(str(path), drawn.faults, drawn.outlines)
-    unit, why = _unit(sheet)
+    unit, why = (unit, message("as given")) if unit else _unit(sheet)
     scale = METRES[unit]
     rings = shapely.polygons([shapely.linearrings(scale * block.polygon) for block in drawn.blocks])
     layers = [block.layer for block in drawn.blocks]
@@ -75,11 +70,10 @@ def proposal(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
     masonry &= ~np.isin(layers, ignored)
     size = float(np.median(np.sqrt(shapely.area(rings[masonry]))))
     tables, regions, lines = _supports(rings, layers, masonry, reach, size)
-    height = float(np.ptp(shapely.bounds(rings[masonry])[:, [1, 3]]))
-    width = float(np.ptp(shapely.bounds(rings[masonry])[:, [0, 2]]))
+    width, height = np.ptp(shapely.bounds(rings[masonry]).reshape(-1, 2), axis=0).tolist()
     names = [each["support"] for each in (*tables.values(), *regions)]
     moved = [
-        {"name": f"{name} 10 mm", "support": name, "displacement_m": [0.0, -0.01], "to_collapse": True}
+        {"name": f"cedimento {name}", "support": name, "displacement_m": [0.0, -0.01], "to_collapse": True}
         for name in names[1:][-1:]
     ]
     content: dict[str, Any] = {
@@ -92,28 +86,32 @@ def proposal(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
         "pushover": {"contacts": ["rigid"], "increment_m": float(f"{1e-3 * height:.1g}")},
         "report": {"language": "it", "client": "", "engineer": "", "location": ""},
     }
-    sizes = f"{width:.3g} m wide, {height:.3g} m high, {masonry.sum()} blocks of about {size:.2g} m"
-    told = (f"unit: {unit}, {why}: {sizes}", *lines)
+    sizes = message(
+        "unit: {unit}, {why}: {width:.3g} m wide, {height:.3g} m high, blocks: {blocks}, of about {size:.2g} m",
+        unit=unit, why=why, width=width, height=height, blocks=int(masonry.sum()), size=size,
+    )  # fmt: skip
+    told = [sizes, *lines]
     if broken := len(sheet.wrong):
-        told += (f"outlines with faults, of which nothing is known here: {broken}; assesto check tells them",)
+        told.append(message("outlines with faults, of which nothing is known here: {broken}", broken=broken))
     if ignored:
-        told += (f"ignored, being no masonry: layers {', '.join(ignored)}",)
-    to_fill_in = ["geometry.depth_m = 1.0", "material.unit_weight_kN_m3 = 18.0", "material.friction = 0.6"]
-    to_fill_in += ["settlements: support and movement"] * len(moved)
-    to_fill_in += ["[assessment] and [assessment.site], which a check to NTC 2018 needs", "[report]"]
-    told += (f"to fill in: {'; '.join(to_fill_in)}",)
-    return {key: value for key, value in content.items() if value}, told
+        told.append(message("ignored, being no masonry: layers {ignored}", ignored=ignored))
+    keys = ["geometry.depth_m = 1.0", "material.unit_weight_kN_m3 = 18.0", "material.friction = 0.6"]
+    keys += ["settlements"] * len(moved) + ["report"]
+    told.append(message("to fill in: {keys}; for NTC 2018 [assessment] and [assessment.site]", keys=keys))
+    return {key: value for key, value in content.items() if value}, tuple(told)
 
 
-def _unit(sheet: Sheet) -> tuple[str, str]:
-    """Return the unit that makes the blocks a size of blocks: the drawing's own if it does, and what says so."""
+def _unit(sheet: Sheet) -> tuple[str, Message]:
+    """Return the unit that makes the blocks a size of blocks: the drawing's own if it does, and what tells so."""
     size = float(np.median([np.sqrt(block.area) for block in sheet.drawing.blocks]))
     own = {4: "mm", 5: "cm", 6: "m"}.get(sheet.document.units)
     least, usual, largest = BLOCK
     if own and least <= METRES[own] * size <= largest:
-        return own, "as $INSUNITS says"
+        return own, message("as $INSUNITS says")
     unit = min(METRES, key=lambda each: abs(np.log(METRES[each] * size / usual)))
-    return unit, "by the sizes" + (f", though $INSUNITS says {own}" if own and own != unit else "")
+    if own and own != unit:
+        return unit, message("by the sizes, though $INSUNITS says {own}", own=own)
+    return unit, message("by the sizes")
 
 
 def _masonry(rings: Any, reach: float) -> Mask:
@@ -149,11 +147,8 @@ def _no_masonry(sheet: Sheet, layers: list[str], masonry: Mask) -> tuple[list[st
 
 def _supports(
     rings: Any, layers: list[str], masonry: Mask, reach: float, size: float
-) -> tuple[dict[str, dict[str, str]], list[dict[str, Any]], list[str]]:
-    """Return tables of layers and regions that are supports, and lines that tell of them: what rests on nothing, low.
-
-    Nothing where no block would be left.
-    """
+) -> tuple[dict[str, dict[str, str]], list[dict[str, Any]], list[Message]]:
+    """Return tables of layers and regions that are supports, what rests on nothing and low; and what tells of them."""
     number = np.flatnonzero(masonry)
     shapes, names = rings[masonry], np.array([layers[k] for k in number])
     bounds = shapely.bounds(shapes)
@@ -162,7 +157,7 @@ def _supports(
     named = [name for name in dict.fromkeys(names[ground].tolist()) if GROUND.search(name)]
     ground |= low & np.isin(names, named)
     if ground.all():
-        text = "no support: every block is a lowest one; draw the ground below them as a support"
+        text = message("no support: every block is a lowest one; draw the ground below them as a support")
         return {}, [], [text]
     chosen = np.flatnonzero(ground)
     near = shapely.STRtree(shapes[chosen]).query(
@@ -174,12 +169,12 @@ def _supports(
     groups = sorted((chosen[part == k] for k in range(part.max() + 1)), key=lambda own: bounds[own, 0].min())
     calls = {1: ["base"], 2: ["sinistro", "destro"]}.get(len(groups))
     calls = calls or [f"appoggio {k}" for k in range(1, len(groups) + 1)]
-    tables, regions, lines = dict[str, dict[str, str]](), list[dict[str, Any]](), list[str]()
+    tables, regions, lines = dict[str, dict[str, str]](), list[dict[str, Any]](), list[Message]()
     for call, own in zip(calls, groups, strict=True):
         on = dict.fromkeys(names[own].tolist())
         if len(on) == 1 and np.isin(names, [*on]).sum() == len(own):
             tables[next(iter(on))] = {"support": call}
-            lines.append(f'support "{call}": layer {next(iter(on))}')
+            lines.append(message('support "{call}": layer {layer}', call=call, layer=next(iter(on))))
             continue
         centres = shapely.get_coordinates(shapely.centroid(shapes[own]))
         (x0, z0), (x1, z1) = centres.min(axis=0) - 0.01 * size, centres.max(axis=0) + 0.01 * size
@@ -187,10 +182,11 @@ def _supports(
             [round(float(x), 6), round(float(z), 6)] for x, z in ((x0, z0), (x1, z0), (x1, z1), (x0, z1))
         ]
         regions.append({"name": call, "outline_m": corners, "support": call})
-        what = "block becomes" if len(own) == 1 else f"{len(own)} blocks become"
-        where = f"between x = {bounds[own, 0].min():.5g} and {bounds[own, 2].max():.5g} m"
-        text = f'support "{call}": the lowest {what} the ground, {where}; draw the ground below if that is masonry'
-        lines.append(text)
+        first, last = bounds[own, 0].min(), bounds[own, 2].max()
+        lines.append(message(
+            'support "{call}": the lowest blocks ({blocks}) between x = {first:.5g} and {last:.5g} m become the ground'
+            "; draw the ground below if they are masonry", call=call, blocks=len(own), first=first, last=last,
+        ))  # fmt: skip
     return tables, regions, lines
 
 

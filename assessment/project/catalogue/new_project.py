@@ -87,6 +87,14 @@ def new_folder(folder: Path) -> Iterator[Path]:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
+def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files into a new folder, all or none. Raises as `new_folder`, OSError naming the file."""
+    with new_folder(folder) as made:
+        for name, data in files.items():
+            with naming(folder / name):
+                (made / name).write_bytes(data)
+
+
 def _refuse_what_is_no_structure(folder: Path) -> None:
     """Raise ProjectError where a run would refuse the project: dimensions that are valid each may not go together."""
     from assessment.project.structure.model import build_model  # late: the mechanics take their time

@@ -16,10 +16,12 @@ from assessment.app.answers import ANSWERS
 from assessment.app.editing import ConflictError
 from assessment.app.session import Session
 from assessment.app.worker import Worker, WorkerError
+from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, write_block
+from tests.support.dxf import drawing, outline
 
 SLOW = 600  # times that something is looked for, with a tenth of a second between
 
@@ -82,6 +84,58 @@ def test_two_pages_do_not_overwrite_each_other(session):
     with pytest.raises(ConflictError):
         ask(session, "edit", digest=known, changes=[[["title"], "Other"]])
     assert ask(session, "state")["content"]["title"] == "One"
+
+
+def test_a_page_of_another_project_changes_nothing_and_is_told(session):
+    """Two copies of a project have the same digest: only the folder tells them apart."""
+    known = ask(session, "state")
+    mine = session.held(known["project"])
+    session.open(write_block(session.home / "copy", PROJECT + ASSESSMENT))
+    assert ask(session, "state")["digest"] == known["digest"]
+    with pytest.raises(ConflictError):
+        session.held(known["project"])
+    with pytest.raises(ConflictError):
+        session.held("")
+    ask(
+        mine, "edit", digest=known["digest"], changes=[[["title"], "Mine"]]
+    )  # asked before the other was opened
+    assert mine.receive("quake.csv", "record", RECORD)["name"] == "records/quake.csv"
+    assert (session.home / "block" / "records" / "quake.csv").is_file()
+    assert ask(session, "state")["content"]["title"] == "Block"
+    assert ask(session.held(ask(session, "state")["project"]), "model")["tag"] == ask(session, "state")["tag"]
+
+
+def full(*_):
+    raise OSError(28, "No space left on device", "somewhere")
+
+
+def test_a_full_disk_loses_no_version(session, monkeypatch):
+    before = (session.folder / "project.toml").read_bytes()
+    changed(session, [["title"], "Two"])
+    ask(session, "undo", digest=ask(session, "state")["digest"])
+    monkeypatch.setattr("assessment.app.editing.write_atomically", full)
+    with pytest.raises(OSError, match="No space"):
+        changed(session, [["title"], "Three"])
+    monkeypatch.undo()
+    assert (session.folder / "project.toml").read_bytes() == before
+    ask(session, "redo", digest=ask(session, "state")["digest"])
+    assert ask(session, "state")["content"]["title"] == "Two"
+
+
+def test_a_full_disk_leaves_no_part_of_a_dropped_file(session, monkeypatch):
+    monkeypatch.setattr("assessment.app.session.write_atomically", full)
+    with pytest.raises(OSError, match="No space"):
+        session.receive("quake.csv", "record", RECORD)
+    assert not list(session.folder.rglob("quake*"))
+
+
+def test_a_drawing_elsewhere_is_seen_to_change(session):
+    outside = session.home / "outside.dxf"
+    (session.folder / "geometry.dxf").rename(outside)
+    changed(session, [["geometry", "drawing"], str(outside)])
+    tag = ask(session, "state")["tag"]
+    os.utime(outside, ns=(1, 1))
+    assert ask(session, "state")["tag"] != tag
 
 
 def test_the_drawing_is_drawn_again_where_it_changes_and_not_for_the_report(session):
@@ -209,6 +263,20 @@ def test_a_support_is_followed_and_its_whole_way_is_that_of_the_project(session)
     assert fallen["stopped"]["en"] != fallen["stopped"]["it"]
 
 
+def test_a_support_is_followed_in_the_structure_that_is_asked_for(session):
+    """A structure that could not be followed is not taken for the one before it, nor one that has changed since."""
+    target, tag = [0.0, -0.01, 0.0], ask(session, "state")["tag"]
+    first = ask(session, "live", tag=tag, support="base", target=target, whole=True)
+    changed(session, [["layers", "BLOCCO", "unit_weight_kN_m3"], 30.0])
+    with pytest.raises(ProjectError, match="has changed meanwhile"):
+        ask(session, "live", tag=tag, support="base", target=target, whole=True)
+    with pytest.raises(ProjectError):  # once it is built
+        ask(session, "live", tag=ask(session, "state")["tag"], support="nowhere", target=target, whole=True)
+    ask(session, "undo", digest=ask(session, "state")["digest"])
+    again = ask(session, "live", tag=tag, support="base", target=target, whole=True)
+    assert again["reaction"] == pytest.approx(first["reaction"], rel=1e-9)
+
+
 def test_the_spectra_are_those_of_the_site(session):
     found = ask(session, "spectrum")
     assert found["spectra"]["SLV"]["ag"] == 0.261
@@ -283,18 +351,47 @@ def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
     session.worker = worker
     write_drawing(tmp_path / "survey.dxf", template_layout("arch"))
     dropped = session.receive("survey.dxf", "drawing", (tmp_path / "survey.dxf").read_bytes())
-    assert dropped["unit"] in ("", "m")
+    assert dropped["unit"] == "m"
+    assert any("appoggio" in each["it"] for each in dropped["told"])
     assert sum(dropped["layers"].values()) > 10
-    sent = {"name": "my arch", "drawing": "survey.dxf", "title": "My arch", "unit": "m", "depth_m": 1.0}
+    sent = {
+        "name": "my arch",
+        "drawing": "survey.dxf",
+        "title": "My arch",
+        "unit": "m",
+        "depth_m": 1.0,
+        "language": "en",
+    }
     with pytest.raises(ProjectError, match="unit_weight_kN_m3"):
         ask(session, "new", **sent, unit_weight_kN_m3=None)
     assert not (tmp_path / "my arch").exists()
     ask(session, "new", **sent, unit_weight_kN_m3=18)
     state = ask(session, "state")
     assert state["content"]["title"] == "My arch"
+    proposed, _ = proposal(tmp_path / "survey.dxf")
+    for key, value in proposed.items():
+        given = state["content"].get(key)
+        assert given == value or key in ("title", "geometry", "material", "report"), key
+    assert proposed["layers"]
+    assert (state["content"]["report"]["language"], state["content"]["material"]["friction"]) == ("en", 0.6)
     assert (session.folder / state["content"]["geometry"]["drawing"]).read_bytes() == (
         tmp_path / "survey.dxf"
     ).read_bytes()
+
+
+def test_a_drawing_without_a_closed_outline_becomes_a_project_that_tells_its_faults(tmp_path, worker):
+    session = Session(tmp_path, None)
+    session.worker = worker
+    document, space = drawing()
+    outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)], close=False)
+    document.saveas(tmp_path / "open.dxf")
+    dropped = session.receive("open.dxf", "drawing", (tmp_path / "open.dxf").read_bytes())
+    assert (dropped["unit"], dropped["told"]) == ("m", [])
+    sent = {"name": "open", "drawing": "open.dxf", "title": "Open", "depth_m": 1.0, "unit_weight_kN_m3": 18}
+    with pytest.raises(ProjectError, match="unit"):
+        ask(session, "new", **sent, unit="furlong")
+    ask(session, "new", **sent, unit="m")
+    assert ask(session, "model")["faults"]
 
 
 def test_without_a_project_there_is_a_choice(tmp_path, worker):

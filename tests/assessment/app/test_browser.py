@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import write_drawing
+from tests.support.block_project import edit
 from tests.support.browser import chromium
 from tests.support.structures import rectangle
 
@@ -136,16 +137,17 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     assert file_of(home, "portal")["geometry"]["drawing"] == "survey-repaired.dxf"
     page.wait_for_selector("body[data-model=shown]")
 
-    # roles by layer and by lasso
-    page.click("[data-block='0']")
-    fill(page, "layers.BASI.support", "sinistro")
-    x, y = centre(page, 1)
-    if page.locator("#panel [data-field='layers.BASI.ignore']").count():  # regions are there
-        page.click("[data-tool=lasso]")
-        drag(page, (x - 90, y - 30), (x + 90, y - 30), (x + 90, y + 30), (x - 90, y + 30))
-        changed(page, lambda: page.click("#make-region"))
-        fill(page, "region.0.support", "destro")
-        page.click("[data-tool=select]")
+    # roles that the drawing proposes, by layer and by lasso
+    assert [each["support"] for each in file_of(home, "portal")["region"]] == ["sinistro", "destro"]
+    page.click("[data-block='4']")
+    fill(page, "layers.TRAVE.vertical_load_kN", "2,5")
+    x, y = centre(page, 2)
+    page.click("[data-tool=lasso]")
+    drag(page, (x - 60, y - 30), (x + 60, y - 30), (x + 60, y + 30), (x - 60, y + 30))
+    changed(page, lambda: page.click("#make-region"))
+    fill(page, "region.2.friction", "0,7")
+    page.click("[data-tool=select]")
+    page.wait_for_selector("body[data-model=shown]")
 
     # a control point by click, which takes the corner; undone to the byte, and done again
     before = (home / "portal" / "project.toml").read_bytes()
@@ -164,10 +166,12 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     x, y = centre(page, 0)
     drag(page, (x, y), (x - 20, y + 4))
     page.wait_for_selector("#drawing[data-settled=written]")
-    [movement] = file_of(home, "portal")["settlements"]
-    assert movement["support"] == "sinistro"
+    proposed, movement = file_of(home, "portal")["settlements"]
+    assert [proposed["support"], movement["support"]] == ["destro", "sinistro"]
     assert movement["displacement_m"][0] < 0.0 > movement["displacement_m"][1]
+    page.wait_for_selector("body[data-model=shown]")
     assert "Rx" in page.inner_text("#caption")
+    assert page.get_attribute("[data-block='4']", "transform")  # the shape stays beside its numbers
     page.press("#drawing", "Escape")
 
     # a tie by two clicks
@@ -177,9 +181,10 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     assert len(file_of(home, "portal")["tie"]) == 1
     changed(page, lambda: page.click("#undo"))
 
-    # a push; a run that is stopped, and taken up again
+    # a push towards +x alone; a run that is stopped, and taken up again
+    changed(page, lambda: page.click("[data-remove='settlements.0']"))
     page.click("[data-step=push]")
-    changed(page, lambda: page.click("[data-add=pushover]"))
+    changed(page, lambda: page.click("[data-at='pushover.directions.+x']"))
     fill(page, "pushover.increment_m", "0,00001")
     page.wait_for_selector("#run:not([disabled])")
     page.click("#run")
@@ -219,7 +224,7 @@ def test_with_the_keyboard_alone(page, home):
     page.focus("#drawing")
     page.keyboard.press("ArrowLeft")
     page.keyboard.press("Enter")
-    fill(page, "layers.BASI.support", "base")
+    fill(page, "layers.BASI.friction", "0,5")
     page.wait_for_selector("body[data-model=shown]")
     page.focus("#drawing")
     page.keyboard.press("m")
@@ -228,10 +233,11 @@ def test_with_the_keyboard_alone(page, home):
     page.keyboard.press("Shift+ArrowRight")
     changed(page, lambda: page.keyboard.press("Enter"))
     page.wait_for_selector("#drawing[data-settled=written]")
-    assert file_of(home, "keys")["settlements"][0]["displacement_m"] == [0.0001, -0.003]
+    movement = file_of(home, "keys")["settlements"][1]
+    assert (movement["support"], movement["displacement_m"]) == ("sinistro", [0.0001, -0.003])
     page.keyboard.press("Escape")
     changed(page, lambda: page.keyboard.press("Control+z"))
-    assert "settlements" not in file_of(home, "keys")
+    assert len(file_of(home, "keys")["settlements"]) == 1
 
 
 def test_what_goes_wrong_is_told_and_nothing_is_lost(page, home):
@@ -271,3 +277,63 @@ def test_a_server_that_is_gone_is_told(page, home):
     page.wait_for_selector("#gone:visible")
     page.context.set_offline(False)
     page.wait_for_selector("#gone", state="hidden")
+
+
+def test_quick_hands_and_a_second_tab_lose_nothing(page, home):
+    begin(page, home, "tabs")
+    page.click("[data-tool=control]")
+    box = page.locator("[data-block='4']").bounding_box()
+    for x in (box["x"] + 2, box["x"] + box["width"] - 2):  # the second before the first is written
+        page.mouse.click(x, box["y"] + 2)
+    page.locator("circle.control").nth(1).wait_for()
+    points = [{"name": "C1", "point_m": [-2.0, 3.5]}, {"name": "C2", "point_m": [2.0, 3.5]}]
+    assert file_of(home, "tabs")["control"] == points
+
+    # what is typed here is of the second point, which is the first one once the other tab has taken that away
+    page.click("[data-step=push]")
+    page.click("details[data-at='control.1'] summary")
+    page.fill("[data-at='control.1.name']", "TOP")
+    other = page.context.new_page()
+    other.goto(page.url)
+    other.click("[data-step=push]")
+    other.click("details[data-at='control.0'] summary")
+    changed(page, lambda: other.click("[data-remove='control.0']"))
+    page.press("[data-at='control.1.name']", "Enter")
+    page.wait_for_selector("#problems .wrong:has-text('control.1.name = \"TOP\"')")
+    assert file_of(home, "tabs")["control"] == points[1:]
+    fill(page, "control.0.name", "TOP")  # made once more, in the form as it is now
+    assert file_of(home, "tabs")["control"][0]["name"] == "TOP"
+
+    # the other tab goes to the first sheet, and both show it
+    other.click("#home")
+    page.wait_for_selector("body[data-open=false]")
+    other.close()
+
+
+def test_an_answer_of_another_project_is_not_shown_and_one_that_fails_is_asked_for_again(page, home):
+    begin(page, home, "first")
+    asked, late = [], []
+
+    def model(route):  # the first answer comes late, the second is that of a process that was ended
+        asked.append(route)
+        if len(asked) == 1:
+            late.append(route.fetch())
+        elif len(asked) == 2:
+            route.fulfill(status=500, json={"error": "internal error: ended"})
+        else:
+            route.continue_()
+
+    page.route("**/model", model)
+    changed(page, lambda: edit(home / "first", "friction = 0.6", "friction = 0.5"))
+    while not late:
+        page.wait_for_timeout(50)
+    page.click("#home")
+    page.wait_for_selector("body[data-open=false]")
+    page.fill("#template-name", "second")
+    page.click("[data-template=block]")
+    page.wait_for_selector("body[data-open=true]")
+    asked[0].fulfill(response=late[0])
+    page.wait_for_selector("#problems .wrong:has-text('internal error: ended')")
+    page.click("#again")
+    page.wait_for_selector("body[data-model=shown]")
+    page.wait_for_selector("#drawing[data-blocks='2']")

@@ -243,6 +243,17 @@ def test_an_unknown_question_is_told(served):
     assert served.post("edit", {"digest": 1}).status == 422
 
 
+def test_a_page_of_another_project_gets_nothing(served):
+    """A tab that shows what was open before another tab opened this."""
+    known = json.loads(served.post("state").text)["project"]
+    assert served.post("edit", {"digest": "x", "changes": []}, X_Project="0" * 16).status == 409
+    assert served.post("live", X_Project="").status == 409
+    assert served.ask("PUT", "/file/a.csv?kind=record", b"0", X_Project="0" * 16).status == 409
+    assert served.ask("GET", "/output/report.html?project=0").status == 404
+    assert served.ask("GET", f"/output/report.html?project={known}").status == 200
+    assert served.post("judgement", X_Project=known).status == 200
+
+
 def test_one_connection_answers_many_questions(served):
     connection = http.client.HTTPConnection("127.0.0.1", served.port)
     headers = {"Cookie": served.cookie, "Content-Type": "application/json"}

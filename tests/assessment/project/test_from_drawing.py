@@ -71,7 +71,7 @@ def test_supports_without_a_layer_of_their_own_are_regions(tmp_path, capsys):
     survey(tmp_path / "g.dxf", "mm", layers=every, template="barrel-vault")
     assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
     out = capsys.readouterr().out
-    assert 'support "sinistro": the lowest block becomes the ground, between x = ' in out
+    assert 'support "sinistro": the lowest blocks (1) between x = ' in out
     project = load_project(tmp_path / "p")
     assert [each.support for each in project.region] == ["sinistro", "destro"]
     blocks = build_model(project).assembly.blocks

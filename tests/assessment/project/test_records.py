@@ -6,7 +6,7 @@ import pytest
 from assessment.cli.main import main
 from assessment.project.motions import described, history_motions, records_of
 from assessment.project.project import load_project
-from assessment.workflow.motions import read_motions
+from assessment.workflow.checking import read_motions
 from mechanics import RecordError
 from tests.support.block_project import PROJECT, write_block
 

@@ -174,3 +174,18 @@ def test_what_is_no_number_is_null():
     assert clean == {"a": [0.5, -1e300], "b": [1, 0.5, None], "c": [[0.5, None], [2, None, "x"]]}
     assert type(clean["c"][1][0]) is int and type(clean["b"][1]) is float
     assert clean["a"] is finite
+
+
+def test_a_judgement_that_is_written_while_the_report_is_made_is_kept(project, monkeypatch):
+    assert run(project) == 0
+    opinion, make = project / "output" / "judgement.md", output._make
+
+    def made(*arguments):
+        warnings = make(*arguments)
+        opinion.write_text("Sound.\n", encoding="utf-8")
+        return warnings
+
+    monkeypatch.setattr(output, "_make", made)
+    assert run(project, "--fresh") == 0
+    assert opinion.read_text(encoding="utf-8") == "Sound.\n"
+    assert "print it again" in output.recall(project / "output").warnings[-1]

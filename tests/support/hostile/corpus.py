@@ -30,7 +30,7 @@ from assessment.report.tables.index import inert
 from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError
 from assessment.workflow import run as workflow
-from assessment.workflow.motions import read_motions
+from assessment.workflow.checking import read_motions
 from mechanics.faults import visible
 from mechanics.messages import headed, message
 from mechanics.records.record import read_record

@@ -27,7 +27,7 @@ from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.processes.pool import Pool
 from assessment.runtime.progress import Show
-from assessment.workflow.motions import read_motions
+from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.messages import message

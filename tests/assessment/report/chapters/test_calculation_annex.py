@@ -24,7 +24,7 @@ from assessment.report.text.language import Words, words_of
 from assessment.results.file import as_bytes
 from assessment.results.plain import plain
 from assessment.results.summary import summary_of
-from assessment.workflow.motions import read_motions
+from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, TURNED, block
 from tests.support.trace_check import from_csv, from_report, printed, recomputed
