@@ -6,6 +6,7 @@ wording by it, and puts the same fields in.
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from string import Formatter
@@ -74,6 +75,11 @@ def filled(template: str, fields: Mapping[str, Any], written: Callable[[str, Any
 def english(item: Item, form: str) -> str:
     """Return a text as it is, and a number in its format."""
     return str(item) if isinstance(item, str) else format(item, form)
+
+
+def layer_key(name: str) -> str:
+    """Return what is the same of the name of a layer in any case of letters, accents composed or not."""
+    return unicodedata.normalize("NFC", name).lower()
 
 
 def _plain(value: Any) -> Any:

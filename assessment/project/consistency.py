@@ -16,6 +16,7 @@ from assessment.project.schema.index import tables_of
 from assessment.project.schema.values import DISTINCT, MOST_ENTRIES, FileName, KeyPath, NameOf, Problem, Table
 from assessment.runtime.errors import nearest
 from assessment.runtime.files.pictures import SUFFIXES, read_picture
+from mechanics.messages import layer_key
 
 MOST_LOOKED_AT = 20_000  # names in folders that the search for a pattern reads at most
 _WILD = re.compile(r"[*?[]")
@@ -168,10 +169,15 @@ def _named(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
 
 
 def _repeated(tables: Any, path: KeyPath) -> Iterator[Problem]:
-    """Yield a problem for each entry of a list with the name of an earlier one."""
-    earlier: set[str] = set()
+    """Yield a problem for each list entry with the name of an earlier one, and each second table of a layer."""
+    earlier: dict[str, str] = {}
+    if isinstance(tables, dict):
+        for name in tables:
+            if (other := earlier.setdefault(layer_key(name), name)) != name:
+                yield Problem((*path, name), f'the layer of "{other}" again, spelt otherwise; keep one table')
+        return
     for index, name in enumerate(each.name for each in tables):
         if name in earlier:
             yield Problem((*path, index, "name"), f'"{name}" is the name of an earlier entry; write another')
         if name is not None:
-            earlier.add(name)
+            earlier[name] = name

@@ -15,8 +15,7 @@ import numpy as np
 from assessment.ntc.demand.hazard import Hazard, hazard_range
 from assessment.ntc.demand.return_period import return_period
 from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
-from mechanics.messages import Message, headed, linked, message
-from mechanics.model import layer_key
+from mechanics.messages import Message, headed, layer_key, linked, message
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:

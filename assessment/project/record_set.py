@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mechanics.records import Record
 
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
+COARSEST = 0.05  # s: frequencies above 10 Hz, which records have, would be lost
 SHORTEST = 5.0  # s
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
 SAME = 1e-4  # of the PGA: closer than this two records are one
@@ -46,23 +47,26 @@ def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
 
 
 def doubtful_units(records: Sequence[Record]) -> list[Message]:
-    """Return a warning for each record that is too strong to be in the unit in which it was read."""
-    return [
-        headed(visible(record.name), _another_unit(record)) for record in records if record.pga >= STRONGEST
-    ]
+    """Return a warning for each unit, of accelerations or times, in which a record is implausible."""
+    return [headed(visible(record.name), doubt) for record in records for doubt in _doubtful_units(record)]
 
 
-def _another_unit(record: Record) -> Message:
-    return message(
-        "a PGA of {pga:.3g} g, read in {unit}; check the unit of the file, and name it in its heading",
-        pga=record.pga,
-        unit=record.unit,
-    )
+def _doubtful_units(record: Record) -> Iterator[Message]:
+    if not WEAKEST < record.pga < STRONGEST:
+        yield message(
+            "a PGA of {pga:.3g} g, read in {unit}; check the unit of the file, and name it in its heading",
+            pga=record.pga,
+            unit=record.unit,
+        )
+    if record.time_step > COARSEST:
+        yield message(
+            "a time step of {step:.3g} s; check the unit of the times, and name it in the heading",
+            step=record.time_step,
+        )
 
 
 def _doubts(record: Record) -> Iterator[Message]:
-    if not WEAKEST < record.pga < STRONGEST:
-        yield _another_unit(record)
+    yield from _doubtful_units(record)
     if record.duration < SHORTEST:
         yield message("lasts {duration:.3g} s; check that the record is whole", duration=record.duration)
     elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:

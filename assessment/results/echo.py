@@ -6,12 +6,11 @@ from typing import Any
 
 from assessment.results.schema.model import Block, Echo
 from assessment.results.schema.part import present
+from mechanics.messages import layer_key
 
 
 def material(echo: Echo, block: Block) -> dict[str, Any]:
     """Return what a block is made of and loaded by: keys of its region before those of its layer and of [material]."""
-    from mechanics.model import layer_key  # late: a run in which nothing has changed needs no mechanics
-
     own = {layer_key(name): table for name, table in (echo.layers or {}).items()}
     regions = {each["name"]: each for each in echo.region or ()}
     layer, region = own.get(layer_key(block.layer)), regions.get(block.region or "")

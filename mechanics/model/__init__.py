@@ -16,7 +16,6 @@ from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, rea
 from mechanics.model.joints import default_tolerance
 from mechanics.model.layout import NEAR, survey_layout
 from mechanics.model.repair import Repair, repair_drawing
-from mechanics.model.shown import layer_key
 from mechanics.model.tie import Tie
 
 __all__ = [
@@ -44,7 +43,6 @@ __all__ = [
     "end_points",
     "face_lines",
     "kinematic_contacts",
-    "layer_key",
     "of_block",
     "read_drawing",
     "relative_motion",

@@ -18,7 +18,7 @@ from ezdxf.math import Matrix44
 
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
-from mechanics.messages import Message, headed, message
+from mechanics.messages import Message, headed, layer_key, message
 from mechanics.model.block import Block, Material
 from mechanics.model.dxf import open_document
 from mechanics.model.joints import default_tolerance
@@ -31,7 +31,7 @@ from mechanics.model.polylines import (
     placed_outline,
     view_of,
 )
-from mechanics.model.shown import Placed, covered, layer_key, placed_entities
+from mechanics.model.shown import Placed, covered, placed_entities
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them

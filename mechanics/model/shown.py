@@ -26,7 +26,7 @@ from ezdxf.xclip import (
 
 from mechanics.errors import DrawingError
 from mechanics.faults import visible
-from mechanics.messages import Message, message
+from mechanics.messages import Message, layer_key, message
 from mechanics.types import Array
 
 MOST_ENTITIES = 100_000  # of model space, those of INSERTs as often as they are inserted
@@ -106,11 +106,6 @@ def has_direction(entity: DXFGraphic) -> bool:
 def can_change(handle: str) -> bool:
     """Whether the entity of a handle is an outline of its own: not one in an INSERT, or cut into blocks."""
     return bool(handle) and not set(handle) & set("/:")
-
-
-def layer_key(name: str) -> str:
-    """Return what is the same of the name of a layer in any case of letters, accents composed or not."""
-    return unicodedata.normalize("NFC", name).lower()
 
 
 def placed_entities(document: Document, path: Path) -> list[Placed]:

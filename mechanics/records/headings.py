@@ -138,6 +138,8 @@ def column(label: str) -> Column:
         raise HeadingError(f"the heading {label.strip()!r} gives two units")
     if found:
         return found.pop()
+    if bracketed and quantities == {"time"}:  # "ns" is north-south of an acceleration, and nothing of a time
+        raise HeadingError(f"{bracketed[0]!r} in the heading {label.strip()!r} is no unit that is known")
     if not words and label.strip("# "):
         raise HeadingError(f"the heading {label.strip()!r} names no quantity")
     quantity: Quantity = next(iter(quantities), "acceleration" if words else "count")

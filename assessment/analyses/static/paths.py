@@ -60,9 +60,8 @@ def pressed_in(model: Assembly) -> list[Message]:
         return []
     return [
         message(
-            "stands only if pressed in: nothing presses the faces that hold {count} blocks ({blocks}); rigid joints "
+            "stands only if pressed in: nothing presses the faces that hold these blocks: {blocks}; rigid joints "
             "may hold them by friction, elastic ones let them fall",
-            count=len(held),
             blocks=", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else ""),
         )
     ]

@@ -17,8 +17,8 @@ from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError
-from mechanics.messages import Message, message
-from mechanics.model import METRES, NEAR, Sheet, default_tolerance, layer_key
+from mechanics.messages import Message, layer_key, message
+from mechanics.model import METRES, NEAR, Sheet, default_tolerance
 from mechanics.types import Mask
 
 BLOCK = (0.05, 0.4, 3.0)  # m: least, usual and largest size of most blocks of masonry

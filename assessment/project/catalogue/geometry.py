@@ -134,7 +134,9 @@ def courses(z0: float, z1: float, course_height: float) -> Array:
     """Return the levels, m, of the nearest whole number of equal courses. Raises ValueError for too many."""
     count = max(1, round((z1 - z0) / course_height))
     if count > MOST_COURSES:
-        raise ValueError(f"course_height_m: {course_height:g} makes {count} courses, at most {MOST_COURSES}")
+        raise ValueError(
+            f"course_height_m: {course_height:g} makes {count} courses, at most {MOST_COURSES}; write more"
+        )
     return np.linspace(z0, z1, count + 1)
 
 

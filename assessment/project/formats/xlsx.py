@@ -88,7 +88,13 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]
     ]
     content: dict[str, Any] = {}
     places: dict[KeyPath, str] = {}
-    off = [_SINGLE[name] for name in _SINGLE if name in rows and not _is_active(rows[name])]
+    active = {name: _is_active(rows[name]) for name in _SINGLE if name in rows}
+    faults += [
+        f'{path.name}: sheet "{name}", row "{ACTIVE}": {word!r} is neither {YES[0]} nor {NO[0]}; write one of them'
+        for name, word in active.items()
+        if isinstance(word, str)
+    ]
+    off = [_SINGLE[name] for name, word in active.items() if word is False]
     used = [
         name
         for name in _SHEETS
@@ -111,10 +117,11 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]
     return content, places, faults
 
 
-def _is_active(rows: Rows) -> bool:
-    """Whether a sheet of a single table is in use: the row ACTIVE does not say no."""
+def _is_active(rows: Rows) -> bool | str:
+    """Whether a sheet of a single table is in use: the row ACTIVE does not say no. What is neither is returned."""
     said = (row[1] for row in rows.values() if len(row) > 1 and str(row[0]).strip().lower() == ACTIVE)
-    return all(_number(_text(each), (bool,)) is not False for each in said)
+    words: list[bool | str] = [_number(_text(each), (bool,)) for each in said if each is not None]
+    return min(words, key=lambda word: (word is not False, word is True), default=True)
 
 
 def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
@@ -293,6 +300,7 @@ def _put(content: dict[str, Any], entry: _Entry) -> str:
 
 def _typed(value: Any, annotation: Any) -> Any:
     """Return the content of a cell as the type its key asks for; left as it is where that cannot be."""
+    value = value.strip() if isinstance(value, str) else value
     kinds = alternatives(annotation)
     members = [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
     lists = [kind for kind in kinds if get_origin(kind) is tuple]

@@ -93,7 +93,7 @@ class ProjectContent(Table):
     )
     geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
     material: MaterialTable = Field(description="stone and joints, default of every layer")
-    layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS)] = Field(
+    layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = Field(
         default={}, description="what the blocks of a layer have of their own"
     )
     region: Annotated[tuple[RegionTable, ...], TABLES, DISTINCT] = Field(

@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 
 from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
 from assessment.project.schema.values import (
+    DISTINCT,
     MOST_ENTRIES,
     MOST_LAYERS,
     ORIGINAL,
@@ -369,7 +370,7 @@ class StrengtheningTable(Table):
 
     name: Name = Field(description="name of the strengthened state, for `states` of its ties")
     of: Name = Field(description='state that it strengthens: "original" or the name of a settlement')
-    layers: Annotated[dict[Name, ChangedLayerTable], Field(max_length=MOST_LAYERS)] = Field(
+    layers: Annotated[dict[Name, ChangedLayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = Field(
         default={}, description="layers whose joints it changes"
     )
 

@@ -61,7 +61,7 @@ class FileName:
 
 SHOWN = 40  # characters of a value, or of a key in quotes, that a message shows
 DISTINCT = "distinct"
-"""Marks a list of tables whose names are different."""
+"""Marks a list of tables whose names are different, or tables of different layers."""
 
 ORIGINAL = "original"
 """Name of the state before any settlement."""

@@ -16,7 +16,8 @@ from assessment.project.catalogue.geometry import courses, fitted, rectangle, ru
 from assessment.project.schema import BondTable, LayerTable, RegionTable
 from assessment.runtime.errors import ProjectError
 from mechanics import Block, Material
-from mechanics.model import Drawing, Layer, layer_key, of_block
+from mechanics.messages import layer_key
+from mechanics.model import Drawing, Layer, of_block
 from mechanics.types import Array
 
 if TYPE_CHECKING:
@@ -117,7 +118,8 @@ def _in_regions(project: Project, outlines: Sequence[Polygon], blocks: Sequence[
 
 def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block]) -> list[Block]:
     """Return the blocks with every outline that has a bond cut into blocks."""
-    tables = [table_of(project, block.layer, _region_at(project, regions, block)) for block in blocks]
+    within = [_region_at(project, regions, block) for block in blocks]
+    tables = [table_of(project, block.layer, region) for block, region in zip(blocks, within, strict=True)]
     shapes = [Polygon(block.polygon) for block in blocks]
     gone, made = set[int](), list[Block]()
     for k in sorted(range(len(blocks)), key=lambda k: -shapes[k].area):
@@ -131,7 +133,8 @@ def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block
         ]
         openings = [j for j in inside if layer_key(blocks[j].layer) == layer_key(blocks[k].layer)]
         gone |= {k, *openings}
-        key = f"{project.source}: layers.{blocks[k].layer}.bond"
+        own = any(each.name == within[k] and each.bond for each in project.region)
+        key = f"{project.source}: {f'region.{within[k]}' if own else f'layers.{blocks[k].layer}'}.bond"
         others = [shapes[j] for j in inside if j not in openings]
         try:
             pieces = running(shapes[k], [shapes[j] for j in openings], others, bond)

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from assessment.runtime.errors import ProjectError, nearest
-from mechanics.model import layer_key
+from mechanics.messages import layer_key
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from assessment.project.structure.points import block_at
 from assessment.runtime.errors import ProjectError, nearest
 from mechanics import Assembly, State, Tie
-from mechanics.model import layer_key
+from mechanics.messages import layer_key
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

@@ -220,6 +220,7 @@ def test_a_region_may_be_a_support_or_be_ignored(tmp_path):
         ("[[-0.1, -0.1], [2.0, -0.1], [2.0, 4.0], [-0.1, 4.0]]", "[[9, 9], [8, 9], [9, 8]]", "no block"),
         ('name = "foot"', 'name = "left"', 'region[2].name: "left" is the name of an earlier entry'),
         ("depth_m = 0.6", "dept_m = 0.6", "region[2].dept_m: unknown key"),
+        ("friction = 0.4", "bond = { course_m = 1e-4, block_m = 0.5 }", "region.left.bond.course_m: 0.0001 makes"),
         ("[[-0.1, -0.1], [2.0, -0.1], [2.0, 4.0], [-0.1, 4.0]]", "[[9, 9], [10, 9]]", "region[1].outline_m"),
     ],
 )  # fmt: skip

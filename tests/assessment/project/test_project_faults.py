@@ -201,6 +201,12 @@ WRONG = [  # old text, new text, key, what the message must hold
         'no support "right"; add a support',
     ),
     ('name = "C2"', 'name = "C1"', "control[2].name", '"C1" is the name of an earlier entry'),
+    (
+        "[layers.PIERS]",
+        "[layers.roof]\n[layers.PIERS]",
+        "layers.ROOF",
+        'the layer of "roof" again, spelt otherwise',
+    ),
     ('name = "right support 20 mm"', 'name = "original"', "settlements[1].name", "write another name"),
     (
         '"C1"\n\n[[history]]',

@@ -104,6 +104,25 @@ def test_a_record_too_strong_for_its_unit_is_doubted(tmp_path):
     assert not any("unit" in note for note in read_motions(load_project(folder)).notes)
 
 
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([(0.005 * k, 1e-3 * (k % 3)) for k in range(2000)], "wave: a PGA of 0.002 g, read in g; "),
+        (
+            [(5.0 * k, 0.1 * (k % 3)) for k in range(2000)],
+            "wave: a time step of 5 s; check the unit of the times",
+        ),
+    ],
+)
+def test_implausible_units_of_any_record_are_told(tmp_path, rows, said):
+    """Accelerations that are too weak, and times in ms without a heading."""
+    folder = _block(tmp_path / "block", HISTORY.replace("window_s = [5.0, 15.0]\n", ""))
+    text = "\n".join(f"{t:g},{a:g}" for t, a in rows)
+    (folder / "wave.csv").write_text(text, encoding="utf-8")
+    [note] = read_motions(load_project(folder)).notes
+    assert note.startswith(said)
+
+
 def test_a_record_that_was_changed_is_read_again(tmp_path):
     folder = _block(tmp_path / "block", HISTORY)
     project = load_project(folder)

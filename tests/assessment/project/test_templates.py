@@ -48,7 +48,7 @@ new_project(Path({str(tmp_path / "new")!r}), "facade", {{}})
 print(*sys.modules)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert not {"numba", "scipy", "matplotlib", "pandas", "mechanics"} & set(done.stdout.split())
+    assert not {"numba", "scipy", "matplotlib", "pandas", "mechanics.model"} & set(done.stdout.split())
 
 
 # façade: simple and compound overturning, Circolare 7/2019, C8.7.1.2

@@ -12,7 +12,7 @@ from hypothesis import Phase, example, given, settings
 from openpyxl import Workbook, load_workbook
 
 from assessment.project.formats.comments import commented_toml
-from assessment.project.formats.xlsx import read_xlsx, to_xlsx
+from assessment.project.formats.xlsx import ACTIVE, read_xlsx, to_xlsx
 from assessment.project.project import ProjectError, load_project
 from assessment.project.schema import ProjectContent
 from tests.support.project_strategy import project_contents
@@ -346,3 +346,26 @@ def test_any_project_survives_toml_to_xlsx_to_toml(content):
         sheets, _, _ = read_xlsx(file)
     second = ProjectContent.model_validate(tomllib.loads(commented_toml(sheets)))
     assert second.model_dump() == first.model_dump() == ProjectContent.model_validate(content).model_dump()
+
+
+@pytest.mark.parametrize("sheet", ["pushover", "assessment"])
+def test_a_sheet_that_is_neither_in_use_nor_left_out_is_told(folder, sheet):
+    (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
+    book = load_workbook(folder / "project.xlsx")
+    [cell] = [row[1] for row in book[sheet].iter_rows() if row[0].value == ACTIVE]
+    cell.value = "forse"
+    book.save(folder / "project.xlsx")
+    with pytest.raises(
+        ProjectError, match=f'sheet "{sheet}", row "active": \'forse\' is neither sì nor no; write one'
+    ):
+        load_project(folder)
+
+
+def test_blanks_around_a_text_are_no_part_of_it(folder):
+    (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
+    book = load_workbook(folder / "project.xlsx")
+    book["geometry"]["B3"].value += "\u00a0"
+    book["control"]["A2"].value = " C1 "
+    book.save(folder / "project.xlsx")
+    project = load_project(folder)
+    assert project.geometry.unit == CONTENT["geometry"]["unit"] and project.control[0].name == "C1"

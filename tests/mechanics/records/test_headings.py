@@ -94,7 +94,7 @@ def test_what_is_no_acceleration_is_told(label, quantity):
 
 NOT_UNDERSTOOD = (
     "a[kN] a[m/s3] a[m/s] a[m] a[%] a[µg] a[ms] a[rad/s2] g/10 foo O.00 1e-3x t[h] t[m/s2] v[g] d[gal] Sa[g] "
-    "a[g][m/s2] acc(in) time[samples] a[g/10]"
+    "a[g][m/s2] acc(in) time[samples] a[g/10] time(ns)"
 )
 
 
