@@ -217,5 +217,15 @@ def test_a_project_is_read_without_what_computes_or_draws(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    heavy = {"numpy", "scipy", "numba", "shapely", "ezdxf", "matplotlib", "pandas", "openpyxl", "mechanics.model"}
+    heavy = {
+        "numpy",
+        "scipy",
+        "numba",
+        "shapely",
+        "ezdxf",
+        "matplotlib",
+        "pandas",
+        "openpyxl",
+        "mechanics.model",
+    }
     assert not heavy & set(done.stdout.split())
