@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from assessment.project.schema import values as kinds
 from assessment.project.schema.assessment import AssessmentTable, MechanismTable
 from assessment.project.schema.identification import IdentificationTable, MeasurementTable
 from assessment.project.schema.motions import (
@@ -38,11 +39,9 @@ from assessment.project.schema.values import (
     Contradiction,
     FileName,
     KeyPath,
-    Members,
-    Name,
     Table,
-    Text,
-    Tolerance,
+    absent,
+    entry,
     key_of,
 )
 
@@ -50,92 +49,84 @@ from assessment.project.schema.values import (
 class ReportTable(Table):
     """[report]: language and the free text of the title page."""
 
-    language: Literal["it", "en"] = Field(default="it", description="language of the report: it or en")
-    client: Text = Field(default="", description="client, free text of the title page")
-    engineer: Text = Field(default="", description="engineer, free text of the title page")
-    location: Text = Field(default="", description="location, free text of the title page")
-    municipality: Text = Field(default="", description="municipality, free text of the title page")
-    cadastre: Text = Field(default="", description="land register, free text of the title page")
-    protection: Text = Field(
-        default="",
-        description="decree that lists the building (D.Lgs. 42/2004); NTC 2018, §8.4, is then told of it",
+    language: Literal["it", "en"] = entry("language of the report: it or en", "it")
+    client: kinds.Text = entry("client, free text of the title page", "")
+    engineer: kinds.Text = entry("engineer, free text of the title page", "")
+    location: kinds.Text = entry("location, free text of the title page", "")
+    municipality: kinds.Text = entry("municipality, free text of the title page", "")
+    cadastre: kinds.Text = entry("land register, free text of the title page", "")
+    protection: kinds.Text = entry(
+        "decree that lists the building (D.Lgs. 42/2004); NTC 2018, §8.4, is then told of it", ""
     )
-    use: Text = Field(
-        default="",
-        description="use of the building; schools and dwellings have thresholds and classes of their own",
+    use: kinds.Text = entry(
+        "use of the building; schools and dwellings have thresholds and classes of their own", ""
     )
-    revision: Text = Field(default="", description="revision, free text of the title page")
-    date: Text = Field(default="", description="date, free text of the title page; empty: a line to write on")
-    annexes: Literal["short", "full"] = Field(
-        default="short",
-        description="short: the governing checks and the largest values; full: every table and figure",
+    revision: kinds.Text = entry("revision, free text of the title page", "")
+    date: kinds.Text = entry("date, free text of the title page; empty: a line to write on", "")
+    annexes: Literal["short", "full"] = entry(
+        "short: the governing checks and the largest values; full: every table and figure", "short"
     )
     attachments: Annotated[
-        tuple[Name, ...], Field(strict=False, max_length=MOST_ENTRIES), FileName("picture")
-    ] = Field(
-        default=(),
-        description="photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",
+        tuple[kinds.Name, ...], Field(strict=False, max_length=MOST_ENTRIES), FileName("picture")
+    ] = entry(
+        "photographs and survey drawings (PNG or JPEG files) that end the report; their names are captions",
+        (),
     )
 
 
 class ProjectContent(Table):
     """The content of a project file. A table that is absent switches its stage off."""
 
-    title: Name = Field(description="title of the project")
-    accuracy: Literal["fast", "standard", "fine"] | Tolerance = Field(
-        default="fast",
-        description="fast: increments and time steps as given, no error estimated; else they are halved until the "
+    title: kinds.Name = entry("title of the project")
+    accuracy: Literal["fast", "standard", "fine"] | kinds.Tolerance = entry(
+        "fast: increments and time steps as given, no error estimated; else they are halved until the "
         "estimated relative error is below standard (0.05), fine (0.01) or a number",
+        "fast",
     )
-    scatter: Members = Field(
-        default=5,
-        description="members of the small ensemble run where a path slides or a motion has many impacts; 1: none",
+    scatter: kinds.Members = entry(
+        "members of the small ensemble run where a path slides or a motion has many impacts; 1: none", 5
     )
-    geometry: GeometryTable = Field(description="the drawing and how it becomes blocks and joints")
-    material: MaterialTable = Field(description="stone and joints, default of every layer")
-    layers: Annotated[dict[Name, LayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = Field(
-        default={}, description="what the blocks of a layer have of their own"
+    geometry: GeometryTable = entry("the drawing and how it becomes blocks and joints")
+    material: MaterialTable = entry("stone and joints, default of every layer")
+    layers: Annotated[dict[kinds.Name, LayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = entry(
+        "what the blocks of a layer have of their own", {}
     )
-    region: Annotated[tuple[RegionTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="parts of the drawing whose blocks have something of their own"
+    region: Annotated[tuple[RegionTable, ...], TABLES, DISTINCT] = entry(
+        "parts of the drawing whose blocks have something of their own", ()
     )
-    contacts: ContactsTable = Field(
-        default=ContactsTable(), description="how joints slide, and which blocks may touch"
+    contacts: ContactsTable = entry("how joints slide, and which blocks may touch", ContactsTable())
+    control: Annotated[tuple[ControlTable, ...], TABLES, DISTINCT] = entry(
+        "control points; the first one is the default", ()
     )
-    control: Annotated[tuple[ControlTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="control points; the first one is the default"
+    settlements: Annotated[tuple[SettlementTable, ...], TABLES, DISTINCT] = entry(
+        "support movements to review, each one a state", ()
     )
-    settlements: Annotated[tuple[SettlementTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="support movements to review, each one a state"
+    tie: Annotated[tuple[TieTable, ...], TABLES, DISTINCT] = entry(
+        "tie rods between two points of blocks or supports", ()
     )
-    tie: Annotated[tuple[TieTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="tie rods between two points of blocks or supports"
+    strengthening: Annotated[tuple[StrengtheningTable, ...], TABLES, DISTINCT] = entry(
+        "strengthened states: ties that are set, and layers changed, after a movement", ()
     )
-    strengthening: Annotated[tuple[StrengtheningTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="strengthened states: ties that are set, and layers changed, after a movement"
+    pushover: PushoverTable | None = absent("pushover analysis")
+    history: Annotated[tuple[HistoryTable, ...], TABLES, DISTINCT] = entry(
+        "time histories, one per record and state", ()
     )
-    pushover: PushoverTable | None = Field(default=None, description="pushover analysis")
-    history: Annotated[tuple[HistoryTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="time histories, one per record and state"
+    incremental: IncrementalTable | None = absent("incremental dynamic analysis")
+    campaign: CampaignTable | None = absent("fragility and loss of capacity against movement")
+    assessment: AssessmentTable | None = absent("check against the standard")
+    mechanism: Annotated[tuple[MechanismTable, ...], TABLES] = entry(
+        "mechanisms chosen by the user, one entry per macro-block", ()
     )
-    incremental: IncrementalTable | None = Field(default=None, description="incremental dynamic analysis")
-    campaign: CampaignTable | None = Field(
-        default=None, description="fragility and loss of capacity against movement"
+    sensitivity: SensitivityTable | None = absent(
+        "capacity with properties of the masonry lower and higher, one at a time"
     )
-    assessment: AssessmentTable | None = Field(default=None, description="check against the standard")
-    mechanism: Annotated[tuple[MechanismTable, ...], TABLES] = Field(
-        default=(), description="mechanisms chosen by the user, one entry per macro-block"
+    identification: IdentificationTable | None = absent(
+        "the support movement that explains what was measured"
     )
-    sensitivity: SensitivityTable | None = Field(
-        default=None, description="capacity with properties of the masonry lower and higher, one at a time"
+    measurement: Annotated[tuple[MeasurementTable, ...], TABLES, DISTINCT] = entry(
+        "what was measured: cracks, slips, leans, relative displacements", ()
     )
-    identification: IdentificationTable | None = Field(
-        default=None, description="the support movement that explains what was measured"
-    )
-    measurement: Annotated[tuple[MeasurementTable, ...], TABLES, DISTINCT] = Field(
-        default=(), description="what was measured: cracks, slips, leans, relative displacements"
-    )
-    report: ReportTable = Field(default=ReportTable(), description="language and title page of the report")
+    report: ReportTable = entry("language and title page of the report", ReportTable())
 
     @property
     def supports(self) -> tuple[str, ...]:

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from assessment.project.schema.values import ENTRIES, Contradiction, Name, NameOf, Pair, Table, unique
+from assessment.project.schema import values as kinds
+from assessment.project.schema.values import ENTRIES, Contradiction, NameOf, Table, absent, entry, unique
 
 if TYPE_CHECKING:
     from assessment.project.schema.content import ProjectContent
 
 Unknown = Literal["x", "z", "rotation"]
 Unknowns = Annotated[tuple[Unknown, ...], ENTRIES, AfterValidator(unique)]
-Hypothesis = Annotated[dict[Name, Unknowns], Field(min_length=1, max_length=20)]
+Hypothesis = Annotated[dict[kinds.Name, Unknowns], Field(min_length=1, max_length=20)]
 MeasuredKind = Literal["crack", "slip", "lean", "relative"]
 Millimetres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Milliradians = Annotated[float, Field(ge=-1e3, le=1e3)]
@@ -38,10 +39,8 @@ class IdentificationTable(Table):
 
     hypotheses: Annotated[
         tuple[Hypothesis, ...], Field(strict=False, min_length=1, max_length=20), NameOf("support")
-    ] = Field(
-        description='supports that may have moved, each with its unknowns: [{ right = ["x", "z", "rotation"] }]'
-    )
-    downward_only: bool = Field(default=True, description="supports do not rise")
+    ] = entry('supports that may have moved, each with its unknowns: [{ right = ["x", "z", "rotation"] }]')
+    downward_only: bool = entry("supports do not rise", True)
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield hypotheses that name no support, ask too much, or are there twice; and that nothing is measured."""
@@ -60,29 +59,24 @@ class IdentificationTable(Table):
 class MeasurementTable(Table):
     """[[measurement]]: what was measured on the structure as it is, against how it was built."""
 
-    name: Name = Field(description="name of the measurement")
-    kind: MeasuredKind = Field(
-        description="crack: opening of a joint; slip: of a joint, without sign; lean: rotation of a block; relative: "
+    name: kinds.Name = entry("name of the measurement")
+    kind: MeasuredKind = entry(
+        "crack: opening of a joint; slip: of a joint, without sign; lean: rotation of a block; relative: "
         "displacement of a point less that of another one"
     )
-    point_m: Pair = Field(
-        description="x and z, m, as drawn: at the edge of the joint where it was measured, or in the block"
+    point_m: kinds.Pair = entry(
+        "x and z, m, as drawn: at the edge of the joint where it was measured, or in the block"
     )
-    from_m: Pair | Literal["benchmark"] | None = Field(
-        default=None,
-        description='of relative: the other point, in a block, or "benchmark": ground that does not move',
+    from_m: kinds.Pair | Literal["benchmark"] | None = absent(
+        'of relative: the other point, in a block, or "benchmark": ground that does not move'
     )
-    component: Literal["x", "z"] | None = Field(default=None, description="of relative: x or z")
-    opening_mm: Millimetres | None = Field(default=None, description="of a crack, mm; 0: there is none")
-    slip_mm: Millimetres | None = Field(default=None, description="of slip, mm, without sign")
-    rotation_mrad: Milliradians | None = Field(
-        default=None, description="of lean, mrad, anticlockwise, from vertical as built"
-    )
-    value_mm: Millimetres | None = Field(default=None, description="of relative, mm, along x or z")
-    sigma_mm: Deviation | None = Field(
-        default=None, description="standard deviation of opening, slip or value, mm"
-    )
-    sigma_mrad: Deviation | None = Field(default=None, description="standard deviation of a rotation, mrad")
+    component: Literal["x", "z"] | None = absent("of relative: x or z")
+    opening_mm: Millimetres | None = absent("of a crack, mm; 0: there is none")
+    slip_mm: Millimetres | None = absent("of slip, mm, without sign")
+    rotation_mrad: Milliradians | None = absent("of lean, mrad, anticlockwise, from vertical as built")
+    value_mm: Millimetres | None = absent("of relative, mm, along x or z")
+    sigma_mm: Deviation | None = absent("standard deviation of opening, slip or value, mm")
+    sigma_mrad: Deviation | None = absent("standard deviation of a rotation, mrad")
 
     @property
     def value(self) -> float:

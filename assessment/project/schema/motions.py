@@ -8,29 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from assessment.project.schema import values as kinds
 from assessment.project.schema.structure import LEAST_MOVEMENT
-from assessment.project.schema.values import (
-    Acceleration,
-    Contacts,
-    Contradiction,
-    Damping,
-    Factor,
-    Factors,
-    FileName,
-    Levels,
-    MemberNumbers,
-    Name,
-    NameOf,
-    Names,
-    Periods,
-    Ratio,
-    RecordSet,
-    Seconds,
-    Shares,
-    Signs,
-    Table,
-    Window,
-)
+from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
 
 if TYPE_CHECKING:
     from assessment.project.schema.content import ProjectContent
@@ -45,24 +25,22 @@ VARIED = ("friction", "stiffness", "unit_weight", "depth")
 class MotionTable(Table):
     """What [[history]], [incremental] and [campaign] have in common: how a motion is integrated."""
 
-    time_step_s: Seconds | None = Field(
-        default=None,
-        description="time step, s; default the record's; also the sampling step of a one-column record",
+    time_step_s: kinds.Seconds | None = absent(
+        "time step, s; default the record's; also the sampling step of a one-column record"
     )
-    window_s: Window | Literal["arias"] | None = Field(
-        default=None,
-        description='first and last second of the record to use, or "arias": from 0.1 % of its Arias intensity, '
-        "or 5 % of its peak if that is earlier, to 95 %",
+    window_s: kinds.Window | Literal["arias"] | None = absent(
+        'first and last second of the record to use, or "arias": from 0.1 % of its Arias intensity, '
+        "or 5 % of its peak if that is earlier, to 95 %"
     )
-    contacts: Contacts = Field(default="elastic", description="contact model: rigid or elastic")
-    integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = Field(
-        default="auto",
-        description="time integration: auto (the results say which it took), moreau-jean (many "
+    contacts: kinds.Contacts = entry("contact model: rigid or elastic", "elastic")
+    integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = entry(
+        "time integration: auto (the results say which it took), moreau-jean (many "
         "impacts), second-order, or implicit-euler (the paper's)",
+        "auto",
     )
-    damping_ratio: Damping | None = Field(default=None, description="viscous damping ratio of the contacts")
-    control: Annotated[Name | None, NameOf("control point")] = Field(
-        default=None, description="control point; default the first"
+    damping_ratio: kinds.Damping | None = absent("viscous damping ratio of the contacts")
+    control: Annotated[kinds.Name | None, NameOf("control point")] = absent(
+        "control point; default the first"
     )
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
@@ -74,26 +52,23 @@ class MotionTable(Table):
 class StatesTable(MotionTable):
     """What [[history]] and [incremental] have in common: motions from states of the project."""
 
-    states: Annotated[Names | None, NameOf("state")] = Field(
-        default=None,
-        description='states to analyse: "original", names of settlements and strengthenings; default all',
+    states: Annotated[kinds.Names | None, NameOf("state")] = absent(
+        'states to analyse: "original", names of settlements and strengthenings; default all'
     )
 
 
 class HistoryTable(StatesTable):
     """[[history]]: a time history of one record, from every state."""
 
-    record: Annotated[Name, FileName()] = Field(
-        description="file of the horizontal ground acceleration; records/artificial.csv comes with a new project"
+    record: Annotated[kinds.Name, FileName()] = entry(
+        "file of the horizontal ground acceleration; records/artificial.csv comes with a new project"
     )
-    name: Name | None = Field(
-        default=None, description="name in tables and figures; default the record's file name"
+    name: kinds.Name | None = absent("name in tables and figures; default the record's file name")
+    scale: kinds.Ratio = entry("factor on the accelerations of the record; not zero", 1.0)
+    vertical_record: Annotated[kinds.Name | None, FileName()] = absent(
+        "file of the vertical ground acceleration"
     )
-    scale: Ratio = Field(default=1.0, description="factor on the accelerations of the record; not zero")
-    vertical_record: Annotated[Name | None, FileName()] = Field(
-        default=None, description="file of the vertical ground acceleration"
-    )
-    animation: bool = Field(default=False, description="also write the motion from every state as a GIF")
+    animation: bool = entry("also write the motion from every state as a GIF", False)
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield a scale that leaves no motion."""
@@ -105,48 +80,46 @@ class HistoryTable(StatesTable):
 class IncrementalTable(StatesTable):
     """[incremental]: incremental dynamic analysis, PGA at incipient collapse per record and state."""
 
-    records: Annotated[Names, FileName("pattern")] = Field(
-        description='record files; patterns such as "records/*.acc" are expanded'
+    records: Annotated[kinds.Names, FileName("pattern")] = entry(
+        'record files; patterns such as "records/*.acc" are expanded'
     )
-    tolerance_g: Acceleration = Field(default=0.01, description="tolerance of the PGA at collapse, g")
-    max_scale: Factor = Field(default=5.0, description="largest factor on a record that is tried")
+    tolerance_g: kinds.Acceleration = entry("tolerance of the PGA at collapse, g", 0.01)
+    max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)
 
 
 class CampaignTable(MotionTable):
     """[campaign]: records x movements x shares of them x signs; fragility and loss of capacity against movement."""
 
-    records: Annotated[RecordSet, FileName("pattern")] = Field(
-        description='record files, patterns such as "records/*.acc" are expanded; or "generate:7": so many records '
+    records: Annotated[kinds.RecordSet, FileName("pattern")] = entry(
+        'record files, patterns such as "records/*.acc" are expanded; or "generate:7": so many records '
         "made to the spectrum of the site"
     )
-    settlements: Annotated[Names | None, NameOf("settlement")] = Field(
-        default=None, description="names of settlements; default all"
+    settlements: Annotated[kinds.Names | None, NameOf("settlement")] = absent(
+        "names of settlements; default all"
     )
-    shares: Shares = Field(default=(0.0, 0.25, 0.5, 0.75, 1.0), description="parts of each movement, 0 to 1")
-    signs: Signs = Field(default=(1, -1), description="factors on each record: 1, -1 or both")
-    measure: Literal["PGA", "Sa(T)"] = Field(
-        default="PGA",
-        description="intensity: PGA, or Sa(T), the spectral acceleration at period_s, 5 % damping",
+    shares: kinds.Shares = entry("parts of each movement, 0 to 1", (0.0, 0.25, 0.5, 0.75, 1.0))
+    signs: kinds.Signs = entry("factors on each record: 1, -1 or both", (1, -1))
+    measure: Literal["PGA", "Sa(T)"] = entry(
+        "intensity: PGA, or Sa(T), the spectral acceleration at period_s, 5 % damping", "PGA"
     )
-    period_s: Seconds | None = Field(default=None, description="period T of Sa(T), s")
-    method: Literal["incremental", "stripes"] = Field(
-        default="incremental",
-        description="incremental: the level at collapse of each combination is searched; stripes: all at levels_g",
+    period_s: kinds.Seconds | None = absent("period T of Sa(T), s")
+    method: Literal["incremental", "stripes"] = entry(
+        "incremental: the level at collapse of each combination is searched; stripes: all at levels_g",
+        "incremental",
     )
-    levels_g: Levels | None = Field(default=None, description="levels of the stripes, g, of the measure")
-    tolerance: Annotated[float, Field(ge=1e-3, le=0.5)] = Field(
-        default=0.05, description="tolerance of the level at collapse, relative to it"
+    levels_g: kinds.Levels | None = absent("levels of the stripes, g, of the measure")
+    tolerance: Annotated[float, Field(ge=1e-3, le=0.5)] = entry(
+        "tolerance of the level at collapse, relative to it", 0.05
     )
-    max_scale: Factor = Field(default=5.0, description="largest factor on a record that is tried")
-    spectrum_compatible: bool = Field(
-        default=False, description="scale each record to the spectrum of the site between periods_s"
+    max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)
+    spectrum_compatible: bool = entry(
+        "scale each record to the spectrum of the site between periods_s", False
     )
-    periods_s: Periods = Field(default=(0.15, 2.0), description="first and last period of that spectrum, s")
-    scale_limits: Factors = Field(default=(0.5, 2.0), description="least and largest factor of that scaling")
+    periods_s: kinds.Periods = entry("first and last period of that spectrum, s", (0.15, 2.0))
+    scale_limits: kinds.Factors = entry("least and largest factor of that scaling", (0.5, 2.0))
 
-    curve_members: MemberNumbers | None = Field(
-        default=None,
-        description="members of the ensembles whose displacement over time is kept, 1: the record itself; default none",
+    curve_members: kinds.MemberNumbers | None = absent(
+        "members of the ensembles whose displacement over time is kept, 1: the record itself; default none"
     )
 
     @property
@@ -204,17 +177,14 @@ class CampaignTable(MotionTable):
 class SensitivityTable(Table):
     """[sensitivity]: the capacity a_g again, with one property of the masonry lower and higher at a time."""
 
-    friction: Factors | None = Field(
-        default=None, description="low and high factor on every friction, such as [0.8, 1.2]"
+    friction: kinds.Factors | None = absent("low and high factor on every friction, such as [0.8, 1.2]")
+    stiffness: kinds.Factors | None = absent(
+        "low and high factor on every joint stiffness, normal and tangential"
     )
-    stiffness: Factors | None = Field(
-        default=None, description="low and high factor on every joint stiffness, normal and tangential"
-    )
-    unit_weight: Factors | None = Field(default=None, description="low and high factor on every unit weight")
-    depth: Factors | None = Field(default=None, description="low and high factor on every out-of-plane depth")
-    states: Annotated[Names | None, NameOf("state")] = Field(
-        default=None,
-        description='states to vary: "original", names of settlements and strengthenings; default all',
+    unit_weight: kinds.Factors | None = absent("low and high factor on every unit weight")
+    depth: kinds.Factors | None = absent("low and high factor on every out-of-plane depth")
+    states: Annotated[kinds.Names | None, NameOf("state")] = absent(
+        'states to vary: "original", names of settlements and strengthenings; default all'
     )
 
     @property

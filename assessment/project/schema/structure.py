@@ -9,40 +9,19 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
+from assessment.project.schema import values as kinds
 from assessment.project.schema.values import (
     DISTINCT,
     MOST_ENTRIES,
     MOST_LAYERS,
     ORIGINAL,
-    Angle,
-    AngleStep,
-    BarStiffness,
-    ContactsList,
     Contradiction,
-    Direction,
-    Directions,
-    Drawn,
     FileName,
-    Friction,
-    Length,
-    Load,
-    Movement,
-    Name,
     NameOf,
-    Names,
-    Pair,
     Problem,
-    Rigidity,
-    Segments,
-    Share,
-    Step,
-    Stiffness,
-    Strength,
     Table,
-    Tension,
-    UnitWeight,
-    UseCategory,
-    Yield,
+    absent,
+    entry,
     without_default,
 )
 from assessment.runtime.errors import nearest
@@ -59,42 +38,37 @@ SHORTEST_TIE = 1e-6  # m
 class GeometryTable(Table):
     """[geometry]: the drawing and how it becomes blocks and joints."""
 
-    drawing: Annotated[Name, FileName()] = Field(description="DXF file with one closed polyline per block")
-    unit: Literal["mm", "cm", "m"] = Field(description="unit of the drawing: mm, cm or m")
-    depth_m: Length = Field(description="out-of-plane depth, m; default of every layer")
-    segments_per_joint: Segments | None = Field(
-        default=None,
-        description="absent: elastic joints are exact; a number: the contact points of the paper at the ends of so "
-        "many segments of each joint, for comparison",
+    drawing: Annotated[kinds.Name, FileName()] = entry("DXF file with one closed polyline per block")
+    unit: Literal["mm", "cm", "m"] = entry("unit of the drawing: mm, cm or m")
+    depth_m: kinds.Length = entry("out-of-plane depth, m; default of every layer")
+    segments_per_joint: kinds.Segments | None = absent(
+        "absent: elastic joints are exact; a number: the contact points of the paper at the ends of so "
+        "many segments of each joint, for comparison"
     )
-    tolerance_m: Drawn | None = Field(
-        default=None, description="edges closer than this, m, form a joint; default from the drawing's size"
+    tolerance_m: kinds.Drawn | None = absent(
+        "edges closer than this, m, form a joint; default from the drawing's size"
     )
-    sagitta_m: Drawn | None = Field(
-        default=None,
-        description="largest distance, m, between a drawn arc and its chords; default from its size",
+    sagitta_m: kinds.Drawn | None = absent(
+        "largest distance, m, between a drawn arc and its chords; default from its size"
     )
 
 
 class MaterialTable(Table):
     """[material]: stone and joints, default of every layer."""
 
-    unit_weight_kN_m3: UnitWeight = Field(description="unit weight of the stone, kN/m³")
-    friction: Friction = Field(
-        default=0.6, description="tangent of the friction angle of a joint; inf: no sliding"
+    unit_weight_kN_m3: kinds.UnitWeight = entry("unit weight of the stone, kN/m³")
+    friction: kinds.Friction = entry("tangent of the friction angle of a joint; inf: no sliding", 0.6)
+    normal_stiffness_kN_m3: kinds.Stiffness | None = absent(
+        "normal stiffness of a joint per unit area, kN/m³; needed by elastic analyses only"
     )
-    normal_stiffness_kN_m3: Stiffness | None = Field(
-        default=None,
-        description="normal stiffness of a joint per unit area, kN/m³; needed by elastic analyses only",
-    )
-    tangential_stiffness_kN_m3: Rigidity = Field(
-        default=math.inf,
-        description="tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
+    tangential_stiffness_kN_m3: kinds.Rigidity = entry(
+        "tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
+        math.inf,
         json_schema_extra=without_default,
     )
-    compressive_strength_kN_m2: Strength = Field(
-        default=math.inf,
-        description="compressive strength of a joint, kN/m²; inf (default): no crushing",
+    compressive_strength_kN_m2: kinds.Strength = entry(
+        "compressive strength of a joint, kN/m²; inf (default): no crushing",
+        math.inf,
         json_schema_extra=without_default,
     )
 
@@ -102,60 +76,47 @@ class MaterialTable(Table):
 class BondTable(Table):
     """bond = {…} of a layer or region: a closed outline is cut into blocks, but for the outlines within it."""
 
-    pattern: Literal["running"] = Field(
-        default="running", description="running: courses, each shifted by half a block"
-    )
-    course_m: Length = Field(description="height of a course, m, adapted to whole numbers of them")
-    block_m: Length = Field(description="length of a block, m, adapted likewise")
+    pattern: Literal["running"] = entry("running: courses, each shifted by half a block", "running")
+    course_m: kinds.Length = entry("height of a course, m, adapted to whole numbers of them")
+    block_m: kinds.Length = entry("length of a block, m, adapted likewise")
 
 
 class LayerTable(Table):
     """[layers.NAME]: what the blocks on one layer of the drawing have of their own."""
 
-    ignore: bool = Field(
-        default=False, description="the layer is no masonry (frame, axes, notes): nothing on it is read"
+    ignore: bool = entry("the layer is no masonry (frame, axes, notes): nothing on it is read", False)
+    bond: BondTable | None = absent(
+        "closed outlines are cut into blocks; outlines of the layer within them are openings, with a "
+        "lintel of one course above, those of other layers blocks that take their place"
     )
-    bond: BondTable | None = Field(
-        default=None,
-        description="closed outlines are cut into blocks; outlines of the layer within them are openings, with a "
-        "lintel of one course above, those of other layers blocks that take their place",
+    unit_weight_kN_m3: kinds.UnitWeight | None = absent("unit weight, kN/m³, instead of [material]'s")
+    friction: kinds.Friction | None = absent("tangent of friction angle, instead of [material]'s")
+    normal_stiffness_kN_m3: kinds.Stiffness | None = absent(
+        "normal stiffness, kN/m³, instead of [material]'s"
     )
-    unit_weight_kN_m3: UnitWeight | None = Field(
-        default=None, description="unit weight, kN/m³, instead of [material]'s"
+    tangential_stiffness_kN_m3: kinds.Rigidity | None = absent(
+        "tangential stiffness, kN/m³, instead of [material]'s"
     )
-    friction: Friction | None = Field(
-        default=None, description="tangent of friction angle, instead of [material]'s"
+    compressive_strength_kN_m2: kinds.Strength | None = absent(
+        "compressive strength, kN/m², instead of [material]'s"
     )
-    normal_stiffness_kN_m3: Stiffness | None = Field(
-        default=None, description="normal stiffness, kN/m³, instead of [material]'s"
+    depth_m: kinds.Length | None = absent("out-of-plane depth, m, instead of [geometry]'s")
+    segments_per_joint: kinds.Segments | None = absent(
+        "segments of each joint with contact points, instead of [geometry]'s"
     )
-    tangential_stiffness_kN_m3: Rigidity | None = Field(
-        default=None, description="tangential stiffness, kN/m³, instead of [material]'s"
+    support: kinds.Name | None = absent("the blocks of this layer are a support of this name")
+    vertical_load_kN: kinds.Load = entry(
+        "permanent load G on each block of the layer, kN, downward, at its centroid", 0.0
     )
-    compressive_strength_kN_m2: Strength | None = Field(
-        default=None, description="compressive strength, kN/m², instead of [material]'s"
+    variable_load_kN: Annotated[float, Field(ge=0, le=1e9)] = entry(
+        "characteristic variable load Q on each block, kN; ψ₂ Q acts with the permanent one", 0.0
     )
-    depth_m: Length | None = Field(default=None, description="out-of-plane depth, m, instead of [geometry]'s")
-    segments_per_joint: Segments | None = Field(
-        default=None, description="segments of each joint with contact points, instead of [geometry]'s"
+    use_category: kinds.UseCategory | None = absent(
+        'category of the variable load, NTC 2018 Tab. 2.5.I: A to H, "snow", "snow above 1000 m", "wind"; '
+        "I and K with psi_2"
     )
-    support: Name | None = Field(
-        default=None, description="the blocks of this layer are a support of this name"
-    )
-    vertical_load_kN: Load = Field(
-        default=0.0, description="permanent load G on each block of the layer, kN, downward, at its centroid"
-    )
-    variable_load_kN: Annotated[float, Field(ge=0, le=1e9)] = Field(
-        default=0.0,
-        description="characteristic variable load Q on each block, kN; ψ₂ Q acts with the permanent one",
-    )
-    use_category: UseCategory | None = Field(
-        default=None,
-        description='category of the variable load, NTC 2018 Tab. 2.5.I: A to H, "snow", "snow above 1000 m", "wind"; '
-        "I and K with psi_2",
-    )
-    psi_2: Share | None = Field(default=None, description="ψ₂, instead of that of use_category")
-    load_has_mass: bool = Field(default=True, description="the loads also count as seismic mass")
+    psi_2: kinds.Share | None = absent("ψ₂, instead of that of use_category")
+    load_has_mass: bool = entry("the loads also count as seismic mass", True)
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield upward loads with mass, and variable loads without ψ₂ (NTC 2018, §2.5.3, Tab. 2.5.I)."""
@@ -182,56 +143,44 @@ class LayerTable(Table):
 class RegionTable(LayerTable):
     """[[region]]: blocks whose centroid lies in an outline, with keys over those of their layer."""
 
-    name: Name = Field(description="name of the region")
-    outline_m: Annotated[tuple[Pair, ...], Field(strict=False, min_length=3, max_length=MOST_ENTRIES)] = (
-        Field(
-            description="x and z, m, of each corner of the outline; of a block in several regions the last one counts"
-        )
-    )
+    name: kinds.Name = entry("name of the region")
+    outline_m: Annotated[
+        tuple[kinds.Pair, ...], Field(strict=False, min_length=3, max_length=MOST_ENTRIES)
+    ] = entry("x and z, m, of each corner of the outline; of a block in several regions the last one counts")
 
 
 class ContactsTable(Table):
     """[contacts]: how joints slide, and whether blocks that are apart may come to touch."""
 
-    sliding: Literal["coulomb", "associative"] = Field(
-        default="coulomb",
-        description="coulomb: a joint that slides does not open; associative: it opens, as in the paper",
+    sliding: Literal["coulomb", "associative"] = entry(
+        "coulomb: a joint that slides does not open; associative: it opens, as in the paper", "coulomb"
     )
-    collisions: bool = Field(
-        default=True, description="blocks that are apart in the drawing may come to touch as they move"
-    )
+    collisions: bool = entry("blocks that are apart in the drawing may come to touch as they move", True)
 
 
 class ControlTable(Table):
     """[[control]]: a point whose displacement is followed; the first one is the default."""
 
-    name: Name = Field(description="name of the control point")
-    point_m: Pair = Field(description="x and z, m, in or on a block; the point moves with it")
+    name: kinds.Name = entry("name of the control point")
+    point_m: kinds.Pair = entry("x and z, m, in or on a block; the point moves with it")
 
 
 class SettlementTable(Table):
     """[[settlements]]: a support movement, and with it a state beside the state "original"."""
 
-    name: Name = Field(description="name of the settled state")
-    support: Annotated[Name, NameOf("support")] = Field(
-        description="the support that moves, as named in [layers]"
+    name: kinds.Name = entry("name of the settled state")
+    support: Annotated[kinds.Name, NameOf("support")] = entry("the support that moves, as named in [layers]")
+    displacement_m: kinds.Movement = entry("movement along x and z, m", (0.0, 0.0))
+    rotation_rad: kinds.Angle = entry("rotation about the support's centroid, anticlockwise, rad", 0.0)
+    increment_m: kinds.Step = entry("step of the largest component of the movement, m", 0.001)
+    increment_rad: kinds.AngleStep = entry("largest step of the rotation, rad", 0.001)
+    to_collapse: bool = entry("also look for the ultimate movement along the same direction", False)
+    after: Annotated[kinds.Name | None, NameOf("settlement")] = absent(
+        "name of the settlement in whose state this movement begins, and from which it counts; default as "
+        "drawn"
     )
-    displacement_m: Movement = Field(default=(0.0, 0.0), description="movement along x and z, m")
-    rotation_rad: Angle = Field(
-        default=0.0, description="rotation about the support's centroid, anticlockwise, rad"
-    )
-    increment_m: Step = Field(default=0.001, description="step of the largest component of the movement, m")
-    increment_rad: AngleStep = Field(default=0.001, description="largest step of the rotation, rad")
-    to_collapse: bool = Field(
-        default=False, description="also look for the ultimate movement along the same direction"
-    )
-    after: Annotated[Name | None, NameOf("settlement")] = Field(
-        default=None,
-        description="name of the settlement in whose state this movement begins, and from which it counts; default as "
-        "drawn",
-    )
-    steps: Annotated[int, Field(ge=2, le=100)] | None = Field(
-        default=None, description="review the capacity after each of so many equal parts of the movement too"
+    steps: Annotated[int, Field(ge=2, le=100)] | None = absent(
+        "review the capacity after each of so many equal parts of the movement too"
     )
 
     @property
@@ -296,37 +245,33 @@ class SettlementTable(Table):
 class PushoverTable(Table):
     """[pushover]: lateral loads proportional to weight, from every state."""
 
-    contacts: ContactsList = Field(default=("rigid",), description="contact models: rigid, elastic or both")
-    directions: Directions = Field(default=("+x", "-x"), description="directions of the lateral loads")
-    increment_m: Step = Field(default=0.001, description="step of the control point's displacement, m")
+    contacts: kinds.ContactsList = entry("contact models: rigid, elastic or both", ("rigid",))
+    directions: kinds.Directions = entry("directions of the lateral loads", ("+x", "-x"))
+    increment_m: kinds.Step = entry("step of the control point's displacement, m", 0.001)
     control: Annotated[
-        Name | Annotated[dict[Direction, Name], Field(min_length=1)] | None, NameOf("control point")
-    ] = Field(
-        default=None,
-        description='control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first',
-    )
+        kinds.Name | Annotated[dict[kinds.Direction, kinds.Name], Field(min_length=1)] | None,
+        NameOf("control point"),
+    ] = absent('control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first')
 
 
 class TieTable(Table):
     """[[tie]]: a tie rod (catena) between two points of blocks or supports; it pulls and never pushes."""
 
-    name: Name = Field(description="name of the tie")
-    from_m: Pair = Field(description="x and z, m, of one end as drawn, in or on a block")
-    to_m: Pair = Field(description="x and z, m, of the other end, in or on another block")
-    yield_force_kN: Yield = Field(
-        default=math.inf,
-        description="force, kN, at which it lengthens without bearing more: of bar, anchorage or masonry under the "
+    name: kinds.Name = entry("name of the tie")
+    from_m: kinds.Pair = entry("x and z, m, of one end as drawn, in or on a block")
+    to_m: kinds.Pair = entry("x and z, m, of the other end, in or on another block")
+    yield_force_kN: kinds.Yield = entry(
+        "force, kN, at which it lengthens without bearing more: of bar, anchorage or masonry under the "
         "plate, the least; inf (default): none",
+        math.inf,
         json_schema_extra=without_default,
     )
-    stiffness_kN_m: BarStiffness | None = Field(
-        default=None, description="stiffness E A / L of the whole tie, kN/m; absent: rigid"
+    stiffness_kN_m: kinds.BarStiffness | None = absent(
+        "stiffness E A / L of the whole tie, kN/m; absent: rigid"
     )
-    pretension_kN: Tension = Field(
-        default=0.0, description="tension, kN, when it is set; counts in elastic analyses only"
-    )
-    states: Annotated[Names | None, NameOf("state")] = Field(
-        default=None, description="states in which it is there; default every state, from the beginning"
+    pretension_kN: kinds.Tension = entry("tension, kN, when it is set; counts in elastic analyses only", 0.0)
+    states: Annotated[kinds.Names | None, NameOf("state")] = absent(
+        "states in which it is there; default every state, from the beginning"
     )
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
@@ -348,16 +293,10 @@ class ChangedLayerTable(Table):
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
-    friction: Friction | None = Field(default=None, description="tangent of the friction angle from then on")
-    normal_stiffness_kN_m3: Stiffness | None = Field(
-        default=None, description="normal stiffness from then on, kN/m³"
-    )
-    tangential_stiffness_kN_m3: Rigidity | None = Field(
-        default=None, description="tangential stiffness from then on, kN/m³"
-    )
-    compressive_strength_kN_m2: Strength | None = Field(
-        default=None, description="compressive strength from then on, kN/m²"
-    )
+    friction: kinds.Friction | None = absent("tangent of the friction angle from then on")
+    normal_stiffness_kN_m3: kinds.Stiffness | None = absent("normal stiffness from then on, kN/m³")
+    tangential_stiffness_kN_m3: kinds.Rigidity | None = absent("tangential stiffness from then on, kN/m³")
+    compressive_strength_kN_m2: kinds.Strength | None = absent("compressive strength from then on, kN/m²")
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield a change of nothing."""
@@ -368,10 +307,10 @@ class ChangedLayerTable(Table):
 class StrengtheningTable(Table):
     """[[strengthening]]: a state beside the one that it strengthens: its movement first, then ties and layers."""
 
-    name: Name = Field(description="name of the strengthened state, for `states` of its ties")
-    of: Name = Field(description='state that it strengthens: "original" or the name of a settlement')
-    layers: Annotated[dict[Name, ChangedLayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = Field(
-        default={}, description="layers whose joints it changes"
+    name: kinds.Name = entry("name of the strengthened state, for `states` of its ties")
+    of: kinds.Name = entry('state that it strengthens: "original" or the name of a settlement')
+    layers: Annotated[dict[kinds.Name, ChangedLayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = entry(
+        "layers whose joints it changes", {}
     )
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:

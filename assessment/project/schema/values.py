@@ -158,6 +158,16 @@ Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(unique)]
 Periods = Annotated[tuple[Seconds, Seconds], Field(strict=False)]
 
 
+def entry(meaning: str, default: Any = ..., **more: Any) -> Any:
+    """A key of a table with what it means, for the user: required, or with a default."""
+    return Field(default, description=meaning, **more)
+
+
+def absent(meaning: str, **more: Any) -> Any:
+    """A key of a table that may be left out; `meaning` says what holds then."""
+    return Field(None, description=meaning, **more)
+
+
 class Table(BaseModel):
     """A table of the project file: exact types, finite numbers, no other keys, not to be changed."""
 
