@@ -17,7 +17,7 @@ from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import write_files
 from assessment.project.consistency import attachment_problems
 from assessment.project.errors import project_error, schema_problems
-from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import commented_toml
 from assessment.project.project import load_project, survey_project
 from assessment.project.repair import with_repaired_drawing
 from assessment.project.schema import ProjectContent

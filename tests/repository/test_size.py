@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1900,
     "assessment/cli": 883,
     "assessment/ntc": 2750,
-    "assessment/project": 5658,
+    "assessment/project": 5494,
     "assessment/report": 8373,
     "assessment/results": 3962,
     "assessment/runtime": 1913,

@@ -6,8 +6,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.project.formats.comments import commented_toml
-from assessment.project.formats.toml import read_toml, updated_toml
+from assessment.project.formats.toml import commented_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
@@ -27,18 +26,17 @@ def source_bytes(source: str, content: Mapping[str, Any], marked: Collection[Key
 def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
     """Write a project's file in the other form; return it, and where the earlier one is kept.
 
-    `content`: the keys of the `old` file, which alone are written. A spreadsheet has no place for the comments of a
-    TOML file: they stay in the earlier file, and come back from it if the spreadsheet is turned into TOML again. Raises
+    `content`: the keys of the `old` file, which alone are written: comments stay in the file that is kept. Raises
     ProjectError where an earlier file is kept already, OSError where the folder cannot be written.
     """
     new = old.with_name(XLSX if old.name == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")
     if kept.exists() and not is_converted(old):
         raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
-    before = new.with_name(f"{new.name}.old")
-    written = _with_comments_of(before, content) or source_bytes(new.name, content)
     write_atomically(kept, old.read_bytes())
-    write_atomically(new, written)  # from here on `old` is_converted: a kill leaves nothing to be mended
+    write_atomically(
+        new, source_bytes(new.name, content)
+    )  # from here on `old` is_converted: a kill leaves nothing to be mended
     old.unlink()
     return new, kept
 
@@ -47,14 +45,3 @@ def is_converted(file: Path) -> bool:
     """Return whether a project file has been turned into its other form: what is kept of it is the file itself."""
     kept = file.with_name(f"{file.name}.old")
     return kept.is_file() and file_digest(kept) == file_digest(file)
-
-
-def _with_comments_of(earlier: Path, content: Mapping[str, Any]) -> bytes | None:
-    """Return the earlier TOML file of a project, its values changed to `content`; None without one that can be read."""
-    if earlier.suffixes[-2:] != [".toml", ".old"] or not earlier.is_file():
-        return None
-    try:
-        read_toml(earlier)  # what is refused here is nothing to parse
-        return updated_toml(earlier.read_text(encoding="utf-8-sig"), content).encode()
-    except ValueError:
-        return None

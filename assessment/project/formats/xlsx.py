@@ -22,7 +22,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic_core import PydanticUndefined
 
-from assessment.project.formats.comments import MARK, unset_keys
+from assessment.project.formats.toml import MARK, unset_keys
 from assessment.project.formats.workbook import Rows, read_sheets
 from assessment.project.schema import KeyPath, ProjectContent
 from assessment.project.schema.index import (

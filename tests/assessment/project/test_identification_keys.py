@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import commented_toml
 from assessment.project.formats.xlsx import read_xlsx, to_xlsx
 from assessment.project.project import ProjectError, load_project
 from assessment.project.structure.model import build_model

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from openpyxl import Workbook, load_workbook
 
-from assessment.project.formats.comments import commented_toml
+from assessment.project.formats.toml import commented_toml
 from assessment.project.formats.xlsx import ACTIVE, read_xlsx, to_xlsx
 from assessment.project.project import ProjectError, load_project
 from assessment.project.schema import ProjectContent
