@@ -89,7 +89,10 @@ def _row(
             dynamic_to_static=dynamic / nominal if dynamic is not None and nominal else None,
         )
         if original is not None and name != ORIGINAL:
-            row = row.replace(dynamic_loss=reduction(original.incremental.pga_collapse_g, dynamic))
+            loss = state.incremental.loss
+            row = row.replace(
+                dynamic_loss=loss.dynamic if loss else reduction(original.incremental.pga_collapse_g, dynamic)
+            )
     return row
 
 

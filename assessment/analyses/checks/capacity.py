@@ -165,7 +165,7 @@ def _assessed(
         made = made.replace(vertical=vertical)
     if demands.hazard is not None and "SLV" in demands.spectra:
         made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
-    if project.incremental:
+    if project.incremental or project.campaign:
         made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
     fit = capacity.fit
     if elastic is not None and fit.alpha_y is not None and fit.way is not None:

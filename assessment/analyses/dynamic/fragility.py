@@ -24,6 +24,7 @@ from mechanics.types import Array, Mask
 
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 PROBABILITIES = (0.16, 0.5, 0.84)
+BAND = (0.01, 0.05, 0.1, 0.16, 0.3, 0.5, 0.7, 0.84, 0.9, 0.95, 0.99)
 CONSIDERED = 0.7  # of the lowest collapse: gaps between levels below it are not told
 INFORMATION = 1.806  # ∫ φ²/(Φ(1 − Φ)): of levels evenly spaced by δ, of m in Φ((x − m)/β), times β δ
 SAMPLES, SEED = 1000, 2015
@@ -164,7 +165,7 @@ class RecordLevel:
 class Dispersion:
     """Median and β of a fragility, β of the records and within them; 95 % ranges, None of fewer than ENOUGH records.
 
-    `probable`: the levels of 16 and 84 %.
+    `band`: of the probabilities of BAND the 95 % bounds of the level at which they are reached; none without ranges.
     """
 
     median: float
@@ -173,6 +174,7 @@ class Dispersion:
     beta_ensemble: float
     median_range: list[float | None] | None
     beta_range: list[float | None] | None
+    band: tuple[tuple[float, float, float], ...] = ()
 
     @property
     def probable(self) -> tuple[float, float]:
@@ -200,11 +202,11 @@ def over_records(levels: Sequence[RecordLevel]) -> Dispersion | None:
 
     median, beta, beta_record, within = (float(value[0]) for value in fitted(np.ones((1, len(levels)))))
     names = list(dict.fromkeys(each.record for each in levels))
-    ranges: list[list[float | None] | None] = [None, None]
-    if len(names) >= ENOUGH:
-        samples = fitted(samples_of_records(np.array([names.index(each.record) for each in levels])))
-        ranges = [confidence(samples[0]), confidence(samples[1])]
-    return Dispersion(median, beta, beta_record, within, *ranges)
+    if len(names) < ENOUGH:
+        return Dispersion(median, beta, beta_record, within, None, None)
+    samples = fitted(samples_of_records(np.array([names.index(each.record) for each in levels])))
+    ranges = confidence(samples[0]), confidence(samples[1])
+    return Dispersion(median, beta, beta_record, within, *ranges, band_of(samples[0], samples[1]))
 
 
 class Lognormal(NamedTuple):
@@ -349,6 +351,17 @@ def _ratio(eta: Array) -> Array:
     """Return φ/Φ at `eta`, by the scaled complementary error function: accurate far out, too."""
     with np.errstate(over="ignore"):
         return np.asarray(np.sqrt(2.0 / np.pi) / erfcx(-eta / np.sqrt(2.0)))
+
+
+def band_of(median: Array, beta: Array) -> tuple[tuple[float, float, float], ...]:
+    """Return each probability of BAND with the bounds of the level that has it; `median` and `beta` (s,) of samples."""
+    found = []
+    for p in BAND:
+        with np.errstate(all="ignore"):
+            low, high = confidence(median * np.exp(beta * float(ndtri(p))))
+        if low is not None and high is not None:
+            found.append((p, low, high))
+    return tuple(found)
 
 
 def confidence(values: Array) -> list[float | None]:

@@ -16,7 +16,7 @@ from assessment.report.tables.synthesis import (
     worst_settled,
 )
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import indexed, label, written
+from assessment.report.text.quantities import COARSE, indexed, label, written
 from assessment.results.schema import Results
 from assessment.results.schema.summary import SummaryRow
 
@@ -112,14 +112,18 @@ def _open(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
-    """Yield the dynamic capacity beside the static one on the same reference, and the loss of each."""
+    """Yield the dynamic capacity beside the static one on the same reference, and what the motions lose of it."""
     row = least_row(results, name) or next(iter(rows_of(results, name)), None)
-    if row is None or row.dynamic_pga_g is None:
-        return
-    dynamic = words.number(row.dynamic_pga_g)
-    if row.static_nominal_pga_g is None:
-        yield words("synthesis.dynamic", dynamic=dynamic)
-    else:
-        yield words(
-            "synthesis.dynamic_static", dynamic=dynamic, static=words.number(row.static_nominal_pga_g)
-        )
+    if row is not None and row.dynamic_pga_g is not None:
+        dynamic = words.number(row.dynamic_pga_g)
+        if row.static_nominal_pga_g is None:
+            yield words("synthesis.dynamic", dynamic=dynamic)
+        else:
+            static = words.number(row.static_nominal_pga_g)
+            yield words("synthesis.dynamic_static", dynamic=dynamic, static=static)
+    whole = [each for each in (results.campaign.loss if results.campaign else []) if each.share == 1.0]
+    loss = results.states[name].incremental.loss or next((e for e in whole if e.settlement == name), None)
+    if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
+        low, high = (words.number(100.0 * (bound or 0.0), COARSE) for bound in loss.dynamic_range)
+        key = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
+        yield words(f"synthesis.{key}", loss=words.number(100.0 * loss.dynamic, COARSE), low=low, high=high)

@@ -12,7 +12,7 @@ from assessment.ntc.demand.return_period import EXCEEDANCE, USE_COEFFICIENT, ret
 from assessment.report.chapters.grid import Grid, grid, ranges_grid
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import index as tables
-from assessment.report.tables.campaign import reported_campaign
+from assessment.report.tables.campaign import measures, reported_campaign
 from assessment.report.tables.convergence import convergence_tables, reported
 from assessment.report.tables.dynamic import (
     energy,
@@ -111,6 +111,7 @@ def _tables(results: Results, words: Words) -> list[Table]:
         incremental(results),
         incremental_states(results),
         *reported_campaign(results),
+        measures(results),
         static_dynamic(results),
         *(reported(table, words) for table in convergence_tables(results)),
         tables.quality(results),

@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from assessment.report.figures.dynamic import FAINT as SHADE
+from assessment.report.figures.dynamic import draw_band
 from assessment.report.figures.style import DASHES, chart
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import COARSE, label
@@ -103,13 +105,16 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
         curve = ndtr(np.log(level / known(row.median_g)) / max(known(row.beta), 1e-3 * STEEP))
         mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
         mark["markerfacecolor"] = str(shade)
+        draw_band(axes, row.band or (), "0.0")
         axes.plot(level, curve, color="0.0", linestyle=dashes)
         axes.plot(*seen[row.share], linestyle="none", **mark)
         handles.append(Line2D([], [], linestyle=dashes, label=_curve_label(row, words), **mark))
     sa = words.plain("figure.sa", period=campaign.period_s)
     axes.set(xlabel=label("pga_g", words) if campaign.measure == "PGA" else sa, xlim=(start, top))
     axes.set(ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
-    figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
+    shaded = [Patch(color="0.0", alpha=SHADE, linewidth=0.0, label=words.plain("figure.fragility_band"))]
+    told: list[Artist] = [*handles, *(shaded if any(row.band for row in found) else [])]
+    figure.legend(handles=told, loc="lower center", ncols=1, handlelength=4.0)
     return figure
 
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
-from assessment.report.figures.style import DASHES, chart, sheet, state_style
+from assessment.report.figures.style import DASHES, chart, comma_ticks, sheet, state_style
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import label
 from assessment.results.configurations.outlines import outlines
@@ -26,6 +26,7 @@ MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 BAND = "0.82"  # grey between the members of an ensemble
 FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
 LEAST_M = 1e-5  # what an axis of displacements shows at least: where nothing moves, no rounding
+SHADE, FAINT = "0.0", 0.12  # of the bounds of a fragility: colour and opacity
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 
 
@@ -140,6 +141,8 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
         axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
+        if (d_0 := _ultimate(results, name)) and reach > 0.0:
+            _over_ultimate(axes, reach / d_0, words)
     for axes in panels[len(states) :]:
         axes.set_axis_off()
     names = [record.record for record in known(found[0].records)]
@@ -166,21 +169,42 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     return figure
 
 
+def _over_ultimate(axes: Axes, end: float, words: Words) -> None:
+    """Add a second axis inside the upper edge: displacements over d_0, up to `end`."""
+    beside = axes.twiny()
+    beside.set_xlim(0.0, end)
+    comma_ticks(beside, words)
+    beside.grid(visible=False)
+    beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
+    beside.text(0.99, 0.90, "d/d₀", transform=beside.transAxes, ha="right", fontsize="x-small", color="0.4")
+
+
+def _ultimate(results: Results, state: str) -> float | None:
+    """Return the least d_0 (m) of the rigid curves of a state whose control point is that of the motions."""
+    asked = (results.echo.incremental or {}).get("control") or (results.echo.control or [{}])[0].get("name")
+    pushed = [
+        each for each in results.states[state].pushover.values() if each.control == asked and each.rigid
+    ]
+    return min((d for each in pushed if (d := known(each.rigid).d_0_m)), default=None)
+
+
 def draw_fragility(results: Results, words: Words) -> Figure:
     """Draw the probability of collapse over PGA of each state: lognormal curve, and the 50 % levels it is fitted to."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
     found = fragile(results)
-    figure, (axes,) = chart(words, height_mm=75.0)
+    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=0.0)
     fits = [known(each.fragility) for each in found.values()]
-    top = max(fit.median_g * np.exp(max(2.0 * fit.dispersion, 0.1)) for fit in fits)
-    pga = np.linspace(1e-3 * top, top, 200)
+    top = max(fit.median_g * np.exp(max(2.5 * fit.dispersion, 0.1)) for fit in fits)
+    low = 0.9 * min(fit.median_g * np.exp(-max(2.5 * fit.dispersion, 0.1)) for fit in fits)
+    pga = np.linspace(low, top, 200)
     for number, (fit, (state, each)) in enumerate(zip(fits, found.items(), strict=True)):
         named = words.plain(
             "figure.fragility", state=words.state(state), median=fit.median_g, dispersion=fit.dispersion
         )
         curve = ndtr(np.log(pga / fit.median_g) / max(fit.dispersion, 1e-3))
         style = state_style(number)
+        draw_band(axes, fit.band or (), style.color)
         axes.plot(pga, curve, label=named, **style.keywords)
         signs = [part for record in known(each.records) for part in record.signs]
         fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
@@ -188,9 +212,19 @@ def draw_fragility(results: Results, words: Words) -> Figure:
         axes.plot(fallen, share, linestyle="none", marker="o", markersize=3.5, color=style.color,
                   markerfacecolor="1.0" if state != "original" else style.color)  # fmt: skip
     axes.set(xlabel=label("pga_g", words), ylabel=words.plain("figure.probability"))
-    axes.set(xlim=(0.0, top), ylim=(0.0, 1.0))
-    figure.legend(loc="lower center", ncols=1)
+    axes.set(xlim=(low, top), ylim=(0.0, 1.0))
+    if any(fit.band for fit in fits):
+        axes.fill_between(
+            [], [], color=SHADE, alpha=FAINT, linewidth=0.0, label=words.plain("figure.fragility_band")
+        )
+    axes.legend(loc="lower right")
     return figure
+
+
+def draw_band(axes: Axes, band: Sequence[Sequence[float]], color: str) -> None:
+    """Shade between the bounds of the level at which each probability is reached."""
+    p, low, high = (list(each) for each in zip(*band, strict=True)) if band else ([], [], [])
+    axes.fill_betweenx(p, low, high, color=color, alpha=FAINT, linewidth=0.0)
 
 
 def shaken(results: Results, record: str) -> dict[str, History]:

@@ -10,6 +10,7 @@ from xml.sax.saxutils import escape
 from assessment.report.tables.dynamic import bands
 from assessment.results.schema import Results
 from assessment.results.schema.campaign import CampaignCombination
+from assessment.results.schema.dynamic import MeasureFit
 from assessment.results.table import Row, Table, cells
 
 PLACE = ("settlement", "share", "movement_m")
@@ -26,8 +27,8 @@ FRAGILITY = (
     "beta_high", "beta_record", "beta_ensemble",
 )  # fmt: skip
 LOSS = (
-    *PLACE, "rule", "pga_collapse_g", "dynamic_loss", "dynamic_loss_low", "dynamic_loss_high", "left_out",
-    "static_loss",
+    *PLACE, "rule", "pga_collapse_g", "dynamic_loss", "dynamic_loss_low", "dynamic_loss_high",
+    "distinguishable", "left_out", "static_loss",
 )  # fmt: skip
 MODEL = """<?xml version="1.0" encoding="utf-8"?>
 <nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
@@ -42,6 +43,9 @@ FUNCTION = """    <fragilityFunction id="{id}" format="continuous" shape="logncd
       <params ls="collapse" mean="{mean:.6g}" stddev="{stddev:.6g}"/>
     </fragilityFunction>
 """
+MEASURES = (
+    "analysis", "state", "share", "measure", "unit", "median_of_measure", "beta_of_measure", "efficient"
+)  # fmt: skip
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
 OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are none
 
@@ -54,6 +58,7 @@ def campaign_tables(results: Results) -> list[Table]:
         points(results),
         fragilities(results),
         losses(results),
+        measures(results),
     ]
 
 
@@ -98,6 +103,27 @@ def fragilities(results: Results) -> Table:
     return Table("campaign_fragility", rows, FRAGILITY)
 
 
+def measures(results: Results) -> Table:
+    """List the fragilities by every measure of intensity; the most efficient one has the least β."""
+    fits: list[tuple[Row, Sequence[MeasureFit]]] = [
+        ({"analysis": "incremental", "state": name}, fit.measures)
+        for name, state in results.states.items()
+        if (fit := state.incremental.fragility)
+    ]
+    fits += [
+        ({"analysis": "campaign", "state": row.settlement, "share": row.share}, row.measures)
+        for number, row in enumerate(results.campaign.fragility if results.campaign else [])
+        if row.share > 0.0 or number == 0
+    ]
+    rows = []
+    for place, own in fits:
+        least = min((each.beta for each in own if each.beta is not None), default=None)
+        for each in own:
+            found = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
+            rows.append(found | {"median_of_measure": each.median, "beta_of_measure": each.beta})
+    return Table("fragility_measures", rows, MEASURES)
+
+
 def fragility_model(results: Results) -> str | None:
     """Return the fragilities as a fragility model of OpenQuake (NRML 0.5), None if there are none.
 
@@ -129,6 +155,7 @@ def losses(results: Results) -> Table:
         low, high = each.dynamic_range
         found = cells(each, (*PLACE, "left_out"))
         found |= {"dynamic_loss": each.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
+        found |= cells(each, ["distinguishable"]) if each.distinguishable is not None else {}
         found |= {"static_loss": each.static}
         if fit.rule:
             found |= cells(fit, ("rule", "pga_collapse_g"))

@@ -5,18 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.dynamic import History, Incremental, Range, Scanned
-from assessment.results.table import (
-    COMPARISON,
-    Row,
-    Table,
-    brought_together,
-    cells,
-    quoted_limit_state,
-    reduction,
-    static_pga,
-)
+from assessment.results.schema.campaign import Campaign
+from assessment.results.schema.dynamic import History, Incremental, Loss, Range, Scanned
+from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
 HISTORY = (
     "state", "record", "pga_g", "contacts", "control", "peak_displacement_m", "residual_displacement_m", "collapsed",
@@ -45,7 +36,10 @@ OF_STATES = (
     "state", "records", "mean_pga_collapse_g", "lowest_pga_collapse_g", "pga_collapse_g", "pga_all_collapse_g",
     "median_g", "dispersion",
 )  # fmt: skip
-COMPARED = (*COMPARISON, "dynamic_loss_low", "dynamic_loss_high", "static_surface_pga_g", "dynamic_to_static")
+OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
+COMPARED = (
+    "state", "analysis", "direction", "limit_state", "pga_surface_g", "over_static", "level_50_g", *OF_LOSS
+)  # fmt: skip
 
 
 def dynamic_tables(results: Results) -> list[Table]:
@@ -163,32 +157,66 @@ def incremental_curves(results: Results) -> Table:
 
 
 def static_dynamic(results: Results) -> Table:
-    """Set the PGA of the static check beside that of the incremental analysis, with what a settlement costs.
+    """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
 
-    They are compared without confidence factor: `static_surface_pga_g`.
+    The level of 50 % is the median of the fragility, and the loss of motions that of these levels, of each record by
+    itself. `over_static` is over the least static capacity of the state.
     """
-    original = results.states.get("original")
     rows: list[Row] = []
-    for name, incremental_of_state in _incrementals(results):
-        state, dynamic = results.states[name], incremental_of_state.pga_collapse_g
-        known: list[tuple[Direction | None, Capacity | None]] = [*state.capacity.items()] or [(None, None)]
-        for direction, capacity in known:
-            static = static_pga(capacity)
-            compared: Row = {"state": name, "direction": direction}
-            compared["limit_state"] = quoted_limit_state(capacity.checks) if capacity else None
-            compared |= {"static_pga_g": static, "dynamic_pga_g": dynamic}
-            if name != "original" and not state.strengthening:  # whose reduction is not that of a settlement
-                before = original.capacity.get(direction) if original and direction else None
-                compared["static_reduction"] = reduction(static_pga(before), static)
-                whole = original.incremental.pga_collapse_g if original else None
-                compared["dynamic_reduction"] = reduction(whole, dynamic)
-                bounds = (
-                    incremental_of_state.loss.dynamic_range if incremental_of_state.loss else (None, None)
-                )
-                compared["dynamic_loss_low"], compared["dynamic_loss_high"] = bounds
-            nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
-            rows.append(compared | brought_together(nominal, dynamic))
+    for name, state in results.states.items():
+        shaken = [*_of_incremental(state.incremental), *_of_campaign(results.campaign, name)]
+        if not shaken:
+            continue
+        static = list(_of_check(name, results))
+        known = [row["pga_surface_g"] for row in static if row["pga_surface_g"] is not None]
+        gone = OF_LOSS if name == "original" else ()
+        for row in (*static, *shaken):
+            if known and row.get("pga_surface_g") is not None:
+                row["over_static"] = row["pga_surface_g"] / min(known)
+            rows.append({"state": name} | {key: value for key, value in row.items() if key not in gone})
     return Table("static_dynamic", rows, COMPARED)
+
+
+def _of_check(name: str, results: Results) -> Iterator[Row]:
+    """Yield the static capacity of a state in each direction, with its loss."""
+    original = results.states.get("original")
+    for direction, capacity in results.states[name].capacity.items():
+        before = original.capacity.get(direction) if original else None
+        was, now = (each.nominal if each else None for each in (before, capacity))
+        row: Row = {"analysis": "static_check", "direction": direction}
+        row["limit_state"] = quoted_limit_state(capacity.checks)
+        row["pga_surface_g"] = now.pga_g if now else None
+        if not results.states[name].strengthening:  # whose reduction is not that of a settlement
+            row["capacity_loss"] = reduction(was.pga_g if was else None, row["pga_surface_g"])
+        yield row
+
+
+def _of_incremental(found: Incremental) -> Iterator[Row]:
+    """Yield what the incremental analysis of a state came to."""
+    if found.records is not None:
+        median = found.fragility.median_g if found.fragility else None
+        row: Row = {"analysis": "incremental", "pga_surface_g": found.pga_collapse_g, "level_50_g": median}
+        yield row | lost(found.loss)
+
+
+def _of_campaign(campaign: Campaign | None, name: str) -> Iterator[Row]:
+    """Yield what a campaign came to in a state of the project: after none of a movement, or the whole."""
+    for fit, loss in zip(campaign.fragility, campaign.loss, strict=True) if campaign else ():
+        if (fit.settlement, fit.share) == (name, 1.0) or (name, fit.share) == ("original", 0.0):
+            row: Row = {"analysis": "campaign", "pga_surface_g": fit.pga_collapse_g}
+            if campaign and campaign.measure == "PGA":
+                row["level_50_g"] = fit.median_g
+            yield row | lost(loss)
+            return
+
+
+def lost(loss: Loss | None) -> Row:
+    """Return the loss of motions, its bounds, and whether it is distinguishable from none."""
+    if loss is None or loss.dynamic is None:
+        return {}
+    low, high = loss.dynamic_range
+    row: Row = {"capacity_loss": loss.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
+    return row | ({} if loss.distinguishable is None else {"distinguishable": loss.distinguishable})
 
 
 def bands(found: Scanned, range_: Range | None) -> Row:

@@ -84,13 +84,14 @@ WRITERS: Mapping[
     "hypothesis": _hypothesis,
     "stage": lambda value, words: ", ".join(words.name("value", part) for part in value.split(", ")),
     "verified": lambda value, words: words.plain(f"value.{'verified' if value else 'not_verified'}"),
+    "distinguishable": lambda value, words: words.plain(f"value.{'distinct' if value else 'indistinct'}"),
     "kind": lambda value, words: words.plain(f"value.{value}_spectrum"),
     "scaling": lambda value, words: words.plain(f"value.scaling_{value.replace('-', '_')}"),
     "macro_element": lambda value, words: words.plain("value.whole_structure") if value == WHOLE else value,
     "return_period_years": _return_period,
     "T_SLV_years": _return_period,
     "share": lambda value, words: words.comma(f"{100.0 * value:g}"),
-    **dict.fromkeys(("contacts", "property", "rule", "measured_kind"), _named("value")),
+    **dict.fromkeys(("analysis", "contacts", "property", "rule", "measured_kind"), _named("value")),
     **dict.fromkeys(("use_category", "integrator"), _named("setting")),
 }
 

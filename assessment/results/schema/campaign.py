@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assessment.results.schema.dynamic import Loss, MeasureFit, Range, Scanned
+from assessment.results.schema.dynamic import Bound, Loss, MeasureFit, Range, Scanned
 from assessment.results.schema.part import Part, Sentence, key, optional
 
 
@@ -84,6 +84,7 @@ class CampaignFragility(Part):
     )
     level_16_g: float | None = key("level of which 16 % collapse", "g")
     level_84_g: float | None = key("level of which 84 % collapse", "g")
+    band: list[Bound] | None = optional("as of `incremental.fragility`, of the measure", "–, g")
     measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
     rule: str | None = key(
         "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or stripes",

@@ -7,6 +7,8 @@ from assessment.results.schema.part import Configuration, Part, Point, Sentence,
 
 Range = list[float | None]
 """Least and largest of the members of an ensemble; null: a collapse, beyond any value."""
+Bound = list[float]
+"""A probability and two levels."""
 
 
 class Motion(Part):
@@ -253,7 +255,7 @@ class Search(Scanned):
 class MeasureFit(Part):
     """`measures[]`: the level at collapse by a measure of intensity; the smaller β, the more efficient the measure."""
 
-    measure: str = key("PGA, PGV, Sa(T) or AvgSa")
+    measure: str = key("PGA, PGV, Sa(T) or AvgSa", label=("Misura", "Measure"))
     unit: str = key("g or m/s")
     period_s: float | None = key("T of Sa(T); null: none", "s")
     median: float | None = key("median, in `unit`", "g or m/s")
@@ -275,6 +277,9 @@ class Fragility(Part):
     level_84_g: float | None = key("level of which 84 % collapse", "g")
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "g")
     beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "–")
+    band: list[Bound] | None = optional(
+        "probability, and the 95 % bounds of the level that has it; empty: few records", "–, g"
+    )
     measures: list[MeasureFit] = key("the same levels by other measures of the records")
 
 
@@ -285,7 +290,9 @@ class Loss(Part):
     dynamic_range: Range = key(
         "95 % of the bootstrap, with what each level is known to; null: not known", "–"
     )
-    distinguishable: bool | None = key("whether the range leaves zero out; null: no range")
+    distinguishable: bool | None = key(
+        "whether the range leaves zero out; null: no range", label=("Da una perdita nulla", "From no loss")
+    )
     left_out: int = key("combinations that are not known on both sides", label=("Escluse", "Left out"))
 
 

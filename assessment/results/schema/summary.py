@@ -59,7 +59,7 @@ class SummaryRow(Part):
     static_nominal_pga_g: float | None = optional("the same with F_C = 1, as `dynamic_pga_g` has none", "g")
     dynamic_pga_g: float | None = optional("PGA at collapse by [incremental]; null: none found", "g")
     dynamic_loss: float | None = optional(
-        "1 − PGA/PGA(original) at collapse; null: not determined",
+        "`incremental.loss.dynamic`, of the levels of 50 %; without one 1 − PGA/PGA(original); null: not determined",
         "–",
         ("Perdita dinamica, mediana", "Dynamic loss, median"),
         shown="%",

@@ -167,5 +167,6 @@ def _fragility(
         level_84_g=high,
         median_range=fit.median_range,
         beta_range=fit.beta_range,
+        band=[list(each) for each in fit.band],
         measures=measures.fits(levels, ratios) if measures else [],
     )

@@ -15,6 +15,7 @@ from assessment.analyses.dynamic.fragility import (
     Dispersion,
     RecordLevel,
     Standard,
+    band_of,
     confidence,
     fit_stripes,
     over_records,
@@ -69,6 +70,7 @@ def fragility_of(
         median_range=fit.median_range if fit else None,
         beta=fit.beta if fit else None,
         beta_range=fit.beta_range if fit else None,
+        band=[list(each) for each in fit.band] if fit else [],
         beta_record=scanned.beta_record if scanned else None,
         beta_ensemble=scanned.beta_ensemble if scanned else None,
         level_16_g=low,
@@ -103,12 +105,12 @@ def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -
     if not (0.0 < median < math.inf and math.isfinite(beta)):
         return None
     names = list(dict.fromkeys(each.record for each in known))
-    ranges: list[list[float | None] | None] = [None, None]
-    if len(names) >= ENOUGH:
-        weights = samples_of_records(np.array([names.index(each.record) for each in known]))
-        samples = fit_stripes(np.array(levels), fallen, weights)
-        ranges = [confidence(samples.median), confidence(samples.beta)]
-    return Dispersion(median, beta, beta, 0.0, *ranges)
+    if len(names) < ENOUGH:
+        return Dispersion(median, beta, beta, 0.0, None, None)
+    weights = samples_of_records(np.array([names.index(each.record) for each in known]))
+    samples = fit_stripes(np.array(levels), fallen, weights)
+    ranges = confidence(samples.median), confidence(samples.beta)
+    return Dispersion(median, beta, beta, 0.0, *ranges, band_of(samples.median, samples.beta))
 
 
 def standard_of(rows: Sequence[CampaignCombination]) -> Standard:

@@ -11,6 +11,7 @@ import pytest
 from scipy.special import ndtr
 
 from assessment.cli.summary import dynamic_lines
+from assessment.report.chapters.answer import lead
 from assessment.report.chapters.grid import grid
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
@@ -23,6 +24,7 @@ from assessment.report.figures.campaign import (
 )
 from assessment.report.figures.index import pictures
 from assessment.report.tables.campaign import LOSS, campaign_tables, fragility_model, reported_campaign
+from assessment.report.tables.dynamic import static_dynamic
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.report.text.quantities import heading
 from assessment.results.schema import Campaign
@@ -290,7 +292,7 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
     html = render_html(typed(results), tmp_path, words)
     start = html.index(f"<h3>{words('section.campaign')}")
     text = html[start : html.index("<h2", start + 4)]
-    assert text.count("<figure ") == 2 and text.count("<caption>") == 3
+    assert text.count("<figure ") == 2 and text.count("<caption>") == 4
     assert words("section.campaign") in text and words("text.campaign_failures", count=1) in text
     assert words(f"text.campaign_loss_{method}") in text.replace("\xa0", " ")
     assert ("§7.3.5" in text) == (method == "incremental")
@@ -407,3 +409,19 @@ def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():
     loss = {"dynamic": 0.01, "dynamic_range": [-0.02, 0.05], "distinguishable": False, "left_out": 0}
     results["states"][SETTLED]["incremental"]["loss"] = loss
     assert {"campaign_indistinct", "incremental_indistinct"} <= set(hold(results))
+
+
+def test_static_check_incremental_analysis_and_campaign_stand_on_one_reference():
+    """A reader found a gain of 2 % beside a loss of 17 %: each loss has its bounds, and says if it is one."""
+    results = results_with_campaign()
+    loss = next(row for row in results["campaign"]["loss"] if row["share"] == 1.0)
+    loss |= {"dynamic": 0.02, "dynamic_range": [-0.05, 0.1], "distinguishable": False}
+    rows = static_dynamic(typed(results)).rows
+    settled = {row["analysis"]: row for row in rows if row["state"] == SETTLED}
+    told = settled["campaign"]
+    assert (told["capacity_loss"], told["dynamic_loss_low"], told["distinguishable"]) == (0.02, -0.05, False)
+    assert told["level_50_g"] == pytest.approx(results["campaign"]["fragility"][-1]["median_g"])
+    assert {row["analysis"] for row in rows if row["state"] == "original"} >= {"campaign"}
+    assert all("capacity_loss" not in row for row in rows if row["state"] == "original")
+    sentences = " ".join(lead(typed(results), words_of(typed(results))))
+    assert "non è distinguibile" in sentences

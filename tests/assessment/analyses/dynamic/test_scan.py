@@ -201,3 +201,12 @@ def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
     assert found.counts.motions == len(found.points) and found.counts.steps > 0 and found.worst < 1e-6
     assert all((point.peak_displacement_m is None) == point.collapsed for point in found.points)
     assert not found.failures and found.reason is None
+
+
+def test_the_band_of_a_fragility_is_that_of_its_samples():
+    levels = [RecordLevel(str(k), 0.3 * 1.1**k, False, 0.0) for k in range(7)]
+    found = over_records(levels)
+    half = next(bounds for p, *bounds in found.band if p == 0.5)
+    assert half == found.median_range
+    assert [low for _, low, _ in found.band] == sorted(low for _, low, _ in found.band)
+    assert not over_records(levels[:2]).band  # two records tell no range
