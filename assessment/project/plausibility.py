@@ -38,6 +38,9 @@ HEAVIEST_TIE = 2000.0  # kN: more than anchorages in masonry bear
 STEEL = 2.1e8  # kN/m²: modulus of elasticity
 YIELDS = (1e5, 1.5e6)  # kN/m²: from wrought iron of poor quality to prestressing bars
 BARS = (2e-5, 0.02)  # m²: sections, of a bar of 5 mm to one of 160 mm
+Told = tuple[str, Message]
+"""A key, and what is told of it."""
+
 UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of weight or mass, in kN/m³
 
 
@@ -60,12 +63,10 @@ def implausible(project: Project, model: Assembly) -> list[Message]:
         low_factor = message(
             "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
             "left out, as here; write {meant}, or give compressive_strength_kN_m2 (motions then need elastic contacts)",
-            factor=assessment.confidence_factor,
-            least=LC1,
-            meant=f"{LC1:g}",
-        )
-        found.append(headed("assessment.confidence_factor", low_factor))
-    return [headed(project.source, text) for text in found]
+            factor=assessment.confidence_factor, least=LC1, meant=f"{LC1:g}",
+        )  # fmt: skip
+        found.append(("assessment.confidence_factor", low_factor))
+    return [headed(project.source, headed(key, text)) for key, text in found]
 
 
 def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> list[Message]:
@@ -87,61 +88,62 @@ def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> lis
         for name, each in numbers.items()
     }
     found = [*_place(site.latitude, site.longitude), *_hazards(values)]
-    return [headed(project.source, text) for text in found]
+    return [headed(project.source, headed(key, text)) for key, text in found]
 
 
-def _sizes(project: Project, size: float) -> Iterator[Message]:
+def _sizes(project: Project, size: float) -> Iterator[Told]:
     if not SIZES[0] <= size <= SIZES[1]:
-        large = message(
+        told = message(
             'with "{own}" the structure is {size:.3g} m large; write the unit of the drawing',
-            own=project.geometry.unit,
-            size=size,
-        )
-        yield headed("geometry.unit", large)
+            own=project.geometry.unit, size=size,
+        )  # fmt: skip
+        yield "geometry.unit", told
     depths = {"geometry": project.geometry.depth_m}
     depths |= {name: part.depth_m for name, part in project.parts.items() if part.depth_m}
     for table, depth in depths.items():
         if depth > DEEPEST:
-            deep = message(
+            told = message(
                 "{size:g} m out of plane; write {meant} if mm were meant",
-                size=depth,
-                meant=f"{1e-3 * depth:g}",
-            )
-            yield headed(f"{table}.depth_m", deep)
+                size=depth, meant=f"{1e-3 * depth:g}",
+            )  # fmt: skip
+            yield f"{table}.depth_m", told
 
 
-def _materials(project: Project) -> Iterator[Message]:
+def _materials(project: Project) -> Iterator[Told]:
     tables: dict[str, MaterialTable | LayerTable] = {"material": project.material, **project.parts}
     for table, values in tables.items():
         weight, friction = values.unit_weight_kN_m3, values.friction
         if weight is not None and not LIGHT <= weight <= HEAVY:
-            meant = next(((u, f * weight) for u, f in UNITS if LIGHT <= f * weight <= HEAVY), None)
-            hint = (
-                message("write {meant} if {unit} were meant", unit=meant[0], meant=f"{meant[1]:.3g}")
-                if meant
-                else message("masonry has {least:g} to {most:g}", least=LIGHT, most=HEAVY)
+            meant = [(u, f"{f * weight:.3g}") for u, f in UNITS if LIGHT <= f * weight <= HEAVY]
+            hint = _if_meant(*meant[:1]) or message(
+                "masonry has {least:g} to {most:g}", least=LIGHT, most=HEAVY
             )
             odd = message("{weight:g} kN/m³ is no masonry's; {hint}", weight=weight, hint=hint)
-            yield headed(f"{table}.unit_weight_kN_m3", odd)
+            yield f"{table}.unit_weight_kN_m3", odd
         if friction is not None and STEEPEST < friction < math.inf:
-            degrees = math.degrees(math.atan(friction))
             hint = message("stone on stone has 0.4 to 0.8; write inf where joints do not slide")
             if ANGLES[0] <= friction < ANGLES[1]:
+                tangent = f"{math.tan(math.radians(friction)):.2g}"
                 hint = message(
-                    "write {meant} if an angle of {angle:g}° was meant",
-                    meant=f"{math.tan(math.radians(friction)):.2g}",
-                    angle=friction,
+                    "write {meant} if an angle of {angle:g}° was meant", meant=tangent, angle=friction
                 )
+            degrees = math.degrees(math.atan(friction))
             steep = message(
                 "{friction:g} is the tangent of {angle:.3g}°; {hint}",
                 friction=friction,
                 angle=degrees,
                 hint=hint,
             )
-            yield headed(f"{table}.friction", steep)
+            yield f"{table}.friction", steep
 
 
-def _soft(project: Project, model: Assembly) -> Iterator[Message]:
+def _if_meant(*meant: tuple[str, str]) -> Message | None:
+    """Return the remedy where a value was given in another unit: those that would do, and the value in each."""
+    hints = [message("write {meant} if {unit} were meant", meant=text, unit=unit) for unit, text in meant]
+    return linked(hints) if hints else None
+
+
+def _soft(project: Project, model: Assembly) -> Iterator[Told]:
     """Warn of beds so soft that what lies on the supports sinks into them; the weight is taken to be spread evenly."""
     joints = model.joints
     depth = np.array([block.depth for block in model.blocks])
@@ -162,47 +164,39 @@ def _soft(project: Project, model: Assembly) -> Iterator[Message]:
         if share > max(SUNK, worst.get(table, (0.0,))[0]):
             worst[table] = (share, block, stiffness or 0.0)
     for table, (share, block, stiffness) in worst.items():
-        soft = message(
+        told = message(
             "with {stiffness:g} kN/m³ the weight alone presses block {block} into its bed by {share:.2g} of its "
             "height, more than a hundredth; 1 N/mm³ is 1e6 kN/m³",
-            stiffness=stiffness,
-            block=block,
-            share=share,
-        )
-        yield headed(f"{table}.normal_stiffness_kN_m3", soft)
+            stiffness=stiffness, block=block, share=share,
+        )  # fmt: skip
+        yield f"{table}.normal_stiffness_kN_m3", told
 
 
-def _movement(key: str, settlement: SettlementTable, size: float) -> Iterator[Message]:
+def _movement(key: str, settlement: SettlementTable, size: float) -> Iterator[Told]:
     largest, turn = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
     if largest > size:
-        far = message(
+        told = message(
             "{movement:g} m is more than the whole structure ({size:.3g} m); write {meant} if mm were meant",
-            movement=largest,
-            size=size,
-            meant=f"{1e-3 * largest:g}",
-        )
-        yield headed(f"{key}.displacement_m", far)
+            movement=largest, size=size, meant=f"{1e-3 * largest:g}",
+        )  # fmt: skip
+        yield f"{key}.displacement_m", told
     if turn > TURN:
-        turned = message(
+        told = message(
             "{turn:g} rad are {angle:.3g}°; write {degrees} if degrees were meant, {mrad} if mrad",
-            turn=turn,
-            angle=math.degrees(turn),
-            degrees=f"{math.radians(turn):.3g}",
-            mrad=f"{1e-3 * turn:g}",
-        )
-        yield headed(f"{key}.rotation_rad", turned)
+            turn=turn, angle=math.degrees(turn), degrees=f"{math.radians(turn):.3g}", mrad=f"{1e-3 * turn:g}",
+        )  # fmt: skip
+        yield f"{key}.rotation_rad", told
 
 
-def _tie(key: str, tie: TieTable) -> Iterator[Message]:
+def _tie(key: str, tie: TieTable) -> Iterator[Told]:
     """Warn of a yield force, and of a stiffness E A/L, that no bar has: A from the yield force where it is known."""
     strength, stiffness = tie.yield_force_kN, tie.stiffness_kN_m
     if HEAVIEST_TIE < strength < math.inf:
         strong = message(
             "{force:g} kN is more than anchorages in masonry bear; write {meant} if N were meant",
-            force=strength,
-            meant=f"{1e-3 * strength:g}",
-        )
-        yield headed(f"{key}.yield_force_kN", strong)
+            force=strength, meant=f"{1e-3 * strength:g}",
+        )  # fmt: skip
+        yield f"{key}.yield_force_kN", strong
     if stiffness is None:
         return
     length = math.dist(tie.from_m, tie.to_m)
@@ -213,21 +207,16 @@ def _tie(key: str, tie: TieTable) -> Iterator[Message]:
     bar = message("{length:.3g} m", length=length)
     if strength < math.inf:
         bar = message("{length:.3g} m that yields at {force:g} kN", length=length, force=strength)
-    hint = message("write that of bar and anchorages")
-    if least <= 1e-3 * stiffness <= most:
-        hint = message("write {meant} if {unit} were meant", meant=f"{1e-3 * stiffness:g}", unit="N/m")
+    meant = [("N/m", f"{1e-3 * stiffness:g}")] if least <= 1e-3 * stiffness <= most else []
     odd = message(
         "{stiffness:g} kN/m is not E A/L of a steel bar of {bar}, {least:.2g} to {most:.2g}; {hint}",
-        stiffness=stiffness,
-        bar=bar,
-        least=least,
-        most=most,
-        hint=hint,
-    )
-    yield headed(f"{key}.stiffness_kN_m", odd)
+        stiffness=stiffness, bar=bar, least=least, most=most,
+        hint=_if_meant(*meant) or message("write that of bar and anchorages"),
+    )  # fmt: skip
+    yield f"{key}.stiffness_kN_m", odd
 
 
-def _place(latitude: float | None, longitude: float | None) -> Iterator[Message]:
+def _place(latitude: float | None, longitude: float | None) -> Iterator[Told]:
     if latitude is None or longitude is None:
         return
     (south, north), (west, east) = ITALY
@@ -235,67 +224,48 @@ def _place(latitude: float | None, longitude: float | None) -> Iterator[Message]
         swapped = message(
             "{latitude:g}, with longitude {longitude:g}, is not in Italy; "
             "if they are swapped write latitude = {north}, longitude = {east}",
-            latitude=latitude,
-            longitude=longitude,
-            north=f"{longitude:g}",
-            east=f"{latitude:g}",
-        )
-        yield headed("assessment.site.latitude", swapped)
+            latitude=latitude, longitude=longitude, north=f"{longitude:g}", east=f"{latitude:g}",
+        )  # fmt: skip
+        yield "assessment.site.latitude", swapped
 
 
-def _hazards(values: Mapping[str, tuple[str, Hazard]]) -> Iterator[Message]:
+def _hazards(values: Mapping[str, tuple[str, Hazard]]) -> Iterator[Told]:
     """Warn of hazards (key, values) by limit state that no node of Allegato B has at their return period."""
+    compare = message("compare it with the hazard of the site")
     for limit_state, (key, hazard) in values.items():
         least, most = hazard_range(hazard.return_period)
         if not (1.0 - ROUNDED) * least.ag <= hazard.ag <= (1.0 + ROUNDED) * most.ag:
-            units = {"m/s²": hazard.ag / GRAVITY, "g/10": hazard.ag / 10.0}
-            meant = [(unit, each) for unit, each in units.items() if least.ag <= each <= most.ag]
-            hint = linked(
-                [message("write {meant} if {unit} were meant", meant=f"{g:.3g}", unit=u) for u, g in meant]
-                or [message("compare it with the hazard of the site")]
-            )
+            units = (("m/s²", hazard.ag / GRAVITY), ("g/10", hazard.ag / 10.0))
             odd = message(
                 "{ag:g} g at {limit} is outside {least:.3g} to {most:.3g} g, which Italian sites have at {period:.0f} "
                 "years (Allegato B); {hint}",
-                ag=hazard.ag,
-                limit=limit_state,
-                least=least.ag,
-                most=most.ag,
-                period=hazard.return_period,
-                hint=hint,
-            )
-            yield headed(f"{key}.ag_g", odd)
+                ag=hazard.ag, limit=limit_state, least=least.ag, most=most.ag, period=hazard.return_period,
+                hint=_if_meant(*((u, f"{g:.3g}") for u, g in units if least.ag <= g <= most.ag)) or compare,
+            )  # fmt: skip
+            yield f"{key}.ag_g", odd
         if not F0_RANGE[0] <= hazard.F0 <= F0_RANGE[1]:
             odd = message(
                 "{value:g} is outside {least:g} to {most:g}, which Italian sites have (Allegato B); correct it",
-                value=hazard.F0,
-                least=F0_RANGE[0],
-                most=F0_RANGE[1],
-            )
-            yield headed(f"{key}.F0", odd)
+                value=hazard.F0, least=F0_RANGE[0], most=F0_RANGE[1],
+            )  # fmt: skip
+            yield f"{key}.F0", odd
         if not TC_RANGE[0] <= hazard.Tc_star <= TC_RANGE[1]:
-            milliseconds = TC_RANGE[0] <= 1e-3 * hazard.Tc_star <= TC_RANGE[1]
+            meant = (
+                [("ms", f"{1e-3 * hazard.Tc_star:g}")]
+                if TC_RANGE[0] <= 1e-3 * hazard.Tc_star <= TC_RANGE[1]
+                else []
+            )
             odd = message(
                 "{value:g} s is outside {least:g} to {most:g} s, which Italian sites have (Allegato B); {hint}",
-                value=hazard.Tc_star,
-                least=TC_RANGE[0],
-                most=TC_RANGE[1],
-                hint=message(
-                    "write {meant} if {unit} were meant", meant=f"{1e-3 * hazard.Tc_star:g}", unit="ms"
-                )
-                if milliseconds
-                else message("compare it with the hazard of the site"),
-            )
-            yield headed(f"{key}.Tc_star_s", odd)
+                value=hazard.Tc_star, least=TC_RANGE[0], most=TC_RANGE[1], hint=_if_meant(*meant) or compare,
+            )  # fmt: skip
+            yield f"{key}.Tc_star_s", odd
     order = [(name, *values[name]) for name in ("SLD", "SLV", "SLC") if name in values]
     for (often, _, more), (seldom, key, hazard) in pairwise(order):
         if hazard.ag < more.ag:
             exchanged = message(
                 "{ag:g} g at {limit} is below the {most:g} g of {often}, which comes more often; "
                 "if they are exchanged exchange them, or correct one",
-                ag=hazard.ag,
-                limit=seldom,
-                most=more.ag,
-                often=often,
-            )
-            yield headed(f"{key}.ag_g", exchanged)
+                ag=hazard.ag, limit=seldom, most=more.ag, often=often,
+            )  # fmt: skip
+            yield f"{key}.ag_g", exchanged

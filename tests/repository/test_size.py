@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1900,
     "assessment/cli": 883,
     "assessment/ntc": 2750,
-    "assessment/project": 5494,
+    "assessment/project": 5430,
     "assessment/report": 8467,
     "assessment/results": 3979,
     "assessment/runtime": 1913,

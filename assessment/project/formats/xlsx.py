@@ -144,12 +144,12 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
             _fill(sheet, _table_rows(table, node, marked, language))
             _offer(
                 sheet,
-                [(f"B{row[0].row}", _row_path(table, row[0].value)) for row in sheet.iter_rows(min_row=2)],
+                [(f"B{row[0].row}", _path(table, row[0].value)) for row in sheet.iter_rows(min_row=2)],
             )
             continue
         _fill(sheet, _list_rows(name, node or {}))
         _explain_header(sheet, language)
-        headings = [(cell.column_letter, _below((name, 0), _text(cell.value))) for cell in sheet[1]]
+        headings = [(cell.column_letter, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
         _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in headings])
     _fill(book.create_sheet(_HELP), _help_rows(language))
     file = BytesIO()
@@ -237,17 +237,27 @@ def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
         word = str(key).strip().lower()
         if value is None or word == ACTIVE or (index == 0 and word in {heads[0] for heads in HEADS.values()}):
             continue
-        path = _row_path(table, _text(key).strip())
+        path = _path(table, _text(key).strip())
         yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
 
 
-def _row_path(table: KeyPath, key: str) -> KeyPath:
-    """Return the path of a row of a single table; in a list of named entries `key.1.NAME`, NAME may have points."""
+def _path(table: KeyPath, key: str) -> KeyPath:
+    """Return the path of a key with points below a table: `control.+x`, `SLV.ag_g`, `layers.NAME.friction`.
+
+    NAME, and that of an entry `hypotheses.1.NAME`, may have points itself.
+    """
     first, _, rest = key.partition(".")
-    number, _, name = rest.partition(".")
-    if _listed((*table, first)) and number.isdigit():
-        return (*table, first, int(number) - 1, name)
-    return (*table, *key.split("."))
+    path: KeyPath = (*table, first)
+    number, _, listed = rest.partition(".")
+    if _listed(path) and number.isdigit():
+        return (*path, int(number) - 1, listed)
+    form = tables_of(table_at(table) or ProjectContent).get(first)
+    if form == "named":
+        name, _, inner = rest.rpartition(".")
+        return (*path, name, inner) if name else (*table, key)
+    if form == "single" and rest:
+        return _path(path, rest)
+    return (*path, *rest.split(".")) if rest else path
 
 
 def _listed(path: KeyPath) -> bool:
@@ -267,19 +277,9 @@ def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
         yield _Entry(entry, {}, f", row {number}")
         for column, value in enumerate(row[first:], first):
             if value is not None:
-                path = _below(entry, keys[column] if column < len(keys) else "")
+                path = _path(entry, keys[column] if column < len(keys) else "")
                 place = f", cell {get_column_letter(column + 1)}{number}"
                 yield _Entry(path, _typed(value, annotation_at(path)), place)
-
-
-def _below(entry: KeyPath, key: str) -> KeyPath:
-    """Return the path of a heading of a list; that of `layers.NAME.key`, whose NAME may have points, is in a table."""
-    table, _, rest = key.partition(".")
-    name, _, inner = rest.rpartition(".")
-    form = tables_of(table_at(entry) or ProjectContent).get(table)
-    if form == "single" and rest:
-        return (*entry, table, rest)
-    return (*entry, table, name, inner) if form == "named" and name else (*entry, key)
 
 
 def _put(content: dict[str, Any], entry: _Entry) -> str:
@@ -353,23 +353,15 @@ def _table_rows(
 ) -> Iterator[list[Any]]:
     comments = keys_at(table, language)
     yield [*HEADS[language]]
-    absent: list[KeyPath] = []
-    for key, value in {**(node or {}), **dict.fromkeys(comments, None), **(node or {})}.items():
-        path = (*table, key)
-        if path in _SHEETS.values() or (key in _FORMS and not table):
-            continue
-        if _listed(path) and isinstance(value, list):
-            for number, entry in enumerate(value, 1):
-                yield from ([f"{key}.{number}.{k}", _cell(v), comments[key]] for k, v in entry.items())
-        elif isinstance(value, Mapping):
-            inner = keys_at(path, language)
-            yield from ([f"{key}.{k}", _cell(v), inner.get(k, comments[key])] for k, v in value.items())
-        elif table_at(path):
-            absent.append(path)
-        else:
-            yield [key, _cell(value), (MARK[language] if path in marked else "") + comments[key]]
-    for path in absent:
-        yield from ([f"{path[-1]}.{k}", None, meaning] for k, meaning in keys_at(path, language).items())
+    own = {**(node or {}), **dict.fromkeys(comments, None), **(node or {})}
+    here = [key for key in own if (*table, key) not in _SHEETS.values() and (table or key not in _FORMS)]
+    absent = [key for key in here if own[key] is None and table_at((*table, key))]
+    rows = _flat(table, {key: own[key] for key in here if key not in absent})
+    rows |= {f"{key}.{inner}": None for key in absent for inner in keys_at((*table, key))}
+    for key, value in rows.items():
+        first, _, rest = key.partition(".")
+        meaning = keys_at((*table, first), language).get(rest, comments[first])
+        yield [key, _cell(value), (MARK[language] if (*table, key) in marked else "") + meaning]
     if table and _default_at(table) is None:
         yield [ACTIVE, YES[0] if node is not None else NO[0], IN_USE[language]]
 
@@ -382,31 +374,27 @@ def _default_at(table: KeyPath) -> Any:
 
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
     entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
-    own = table_at((name, 0))
-    tables = tables_of(own) if own else {}
-    rows = [_flat(entry, tables) for entry in entries]
-    plain = [key for key in keys_at((name, 0)) if key not in tables]
-    inner = {
-        f"{key}.{k}": None
-        for key, form in tables.items()
-        if form == "single"
-        for k in keys_at((name, 0, key))
-    }
-    inner |= dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in tables)
-    keys = [*([_NAME[name]] if name in _NAME else []), *plain, *inner]
-    yield keys
+    tables = tables_of(table_at((name, 0)) or ProjectContent)
+    rows = [_flat((name, 0), entry) for entry in entries]
+    keys = dict.fromkeys([_NAME[name]] if name in _NAME else [])
+    keys |= dict.fromkeys(key for key in keys_at((name, 0)) if key not in tables)
+    for key, form in tables.items():
+        keys |= dict.fromkeys(f"{key}.{k}" for k in keys_at((name, 0, key)) if form == "single")
+    keys |= dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in tables)
+    yield [*keys]
     yield from ([_cell(row.get(key)) for key in keys] for row in rows)
 
 
-def _flat(entry: Mapping[str, Any], tables: Mapping[str, str]) -> dict[str, Any]:
-    """Return an entry of a list with the values of its tables beside its own, as `table.key` or `table.NAME.key`."""
-    row = {key: value for key, value in entry.items() if key not in tables}
-    for table, form in tables.items():
-        given = entry.get(table) or {}
-        for name, values in given.items() if form == "named" else ():
-            row |= {f"{table}.{name}.{key}": value for key, value in values.items()}
-        if form == "single":
-            row |= {f"{table}.{key}": value for key, value in given.items()}
+def _flat(table: KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a table by their keys, those of tables and named entries in it as `_path` reads them."""
+    row: dict[str, Any] = {}
+    for key, value in node.items():
+        if _listed((*table, key)) and isinstance(value, list):
+            row |= {f"{key}.{n}.{k}": each for n, entry in enumerate(value, 1) for k, each in entry.items()}
+        elif isinstance(value, Mapping):
+            row |= {f"{key}.{k}": each for k, each in _flat((*table, key), value).items()}
+        else:
+            row[key] = value
     return row
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import shapely
 
-from assessment.project.structure.points import block_at
+from assessment.project.structure.state_models import block_at
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly
 from mechanics.model import V, end_gaps

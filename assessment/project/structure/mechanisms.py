@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,22 +41,20 @@ def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
 
     Raises ProjectError naming the entry: an unknown layer, no such block, a support, a block chosen twice, none at all.
     """
-    found: dict[str, list[tuple[int, MacroBlock]]] = {}
-    states = {}
+    found: dict[str, Chosen] = {}
     for index, entry in enumerate(project.mechanism):
         key = f"{project.source}: mechanism[{index + 1}]"
         blocks = _blocks(entry, model, key)
-        for _, part in found.setdefault(entry.name, []):
+        before = found.get(entry.name, Chosen(entry.name, entry.state, ()))
+        for part in before.parts:
             if (twice := np.intersect1d(part.blocks, blocks)).size:
                 text = (
                     f'block {twice[0]} is in another macro-block of "{entry.name}"; a block has one rotation'
                 )
                 raise ProjectError(f"{key}: {text}")
-        found[entry.name].append(
-            (index, MacroBlock(model.from_origin(entry.about_m), entry.rotation, blocks))
-        )
-        states[entry.name] = entry.state
-    return [Chosen(name, states[name], tuple(part for _, part in parts)) for name, parts in found.items()]
+        part = MacroBlock(model.from_origin(entry.about_m), entry.rotation, blocks)
+        found[entry.name] = replace(before, parts=(*before.parts, part))
+    return [*found.values()]
 
 
 def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp]:
@@ -89,15 +86,10 @@ def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp
 
 
 def _region(corners: tuple[float, ...], key: str) -> shapely.Polygon:
-    points = list(_pairs(corners))
+    points = np.reshape(corners, (-1, 2))
     if len(points) == 2:
-        (x_1, z_1), (x_2, z_2) = points
-        return shapely.box(min(x_1, x_2), min(z_1, z_2), max(x_1, x_2), max(z_1, z_2))
+        return shapely.box(*points.min(axis=0), *points.max(axis=0))
     polygon = shapely.Polygon(points)
     if not polygon.is_valid:
         raise ProjectError(f"{key}.region_m: the outline crosses itself; write its corners in order")
     return polygon
-
-
-def _pairs(numbers: tuple[float, ...]) -> Iterator[tuple[float, float]]:
-    return zip(numbers[::2], numbers[1::2], strict=True)

@@ -11,7 +11,7 @@ from assessment.project.plausibility import implausible
 from assessment.project.structure.gauges import gauges
 from assessment.project.structure.masonry import as_built, layer_of
 from assessment.project.structure.mechanisms import chosen_mechanisms
-from assessment.project.structure.state_models import StateModel, state_models
+from assessment.project.structure.state_models import StateModel, block_at, state_models
 from assessment.runtime.errors import ProjectError
 from mechanics import Assembly, DrawingError
 from mechanics.faults import Fault, FaultyDrawingError
@@ -55,20 +55,13 @@ def build_model(project: Project) -> ProjectModel:
         )
     except ValueError as error:  # a block too light beside the others
         raise DrawingError(f"{geometry.drawing}: {error}") from None
+    unit = "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
     for point in project.control:
-        try:
-            block = assembly.blocks[assembly.block_at(point.point_m)]
-        except ValueError as error:
-            reason = str(error).partition("must be ")[2]
-            reason += "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
-            raise ProjectError(
-                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} must be {reason}; move it there"
-            ) from None
+        key = f"{project.source}: control.{point.name}.point_m"
+        block = assembly.blocks[block_at(assembly, key, point.point_m, unit)]
         if block.support is not None:
-            raise ProjectError(
-                f"{project.source}: control.{point.name}.point_m: {list(point.point_m)} is in the support "
-                f'"{block.support}", which no push moves; move it into another block'
-            )
+            text = f'{list(point.point_m)} is in the support "{block.support}", which no push moves'
+            raise ProjectError(f"{key}: {text}; move it into another block")
     chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
     gauges(project, assembly)  # likewise
     states = state_models(project, assembly)

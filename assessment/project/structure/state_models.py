@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from assessment.project.structure.points import block_at
 from assessment.runtime.errors import ProjectError, nearest
-from mechanics import Assembly, State, Tie
+from mechanics import ArgumentError, Assembly, State, Tie
 from mechanics.messages import layer_key
 
 if TYPE_CHECKING:
@@ -118,6 +117,15 @@ def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
         changed = _with_changed_layers(project, settling, made)
         found[name] = StateModel(name, settling, _tied(project, changed, (*there, *later)), len(later))
     return found
+
+
+def block_at(model: Assembly, key: str, point: tuple[float, float], note: str = "") -> int:
+    """Return the block that contains a point (m). Raises ProjectError naming its key, with a note, where none does."""
+    try:
+        return model.block_at(point)
+    except ArgumentError as error:
+        reason = str(error).partition("must be ")[2] + note
+        raise ProjectError(f"{key}: {list(point)} must be {reason}; move it there") from None
 
 
 def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Assembly:
