@@ -11,7 +11,10 @@ WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementa
 
 def joined(state: str | None, stage: str, rows: Sequence[QualityRow]) -> QualityRow:
     """Return one row for the rows of several analyses."""
-    return QualityRow(state=state, stage=stage, solves=sum(row.solves for row in rows), **_worst(rows))
+    lifting = sum(row.lifting or 0 for row in rows) or None
+    return QualityRow(
+        state=state, stage=stage, solves=sum(row.solves for row in rows), lifting=lifting, **_worst(rows)
+    )
 
 
 def quality_of(rows: Sequence[QualityRow], warnings: Sequence[str]) -> Quality:

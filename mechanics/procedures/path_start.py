@@ -48,11 +48,13 @@ START = StartTolerances()
 class PathStart:
     """First point of a curve: its state, multiplier, forces (j, 3) of its contacts, and certificate.
 
-    `step`: its equilibrium (rigid joints: None); `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the
-    first step; `share`: length of that step as a share of an increment; `limit`: multiplier of limit analysis.
+    `lifting`: whether it has a dilation that the law does not have; `step`: its equilibrium (rigid joints: None);
+    `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the first step; `share`: length of that step as a
+    share of an increment; `limit`: multiplier of limit analysis.
     """
 
     state: State
+    lifting: bool
     step: Equilibrium | None
     alpha: float
     forces: Array
@@ -81,6 +83,7 @@ def mechanism_start(
     share = 1.0 if state is None else START.settled
     return PathStart(
         state or model.initial,
+        limit.sliding == "coulomb" and limit.dilation > 0.0,
         None,
         limit.alpha,
         limit.forces,
@@ -114,6 +117,7 @@ def _pushed_from_rest(
         return None
     return PathStart(
         rest.state,
+        first.lifting,
         replace(first, state=rest.state),
         first.alpha,
         first.forces,
@@ -171,7 +175,7 @@ def elastic_start(
     share = min(1.0, max(float(abs(moved[:, :2]).max()), least) / increment)
     rate = moved / float((lateral * moved).sum())
     return PathStart(
-        start.state, start, 0.0, start.forces, start.contacts, start.certificate, rate, share, limit
+        start.state, False, start, 0.0, start.forces, start.contacts, start.certificate, rate, share, limit
     )
 
 

@@ -21,6 +21,7 @@ from mechanics.errors import (
 )
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
+from mechanics.procedures.model_check import check_path, sound
 from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
@@ -89,6 +90,11 @@ class Pushdown:
     certificates: tuple[Certificate, ...]
     sliding: Sliding
     model: Assembly
+
+    @property
+    def lifting(self) -> int:
+        """Number of points solved with a dilation, where Coulomb's law was not."""
+        return sum(step.lifting for step in self.steps)
 
     def __repr__(self) -> str:
         ends = f"{1000.0 * self.movement[-1]:.4g} mm"
@@ -184,6 +190,7 @@ def _followed(
         follow(path, Bisection(increment))
         if path.undecided is not None:
             raise path.undecided
+        check_path(path.steps)
     except (NoEquilibriumError, ConvergenceError) as error:
         path.end = error.message
         error.path = path.result()
@@ -384,7 +391,7 @@ class _Path:
             return
         problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
         try:
-            rested = motion_to_rest(problem, step.state.positions)
+            rested = sound(motion_to_rest(problem, step.state.positions))
         except RunawayError as fall:
             self.ultimate, self.end = self.movement[-2], fall.message
             return

@@ -25,6 +25,7 @@ from mechanics.model.contacts import Contacts
 from mechanics.procedures.closings import behind_closing, closes, may_peak
 from mechanics.procedures.limit_analysis import limit_analysis, limit_in
 from mechanics.procedures.mechanism import farthest_corner
+from mechanics.procedures.model_check import check_path
 from mechanics.procedures.path_start import (
     PathStart,
     elastic_start,
@@ -87,7 +88,8 @@ class Pushover:
     its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
     other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
-    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"). Of the `model`,
+    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number
+    of points solved with a dilation where the latter was not. Of the `model`,
     pushed in a `direction`.
     """
 
@@ -107,6 +109,7 @@ class Pushover:
     forces: Array
     contacts: Contacts
     sliding: Sliding
+    lifting: int
     model: Assembly
     direction: Direction
 
@@ -448,7 +451,9 @@ class _Curve:
             return False
         # the new point is the onset of the push: it has the forces under α, not those of the rest under gravity
         forces = moved_over(start.forces, start.contacts, held.contacts)
-        onset = replace(held, alpha=start.alpha, forces=forces, certificate=start.certificate)
+        onset = replace(
+            held, alpha=start.alpha, forces=forces, certificate=start.certificate, lifting=start.lifting
+        )
         self._append(1.0, onset, jumped=True)
         self.rate = start.rate
         self.control_rate = self._control_rate(held.state.positions)
@@ -542,6 +547,7 @@ class _Curve:
                     reason=self.end,
                 )
             )
+        check_path(self.steps)
         formed, mechanism, forces, contacts = self._mechanism()
         return Pushover(
             self.push.control,
@@ -560,6 +566,7 @@ class _Curve:
             forces,
             contacts,
             self.system.sliding,
+            self.first.lifting + sum(step.lifting for step in self.steps),
             self.model,
             self.push.direction,
         )

@@ -20,6 +20,7 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
 from mechanics.messages import Message, message
+from mechanics.procedures.model_check import sound
 from mechanics.progress import tell
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
@@ -142,16 +143,16 @@ def _reach(
 ) -> tuple[Equilibrium, bool]:
     rigid = problem.system.rigid
     try:
-        return find_equilibrium(problem, guess, last), False
+        return sound(find_equilibrium(problem, guess, last)), False
     except (NoEquilibriumError, ConvergenceError) as error:
         stop: NoEquilibriumError | ConvergenceError = error
     if problem.system.dilation < LIMIT.slight:
         with suppress(NoEquilibriumError, ConvergenceError):
-            return find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last), False
+            return sound(find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last)), False
     unsettled = isinstance(stop, UnsettledError)
     if rigid:
         try:
-            found = in_short_steps(problem, guess, last)
+            found = sound(in_short_steps(problem, guess, last))
             if unsettled or slides(found, problem.size):  # what only turns is followed exactly or not at all
                 return found, False
         except (NoEquilibriumError, ConvergenceError) as error:
@@ -161,10 +162,10 @@ def _reach(
         raise stop
     if problem.system.dilation < 1.0:  # the lift of the shortest step is small
         with suppress(NoEquilibriumError, ConvergenceError):
-            return find_equilibrium(replace(problem, dilation=1.0), guess, last), False
+            return sound(find_equilibrium(replace(problem, dilation=1.0), guess, last)), False
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
-        rested = motion_to_rest(problem, begun)
+        rested = sound(motion_to_rest(problem, begun))
     except RunawayError as fall:
         same = fall.message == stop.message  # motion and step ended for the same reason
         raise RunawayError(

@@ -22,6 +22,7 @@ from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.elastic_periods import contact_period, first_frequency
 from mechanics.procedures.energy import Energy
+from mechanics.procedures.model_check import departure_in_motion
 from mechanics.progress import tell
 from mechanics.steps.contact_values import carried, with_springs
 from mechanics.steps.dynamic_system import (
@@ -56,7 +57,7 @@ class HistoryTolerances:
     solved are halved.
 
     `accepted`: residual of a program, per weight and span; `skips`: whether rest is skipped; `chunk`: steps after which
-    collapse is looked for.
+    collapse is looked for; `checked`: steps of which one is checked against the model.
 
     Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `lifting`: share of the
     programs that are solved by the associative law which needs none; `nothing`: energy, as a
@@ -73,6 +74,7 @@ class HistoryTolerances:
     accepted: float = 1e-7
     skips: bool = True
     chunk: int = 200
+    checked: int = 100
     balanced: float = 1e-4
     lifting: float = 1e-3
     nothing: float = 1e-6
@@ -221,6 +223,7 @@ def time_history(
         system = system.around(motion)
         ahead = (float(base[done:, 0].min()), float(base[done:, 0].max()))
         marched = system.march(motion, base[done : done + tolerances.chunk + 1], time_step, ahead)
+        _check_motion(system, marched, done, time_step, tolerances.checked)
         part, reason = _until_collapse(system, marched, start, point)
         parts.append(part)
         done += len(part.x) - 1
@@ -229,6 +232,19 @@ def time_history(
         system, start, motion, parts, time_step, point, reason, used, chosen + resolved, tolerances
     )
     return found if undecided is None else replace(found, notes=(undecided, *found.notes))
+
+
+def _check_motion(system: DynamicSystem, part: Recorded, done: int, step: float, every: int) -> None:
+    """Raise ConvergenceError if one of the steps (s) that are checked departs from the model; `done` are before."""
+    for k in range(every - done % every, len(part.x), every):
+        ends = slice(k - 1, k + 1)
+        wrong = departure_in_motion(system.system, part.x[ends], part.v[ends], part.forces[k], step)
+        if wrong is not None:
+            raise ConvergenceError(
+                message(
+                    "the motion at {time:.4g} s is not valid: {reason}", time=step * (done + k), reason=wrong
+                )
+            )
 
 
 def _control_point(model: Assembly, control: ArrayLike | None, ultimate: float | None) -> ControlPoint | None:

@@ -174,6 +174,7 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
         certify(program, now.forces[index], now.alpha, np.zeros(len(program.load))),
         penetration(system, places, now.forces),
         now.solves,
+        problem.dilation is not None,
         system.rigid or _is_stable(system, program, index, now),
     )
 

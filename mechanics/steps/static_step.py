@@ -30,8 +30,9 @@ class Equilibrium:
     `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha`: the
     multiplier of the lateral load; `iterate`: start of the next program; `certificate` of the forces in this
     geometry; `penetration` (m): the deepest one beyond the elastic compression; `solves`: number of programs
-    solved; `stable`: whether the stiffness of elastic joints is positive there (interior.stable); rigid joints,
-    whose geometry is followed exactly, are not checked.
+    solved; `lifting`: whether they had a dilation that the law does not have; `stable`: whether the stiffness of
+    elastic joints is positive there (interior.stable); rigid joints, whose geometry is followed exactly, are not
+    checked.
     """
 
     state: State
@@ -43,6 +44,7 @@ class Equilibrium:
     certificate: Certificate
     penetration: float
     solves: int
+    lifting: bool = False
     stable: bool = True
 
     @property

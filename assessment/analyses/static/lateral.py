@@ -13,7 +13,7 @@ import numpy as np
 
 from assessment.analyses.found import Found
 from assessment.analyses.static.curve_numbers import elastic_push, rigid_push
-from assessment.analyses.static.paths import crossings, loss_sentence, quality_row, turns_on_rounding
+from assessment.analyses.static.paths import crossings, lifts, loss_sentence, quality_row, turns_on_rounding
 from assessment.project.schema import ControlTable
 from assessment.results.schema.static import Pushovers, RigidPush, SecondSolver
 from mechanics import (
@@ -164,7 +164,7 @@ def add_curve(
     found: Found[Pushed],
 ) -> None:
     """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
-    found.warnings += crossings(title, path.crossed, setting.increment)
+    found.warnings += crossings(title, path.crossed, setting.increment) + lifts(title, path)
     found.scatters = turns_on_rounding(model, path)
     rigid, curves = (
         setting.behaviour == "rigid",

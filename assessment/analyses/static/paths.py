@@ -41,7 +41,20 @@ def quality_row(state: str, stage: str, path: Pushdown | Pushover | None) -> Qua
         worst_penetration_m=max([worst.penetration, *(step.penetration for step in steps)]),
         worst_complementarity=worst.complementarity,
         worst_cone_violation=worst.cone,
+        lifting=(path.lifting or None) if path is not None else None,
     )
+
+
+def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
+    """Return a warning if points of a path were solved with a dilation."""
+    if not path.lifting:
+        return []
+    text = message(
+        "Coulomb's law was not solved at {count} of {points} points: what slides lifts there; try a smaller increment",
+        count=path.lifting,
+        points=len(path.states),
+    )
+    return [headed(title, text)]
 
 
 def stand(model: Assembly) -> Message | None:

@@ -12,6 +12,7 @@ from assessment.analyses.found import Found
 from assessment.analyses.static.paths import (
     configuration,
     crossings,
+    lifts,
     local_loss,
     loss_sentence,
     quality_row,
@@ -90,7 +91,7 @@ def settle(
                 reason=path.end,
             )
             found.warnings.append(headed(title, none))
-        found.warnings += crossings(title, path.crossed, increment)
+        found.warnings += crossings(title, path.crossed, increment) + lifts(title, path)
         found.scatters = turns_on_rounding(model, path)
         found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))
         if moved.local_loss is not None:

@@ -118,6 +118,7 @@ QUALITY = (
     "worst_penetration_m",
     "worst_complementarity",
     "worst_cone_violation",
+    "lifting",
 )
 
 

@@ -192,6 +192,9 @@ class QualityRow(Part):
     worst_cone_violation: float | None = optional(
         "largest force outside the friction cone, per weight", "–", ("Attrito", "Friction")
     )
+    lifting: int | None = optional(
+        "points of curves solved with a dilation, where Coulomb's law was not; missing: none"
+    )
 
 
 class Quality(Part):

@@ -1,0 +1,120 @@
+"""What the model says of every configuration, checked on positions and forces alone, whatever solver found them.
+
+    where a joint presses, its faces touch       N > 0  ⇒  gap ≤ 0
+    friction holds no more than it can           |T| ≤ μN
+    blocks do not lie in each other              gap ≥ 0
+
+The gap is that of the nearer end of an overlap, beyond what an elastic bed yields under the forces. What slides does
+not lift: a joint that sliding had lifted would press across a gap. Nearer than LIMIT.closed counts as touching, here as
+in limit analysis. Ties have no faces, and faces of finite strength are not where they were drawn once they have
+crushed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mechanics.errors import ConvergenceError
+from mechanics.kernels.joint import H
+from mechanics.messages import Message, message
+from mechanics.model.contacts import Contacts, end_gaps
+from mechanics.program import bed_gaps, end_forces
+from mechanics.steps.static_step import Equilibrium
+from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.tolerances import LIMIT
+from mechanics.types import Array
+
+SUNK = 1e-2  # of a block's size: steps of a motion of rigid joints hold velocities to the model, and gaps may drift
+
+
+def departure(step: Equilibrium) -> Message | None:
+    """Return how an equilibrium departs from the model, None where it does not.
+
+    A point that a law with dilation has found lifts where it slides.
+    """
+    system, half = step.system, abs(step.places[:, H])
+    gaps = end_gaps(step.places)
+    if not system.rigid:
+        gaps = gaps - bed_gaps(end_forces(step.forces, half), half, system.law)
+    nearer = gaps.min(axis=1)
+    overlaps = step.places[:, H] > system.no_overlap
+    lifts = step.lifting or system.dilation > 0.0
+    return _worst(
+        system, step.forces, np.where(overlaps & (not lifts), nearer, 0.0), np.where(overlaps, nearer, 0.0)
+    )
+
+
+def sound(found: Equilibrium) -> Equilibrium:
+    """Return an equilibrium; raise ConvergenceError if it departs from the model: it is none."""
+    wrong = departure(found)
+    if wrong is not None:
+        raise ConvergenceError(wrong)
+    return found
+
+
+def check_path(steps: Sequence[Equilibrium]) -> None:
+    """Raise ConvergenceError if a point of a path departs from the model."""
+    for point, step in enumerate(steps):
+        wrong = departure(step)
+        if wrong is not None:
+            raise ConvergenceError(
+                message("point {point} of the path is not valid: {reason}", point=point, reason=wrong)
+            )
+
+
+def departure_in_motion(
+    system: StaticSystem, positions: Array, velocities: Array, forces: Array, step: float
+) -> Message | None:
+    """Return how a step of a motion departs from the model, None where it does not.
+
+    `positions` and `velocities` (2, b, 3) at its beginning and end; `forces` (j, 3): N, P and T in between, kN and kNm;
+    `step` in s. Faces may have met in between as far as their blocks go in a step, by the larger of both speeds. How
+    deep elastic joints are pressed is their law.
+    """
+    contacts = system.contacts
+    places = [contacts.places(at) for at in positions]
+    nearer = np.array([end_gaps(each).min(axis=1) for each in places])
+    overlaps = np.all([each[:, H] > system.no_overlap for each in places], axis=0)
+    speed = np.hypot(velocities[..., 0], velocities[..., 1]) + system.model.radius * abs(velocities[..., 2])
+    way = step * (speed[:, contacts.a] + speed[:, contacts.b]).max(axis=0)
+    apart = np.where(overlaps & (system.dilation == 0.0), nearer.min(axis=0) - way, 0.0)
+    inside = np.where(overlaps & system.rigid, nearer.max(axis=0) + way, 0.0)
+    return _worst(system, forces, apart, inside, SUNK)
+
+
+def _worst(
+    system: StaticSystem, forces: Array, apart: Array, inside: Array, deep: float = LIMIT.closed
+) -> Message | None:
+    """Return what is wrong under forces (j, 3), kN, None if nothing is.
+
+    `apart` (j,) m: gaps, where they are positive; `inside` (j,) m: the same where negative, allowed down to `deep`, as
+    a share of a block's size.
+    """
+    contacts, size = system.contacts, system.model.size
+    n, _, t = forces.T
+    faces = ~contacts.ties & np.isinf(contacts.strength)
+    gap = np.where(faces & (n > system.least_force), apart, 0.0)
+    depth = np.where(faces, -inside, 0.0)
+    beyond = np.where(contacts.ties, 0.0, abs(t) - contacts.friction * n)
+    if gap.max(initial=0.0) > LIMIT.closed * size:
+        return message(
+            "blocks {first} and {second} press on each other across a gap of {size:.2g} m",
+            **_where(contacts, gap),
+        )
+    if depth.max(initial=0.0) > deep * size:
+        return message(
+            "blocks {first} and {second} lie in each other by {size:.2g} m", **_where(contacts, depth)
+        )
+    if beyond.max(initial=0.0) > system.least_force:
+        return message(
+            "friction of blocks {first} and {second} exceeds μN by {size:.2g} kN", **_where(contacts, beyond)
+        )
+    return None
+
+
+def _where(contacts: Contacts, size: Array) -> dict[str, float]:
+    """Return the blocks of the contact with the largest of sizes (j,), and that."""
+    k = int(np.argmax(size))
+    return {"first": int(contacts.a[k]), "second": int(contacts.b[k]), "size": float(size[k])}

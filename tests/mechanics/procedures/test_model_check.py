@@ -1,0 +1,113 @@
+"""The check of configurations against the model, beside the programs that found them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mechanics import ConvergenceError, pushdown, pushover, time_history
+from mechanics.messages import message
+from mechanics.procedures import time_history as histories
+from mechanics.procedures.model_check import check_path, departure, departure_in_motion
+from mechanics.steps.static_step import Equilibrium
+from mechanics.steps.static_system import Behaviour, static_system
+from tests.support.random_masonry import random_masonry
+from tests.support.structures import arch_on_piers, running_bond
+
+SHAKEN = 0.5 * np.sin(0.1 * np.arange(60))
+
+
+def placed(step: Equilibrium, moved: np.ndarray, forces: np.ndarray | None = None) -> Equilibrium:
+    """The equilibrium with blocks moved (b, 3) and other forces, as if a solver had found it."""
+    state = replace(step.state, positions=step.state.positions + moved)
+    places = step.system.places(state.positions, state)
+    return replace(step, state=state, places=places, forces=step.forces if forces is None else forces)
+
+
+@pytest.fixture(params=["rigid", "elastic"])
+def point(request: pytest.FixtureRequest) -> Equilibrium:
+    """A point of a curve of a wall that slides."""
+    wall = running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
+    curve = pushover(wall, None, "+x", request.param, 0.01, until=0.9)
+    return curve.steps[-1]
+
+
+def test_a_point_of_a_curve_does_not_depart(point: Equilibrium) -> None:
+    assert departure(point) is None
+
+
+@pytest.mark.parametrize(
+    ("lift", "wrong"),
+    [(0.02, "press on each other across a gap of"), (-0.02, "lie in each other by")],
+)
+def test_blocks_moved_off_or_into_each_other_are_told(point: Equilibrium, lift: float, wrong: str) -> None:
+    model = point.system.model
+    moved = np.zeros_like(point.state.positions)
+    moved[model.movable, 1] = lift * model.size
+    assert wrong in str(departure(placed(point, moved)))
+
+
+def test_friction_beyond_its_bound_is_told(point: Equilibrium) -> None:
+    forces = point.forces.copy()
+    forces[:, 2] = 1.01 * point.contacts.friction * forces[:, 0]
+    told = departure(placed(point, np.zeros_like(point.state.positions), forces))
+    assert "exceeds μN" in str(told)
+    with pytest.raises(ConvergenceError, match=r"point 1 of the path is not valid: friction of blocks"):
+        check_path([point, replace(point, forces=forces)])
+
+
+def test_a_point_that_lifts_by_another_law_may_press_across_a_gap(point: Equilibrium) -> None:
+    moved = np.zeros_like(point.state.positions)
+    moved[point.system.model.movable, 1] = 0.02 * point.system.model.size
+    above = placed(point, moved)
+    assert departure(above) is not None and departure(replace(above, lifting=True)) is None
+
+
+def test_no_point_of_a_path_presses_across_a_gap() -> None:
+    """A step divided into short ones had forces across a quarter of a brick."""
+    wall = random_masonry(14)
+    curve = pushover(wall, None, "+x", "rigid", wall.size / 50)
+    assert all(departure(step) is None for step in curve.steps)
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_support_that_opens_leads_through_sound_points(contacts: Behaviour) -> None:
+    path = pushdown(
+        arch_on_piers(voussoirs=9, courses=2), "right", (0.02, -0.01), increment=0.002, contacts=contacts
+    )
+    assert path.lifting == 0 and all(departure(step) is None for step in path.steps)
+
+
+def test_points_found_with_a_dilation_are_counted() -> None:
+    wall = random_masonry(4)
+    curve = pushover(wall, None, "+x", "rigid", wall.size / 50)
+    assert curve.lifting == sum(step.lifting for step in curve.steps) > 0
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_every_hundredth_step_of_a_motion_is_checked(
+    contacts: Behaviour, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wall = running_bond(2, 3)
+    every = replace(histories.HISTORY, checked=10)
+    time_history(wall, SHAKEN, 0.005, contacts, tolerances=every)
+    monkeypatch.setattr(histories, "departure_in_motion", lambda *_: message("blocks fly"))
+    with pytest.raises(ConvergenceError, match=r"the motion at 0\.05 s is not valid: blocks fly"):
+        time_history(wall, SHAKEN, 0.005, contacts, tolerances=every)
+
+
+def test_a_step_of_a_motion_reaches_as_far_as_its_blocks_go() -> None:
+    """A block 1 mm above its bed that presses: not at rest; it may have met it at 1 m/s in a step of 5 ms."""
+    wall = running_bond(1, 1)
+    system = static_system(wall, "rigid", "coulomb")
+    forces = np.zeros((len(system.contacts), 3))
+    forces[:, 0] = wall.weight
+    above = wall.initial.positions + wall.movable[:, None] * [0.0, 0.001, 0.0]
+    still = np.zeros_like(above)
+    fast = wall.movable[:, None] * np.array([0.0, -1.0, 0.0])
+    both = np.stack([above, above])
+    told = departure_in_motion(system, both, np.stack([still, still]), forces, 0.005)
+    assert "across a gap of 0.001 m" in str(told)
+    assert departure_in_motion(system, both, np.stack([still, fast]), forces, 0.005) is None
