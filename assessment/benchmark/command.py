@@ -6,9 +6,10 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
-from assessment.benchmark.cases import app, motions, skips, statics, walls, whole
+from assessment.benchmark.cases import app, friction, motions, skips, statics, walls, whole
 from assessment.benchmark.measure import load, machine
 from assessment.benchmark.table import Row, as_csv, table, work_precision
 from assessment.report.figures.style import save_png, save_svg
@@ -71,7 +72,9 @@ BENCHMARKS = {
         whole.campaigns,
     ),
     "sliding": Benchmark(
-        "where rigid curves end by variants that may not matter, then by multiples of the increment.", statics.sliding
+        "both laws of friction; last, where rigid curves end by variants that may not matter, then by multiples of the "
+        "increment.",
+        lambda quick: chain(friction.friction(quick), statics.sliding(quick)),
     ),
     "app": Benchmark("what who works in the page waits for, elapsed: median and largest.", app.latencies),
     "skips": Benchmark("what is not computed, and how far the answer is from that without the skip.", skips.skips),
@@ -93,8 +96,8 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
         rows = list(_named(name, chosen.rows(quick)))
         write_atomically(folder / f"{name}.csv", as_csv(rows))
         summary.append(f"**{name}**: {chosen.about}")
-        for parameter in dict.fromkeys(row["parameter"] for row in rows) if chosen.series else [""]:
-            some = [row for row in rows if row.get("parameter", "") == parameter or not chosen.series]
+        for parameter in dict.fromkeys(row.get("parameter", "") for row in rows):
+            some = [row for row in rows if row.get("parameter", "") == parameter]
             shown = table(some, chosen.index.split(), chosen.across, chosen.cells.split())
             summary.append(f"{parameter}:\n\n{shown}" if parameter else shown)
             if chosen.series:

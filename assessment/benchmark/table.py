@@ -42,9 +42,12 @@ def as_csv(rows: Sequence[Row]) -> bytes:
 
 
 def table(rows: Sequence[Row], index: Sequence[str] = (), across: str = "", cells: Sequence[str] = ()) -> str:
-    """A Markdown table: a line for each row; or for each value of `index`, a column for each value of `across`."""
+    """A Markdown table: a line for each row, or for each value of `index`, a column for each value of `across`.
+
+    Without `index` the `parameter` of rows is left to the title.
+    """
     if not across:
-        names = [name for name in fields(rows) if not index or name in index]
+        names = [name for name in fields(rows) if name in index or (not index and name != "parameter")]
         return _markdown(names, [[written(name, row.get(name)) for name in names] for row in rows])
     headings = list(dict.fromkeys(written(across, row[across], row) for row in rows))
     lines: dict[tuple[str, ...], dict[str, str]] = {}

@@ -13,7 +13,7 @@ import pytest
 
 from assessment.analyses.dynamic.scan import Scan
 from assessment.benchmark import command, table
-from assessment.benchmark.cases import motions, skips, statics, walls, whole
+from assessment.benchmark.cases import friction, motions, skips, statics, walls, whole
 from assessment.benchmark.cases.motions import Motion, pulse, rocking_freely, sine, stack
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
@@ -336,3 +336,25 @@ def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_roundin
         0,
     )
     assert row["most_end_m"] < 1.01 * row["least_end_m"]
+
+
+def test_closed_forms_of_what_slides_are_met_by_coulombs_law():
+    """The associative law lifts the wedge, holds the beam, and presses the wall on its neighbour."""
+    rows = list(friction.closed_forms())
+    for row in rows:
+        assert float(row["coulomb"]) == pytest.approx(float(row["exact"]), rel=3e-3), row["case"]
+    off = {
+        row["case"].split(",")[0]
+        for row in rows
+        if abs(float(row["associative"]) / float(row["exact"]) - 1.0) > 0.1
+    }
+    assert off == {"wedge", "incline", "beam between walls"}
+
+
+def test_rows_of_different_kinds_have_tables_of_their_own(tmp_path, capsys, monkeypatch):
+    rows = [{"case": "wall", "parameter": "limit analysis", "least_g": 0.5}, {"case": "arch", "seconds": 1.0}]
+    monkeypatch.setitem(BENCHMARKS, "sliding", Benchmark("both.", lambda _: iter(rows)))
+    command.benchmark(["sliding"], True, tmp_path)
+    told = capsys.readouterr().out
+    assert "limit analysis:\n\n| case | least_g |\n| --- | --- |\n| wall | 0.50000 |" in told
+    assert "| case | seconds |" in told
