@@ -15,7 +15,7 @@ LINES = {
     "assessment": 241,
     "assessment/analyses": 5240,
     "assessment/app": 1389,
-    "assessment/benchmark": 1900,
+    "assessment/benchmark": 2040,
     "assessment/cli": 883,
     "assessment/ntc": 2750,
     "assessment/project": 5430,
