@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 883,
     "assessment/ntc": 2750,
     "assessment/project": 5430,
-    "assessment/report": 8468,
+    "assessment/report": 8467,
     "assessment/results": 3985,
     "assessment/runtime": 1913,
     "assessment/studies": 2810,

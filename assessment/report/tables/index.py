@@ -118,7 +118,6 @@ QUALITY = (
     "worst_penetration_m",
     "worst_complementarity",
     "worst_cone_violation",
-    "lifting",
 )
 
 
