@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -12,19 +13,10 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from assessment.report.chapters import remarks
-from assessment.report.chapters.answer import lead
+from assessment.report.chapters import grids, judgement, remarks, synthesis
 from assessment.report.chapters.calculation_annex import traces
-from assessment.report.chapters.grid import Grid
-from assessment.report.chapters.judgement import all_warnings, draft_judgement, is_school, worst_scenario
-from assessment.report.chapters.printed_tables import check_grids, macro_block_grids, printed_tables
-from assessment.report.chapters.synthesis import (
-    basis,
-    governing_mechanism,
-    knowledge,
-    reference_life,
-    synthesis_grid,
-)
+from assessment.report.chapters.judgement import all_warnings
+from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
 from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.pdf import command, load_weasyprint
@@ -32,6 +24,7 @@ from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.text.fonts import embedded_faces, file_faces
 from assessment.report.text.language import Words, joined, words_of
 from assessment.report.text.messages import sentence, translated
+from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.runtime.files.atomic_files import write_atomically
@@ -39,7 +32,6 @@ from assessment.runtime.files.atomic_files import write_atomically
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
 ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")
 FACES = "/* faces */"  # of the style: where the fonts of the page, or of the PDF, are put in
-RISK = ("abita", "residen", "produtt", "dwelling", "housing", "home")  # uses with classes of D.M. 58/2017
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
@@ -95,7 +87,6 @@ def render_html(
     )
     full = results.echo.report.annexes == "full"
     attached = _attached(results, figures.parent)
-    grids = printed_tables(results, words)
     calculations = list(traces(results, words))
     there = {
         "dynamic": results.campaign is not None
@@ -116,71 +107,36 @@ def render_html(
         count=Counter(),
         viewer=interactive,
         figures=_embedded(results, figures, words, full),
-        grids=grids,
+        grids=grids.printed_tables(results, words),
         traces=calculations,
         edited=edited,
-        **_first_page(results, words),
-        **_sentences(results, words),
+        said=Said(results, words),
+        translated=translated,
+        warnings=[sentence(warning, words) for warning in all_warnings(results)],
+        references=references(results),
+        risk=used_as(results, RISK),
+        contacts=remarks.contacts_of(results),
+        software="software_coulomb" if coulomb(results.echo) else "software",
+        farthest=remarks.farthest_limit_state(results),
+        few=remarks.few_records(results),
+        members=remarks.members(results),
     )
 
 
-def _first_page(results: Results, words: Words) -> dict[str, Any]:
-    return {
-        "lead": lead(results, words),
-        "synthesis": synthesis_grid(results, words),
-        "mechanism": governing_mechanism(results, words),
-        "basis": list(basis(results, words)),
-        "warnings": [sentence(warning, words) for warning in all_warnings(results)],
-    }
+@dataclass(frozen=True)
+class Said:
+    """What the chapters say of the results, by the names of the functions that word it: of sentences, a list."""
 
+    results: Results
+    words: Words
 
-def _sentences(results: Results, words: Words) -> dict[str, Any]:
-    """Return what chapters have where the results call for it."""
-    contacts, use = remarks.contacts_of(results), (results.echo.report.use or "").lower()
-    return {
-        "references": references(results),
-        "school": is_school(results),
-        "risk": any(word in use for word in RISK),
-        "contacts": contacts,
-        "assumptions": list(remarks.assumptions(results, words, contacts)),
-        "software": "software_coulomb" if coulomb(results.echo) else "software",
-        "knowledge": knowledge(results, words) if results.echo.assessment else "",
-        "life": reference_life(results, words),
-        "identified": list(remarks.identification_sentences(results, words)),
-        "ready": remarks.ready_lines(results, words),
-        "strengthened": list(remarks.strengthening_sentences(results, words)),
-        "pressures": remarks.pressure_sentences(results, words),
-        "cracks": list(remarks.crack_sentences(results, words)),
-        "damping": remarks.damping_sentence(results, words),
-        "missing": list(remarks.missing_pushovers(results, words)),
-        "onsets": list(remarks.onsets(results, words)),
-        "limits": list(remarks.displacement_limits(results, words)),
-        "fitted": list(remarks.fitted_above(results, words)),
-        "vertical": list(remarks.vertical_sentences(results, words)),
-        "checks": list(check_grids(results, words)),
-        "indices": list(remarks.index_sentences(results, words)),
-        "yielding": [*remarks.yielding_sentence(results, words), *remarks.nearly_yielding(results, words)],
-        "slackened": list(remarks.pretension_sentence(results, words)),
-        "refused": _refused(results, words),
-        "farthest": remarks.farthest_limit_state(results),
-        "worst": list(worst_scenario(results, words)),
-        "few": remarks.few_records(results),
-        "members": remarks.members(results),
-        "judgement": draft_judgement(results, words),
-        "macro_blocks": list(macro_block_grids(results, words)),
-        "too_many": list(remarks.too_many(results, words)),
-        "second_solver": list(remarks.second_solver(results, words)),
-        "overlaps": list(remarks.overlap_sentences(results, words)),
-    }
-
-
-def _refused(results: Results, words: Words) -> list[dict[str, str]]:
-    """Return name and reason of each mechanism of the user's that is refused."""
-    return [
-        {"name": given.name, "reason": translated(given.refused, words)}
-        for given in results.mechanisms or []
-        if given.refused
-    ]
+    def __getattr__(self, name: str) -> Any:
+        """Return what a function of the chapters has of the results. Raises AttributeError for none of that name."""
+        for module in (remarks, synthesis, judgement, grids):
+            if made := getattr(module, name, None):
+                found = made(self.results, self.words)
+                return list(found) if isinstance(found, Iterator) else found
+        raise AttributeError(name)
 
 
 class Counter:
@@ -242,18 +198,11 @@ def references(results: Results) -> list[str]:
         "circular_2009": assessment.get("circular") == 2009,
         "hazard": "latitude" in site and site["latitude"] is not None,
         "heritage": bool(report.protection or (results.knowledge and results.knowledge.components)),
-        "sismabonus": any(word in (report.use or "").lower() for word in RISK),
+        "sismabonus": used_as(results, RISK),
         "coulomb": coulomb(results.echo),
         "history": full,
         "campaign": results.campaign is not None and results.campaign.method == "stripes",
-        "solver": any(
-            push.rigid and push.rigid.second_solver
-            for state in results.states.values()
-            for push in state.pushover.values()
-        ),
+        "solver": any(rigid.second_solver for _, _, rigid in mechanisms(results)),
     }
     listed = tomllib.loads((files("templates") / "references.toml").read_text(encoding="utf-8"))["reference"]
     return [each["text"] for each in listed if used.get(each.get("when", ""), True)]
-
-
-__all__ = ["CHAPTERS", "Grid", "render_html", "write_docx", "write_page", "write_pdf"]

@@ -67,7 +67,7 @@ def describe(project: Project, model: ProjectModel) -> Results:
         summary=EMPTY,
         inputs={visible(name): digest for name, digest in project.digests().items()},
         model=_summary(project, model),
-        geometry=_geometry(project, a),
+        geometry=_geometry(project, model),
         loads=_loads(project, a),
         echo=Echo.model_validate(_spelt(project.echoed())),
         states={name: _empty(project, name, len(a.blocks)) for name in _states(project)},
@@ -187,8 +187,9 @@ def _loads(project: Project, a: Assembly) -> list[LayerLoads]:
     return found
 
 
-def _geometry(project: Project, a: Assembly) -> Geometry:
-    """Return blocks, control points and joints as drawn."""
+def _geometry(project: Project, model: ProjectModel) -> Geometry:
+    """Return blocks, control points, joints and surveyed cracks as drawn."""
+    a = model.assembly
     found = Geometry(
         blocks=[
             Block(
@@ -215,5 +216,7 @@ def _geometry(project: Project, a: Assembly) -> Geometry:
         joint_tolerance_m=a.joint_tolerance,
         gravity_m_s2=GRAVITY,
     )
+    if model.cracks:
+        found = found.replace(cracks_m=[line.tolist() for line in model.cracks])
     far = a.as_drawn([0.0, 0.0])
     return found.replace(origin_m=far.tolist()) if far.any() else found

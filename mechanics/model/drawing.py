@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -15,6 +15,7 @@ from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.entities.dxfentity import DXFTagStorage
 from ezdxf.math import Matrix44
+from ezdxf.path import make_path
 
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
@@ -24,6 +25,7 @@ from mechanics.model.dxf import open_document
 from mechanics.model.joints import default_tolerance
 from mechanics.model.layout import NEAR
 from mechanics.model.polylines import (
+    FARTHEST,
     MOST_POINTS,
     PlacedOutline,
     fault_of,
@@ -32,10 +34,14 @@ from mechanics.model.polylines import (
     view_of,
 )
 from mechanics.model.shown import Placed, covered, placed_entities
+from mechanics.types import Array
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them
 SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
+CRACK_LAYERS = {"fessure", "cracks"}  # by `layer_key`: what was surveyed, no blocks
+LINES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}  # that draw cracks
+CHORD = 1e-3  # m: of a curved crack from its chords
 UNEVEN = 1e-6  # m: heights out of the drawing's plane that are told
 SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
 
@@ -58,7 +64,7 @@ class Drawing(Sequence[Block]):
     """Blocks of a drawing, warnings about it, and the largest distance (m) of an arc from its chords.
 
     It is the sequence of its blocks: Assembly(read_drawing(…)). `faults`: what keeps outlines from being blocks, and
-    layers that are not there; `outlines`: all of them, to draw.
+    layers that are not there; `outlines`: all of them, to draw; `cracks`: lines (n, 2) m of the CRACK_LAYERS.
     """
 
     blocks: tuple[Block, ...]
@@ -66,6 +72,7 @@ class Drawing(Sequence[Block]):
     sagitta: float = 0.0
     faults: tuple[Fault, ...] = ()
     outlines: tuple[Outline, ...] = ()
+    cracks: tuple[Array, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of blocks."""
@@ -100,7 +107,8 @@ def read_drawing(
     (nested, scaled, mirrored, arrays; there layer 0 is the INSERT's layer). A polyline that ends
     where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
     layer name, in any case of letters; nothing is looked at on one to `ignore`. A front view, drawn in a vertical
-    plane, is turned: z is up. What is frozen, off, invisible or clipped away is left out with a warning. An
+    plane, is turned: z is up. Layers FESSURE and CRACKS hold surveyed cracks. What is frozen, off, invisible or
+    clipped away is left out with a warning. An
     open polyline is an error, but left out with a warning where `layers` names other layers and not its own, and no
     closed one is there. Other shapes (lines, arcs, circles, …) are left out with a warning, annotation without.
 
@@ -186,12 +194,37 @@ class Sheet:
     @cached_property
     def placed(self) -> list[Placed]:
         """The entities of model space, those of INSERTs where these put them, without those of ignored layers."""
-        ignored = {key for key, (_, layer) in self.named.items() if layer.ignore}
-        return [p for p in self._entities if layer_key(p.layer) not in ignored]
+        others = {key for key, (_, layer) in self.named.items() if layer.ignore} | self._surveyed
+        return [p for p in self._entities if layer_key(p.layer) not in others]
+
+    @property
+    def _surveyed(self) -> Set[str]:
+        """The layers of surveyed cracks: those of that name, unless the project says what else they are."""
+        return CRACK_LAYERS - self.named.keys()
 
     @cached_property
-    def _shown(self) -> tuple[list[PlacedOutline], list[Placed], list[Message]]:
-        """The outlines that are shown, in the plane of the drawing, the polylines that clips hide, and warnings."""
+    def cracks(self) -> tuple[Array, ...]:
+        """The surveyed cracks as lines (n, 2), m, curves by chords: what is drawn on their layers, texts aside."""
+        found = []
+        for p in self._entities:
+            if p.hidden or layer_key(p.layer) not in self._surveyed or p.entity.dxftype() not in LINES:
+                continue
+            path = make_path(p.entity).transform(p.to_model * self._view)
+            points = self.scale * np.array([v.xyz[:2] for v in path.flattening(CHORD / self.scale)])
+            if len(points) > 1 and bool((abs(points) <= FARTHEST).all()):
+                found.append(points)
+        return tuple(found)
+
+    @cached_property
+    def _view(self) -> Matrix44:
+        """Turns a front view, drawn in a vertical plane, into the plane of the drawing."""
+        view = view_of(self._placed[0])
+        axes = np.eye(3) if view is None else view
+        return Matrix44(np.block([[axes, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]).ravel())
+
+    @cached_property
+    def _placed(self) -> tuple[list[PlacedOutline], list[Placed]]:
+        """The outlines that are shown, as they lie in model space, and the polylines that clips hide."""
         outlines, clipped = [], []
         count = 0
         for source in self.placed:
@@ -212,12 +245,17 @@ class Sheet:
                     f"{self.path}: more than {MOST_POINTS} vertices, those of arcs included; simplify the outlines, "
                     "or write a larger geometry.sagitta_m"
                 )
+        return outlines, clipped
+
+    @cached_property
+    def _shown(self) -> tuple[list[PlacedOutline], list[Placed], list[Message]]:
+        """The outlines that are shown, in the plane of the drawing, the polylines that clips hide, and warnings."""
+        outlines, clipped = list(self._placed[0]), self._placed[1]
         warnings = []
         view = view_of(outlines)
         if view is not None:
-            turn = Matrix44(np.block([[view, np.zeros((3, 1))], [np.zeros((1, 3)), np.ones((1, 1))]]).ravel())
             for k, old in enumerate(outlines):
-                source = replace(old.source, to_model=old.source.to_model * turn)
+                source = replace(old.source, to_model=old.source.to_model * self._view)
                 turned = placed_outline(source, self.scale, self.sagitta)
                 outlines[k] = replace(turned, broken=old.broken or turned.broken)
             warnings.append(
@@ -294,6 +332,7 @@ class Sheet:
                 for o in self.outlines
                 if o.is_near(self.scale) and len(o.points) > 1
             ),
+            self.cracks,
         )
 
     def _layer_faults(self) -> Iterator[Fault]:

@@ -198,7 +198,8 @@ class ProjectContent(Table):
         if self.strengthening and not (self.pushover or self.history or self.incremental):
             text = "nothing pushes or shakes the strengthened state; add [pushover], [[history]] or [incremental]"
             yield "strengthening", text
-        if self.measurement and self.identification is None:
+        told = self.settlements and all(each.kind in ("crack", "slip") for each in self.measurement)
+        if self.measurement and self.identification is None and not told:
             yield "measurement", "nothing uses the measurements; add [identification]"
 
     def _motions(self) -> list[tuple[KeyPath, MotionTable]]:

@@ -99,8 +99,9 @@ class MeasurementTable(Table):
         """Yield keys that a measurement of its kind lacks, or does not have."""
         own = {VALUE_KEYS[self.kind], SIGMA_KEYS[self.kind]}
         own |= set(PLACING) if self.kind == "relative" else set()
+        needed = own - ({SIGMA_KEYS[self.kind]} if project.identification is None else set())
         for key in sorted({*VALUE_KEYS.values(), *SIGMA_KEYS.values(), *PLACING}):
-            if key in own and getattr(self, key) is None:
+            if key in needed and getattr(self, key) is None:
                 yield key, f'missing; a measurement of kind "{self.kind}" needs it'
             elif key not in own and getattr(self, key) is not None:
                 text = (

@@ -17,6 +17,7 @@ from mechanics import Assembly, DrawingError
 from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.messages import Message, headed, message
 from mechanics.model import Drawing, Layer, default_tolerance, survey_drawing, survey_layout
+from mechanics.types import Array
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -26,11 +27,15 @@ UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are men
 
 @dataclass(frozen=True, eq=False)
 class ProjectModel:
-    """The blocks and joints of a project as drawn, the assembly of every state by name, warnings about the drawing."""
+    """The blocks and joints of a project as drawn, the assembly of every state by name, warnings about the drawing.
+
+    `cracks`: lines (n, 2), m, that the drawing has of a survey.
+    """
 
     assembly: Assembly
     states: Mapping[str, StateModel]
     warnings: tuple[Message, ...]
+    cracks: tuple[Array, ...] = ()
 
 
 def build_model(project: Project) -> ProjectModel:
@@ -74,7 +79,7 @@ def build_model(project: Project) -> ProjectModel:
             z=far[1],
         )
         warnings += (headed(geometry.drawing, told),)
-    return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)))
+    return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)), drawing.cracks)
 
 
 def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], float | None]:

@@ -14,10 +14,11 @@ from markupsafe import Markup
 
 from assessment.ntc.calculation import renamed
 from assessment.ntc.limit_states import CHECKS
-from assessment.report.chapters.grid import Grid
+from assessment.report.chapters.grids import Grid
 from assessment.report.tables import capacity as capacity_tables
+from assessment.report.tables.rows import capacities
 from assessment.report.text.formula import typeset
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
 from assessment.report.text.quantities import check_name, heading
 from assessment.results.schema import Results
@@ -52,23 +53,17 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
     if results.echo.report.annexes == "full":
         yield from _whole(results, words)
     elif least is not None:
-        row = next(
-            r for r in results.summary.rows if (r.state, r.direction) == (least.state, least.direction)
-        )
-        check, digits = row.checks[least.limit_state].check, 4
+        place = (least.state, least.direction)
+        row = next(row for row in results.summary.rows if (row.state, row.direction) == place)
         demand = (results.spectra or {}).get(least.limit_state)
         before = demand.trace or [] if demand else []
         shown = [step for step in before if not step.paragraph.startswith(BETWEEN_NODES)]
-        parts = dict(capacity_tables.traces(results.states[least.state].capacity[least.direction]))
-        title = f"{words.state(least.state)}, {direction_name(least.direction)}"
         spectrum = {least.limit_state: _column(shown, [])} if shown else {}
-        yield from _tables(spectrum, words("caption.trace_spectrum"), words, digits)
-        for part, earlier in ((SHARED, before), (check, [*before, *parts.get(SHARED, [])])):
-            if part in parts:
-                named = words.plain("value.capacity_curve") if part == SHARED else check_name(part, words)
-                yield from _tables(
-                    {title: _column(parts[part], earlier)}, words("caption.trace", limit=named), words, digits
-                )
+        yield from _tables(spectrum, words("caption.trace_spectrum"), words, 4)
+        found = dict(capacity_tables.traces(results.states[least.state].capacity[least.direction]))
+        own = {part: found[part] for part in (SHARED, row.checks[least.limit_state].check) if part in found}
+        action = {least.limit_state: before, SHARED: before}
+        yield from _parts({words.at(*place): own}, action, "capacity_curve", "trace", words, 4)
 
 
 def _whole(results: Results, words: Words) -> Iterator[Grid]:
@@ -77,13 +72,12 @@ def _whole(results: Results, words: Words) -> Iterator[Grid]:
     spectra = {limit: _column(steps, []) for limit, steps in action.items() if steps}
     yield from _tables(spectra, words("caption.trace_spectrum"), words)
     directions = {
-        f"{words.state(name)}, {direction_name(direction)}": dict(capacity_tables.traces(capacity))
-        for name, direction, capacity in capacity_tables.capacities(results)
+        words.at(name, direction): dict(capacity_tables.traces(capacity))
+        for name, direction, capacity in capacities(results)
     }
     yield from _parts(directions, action, "capacity_curve", "trace", words)
-    indices = {
-        words.state(name): _column(found.trace, []) for name, found in determined_indices(results).items()
-    }
+    found = determined_indices(results)
+    indices = {words.state(name): _column(each.trace, []) for name, each in found.items()}
     yield from _tables(indices, words("caption.trace_indices"), words)
     if results.knowledge and (known := results.knowledge.trace):
         whole = {words.plain("value.whole_structure"): _column(known, [])}
@@ -98,8 +92,12 @@ def _parts(
     shared: str,
     caption: str,
     words: Words,
+    digits: int = DIGITS,
 ) -> Iterator[Grid]:
-    """Yield the tables of each part of some calculations: what their checks share, then check by check."""
+    """Yield the tables of each part of some calculations: what their checks share, then check by check.
+
+    `action`: what is printed before, by limit state, and before what is shared.
+    """
     named = {SHARED: shared} | {part: part for part in capacity_tables.BESIDE}
     for part in (SHARED, *CHECKS, *capacity_tables.BESIDE):
         before = action.get(part.split()[0], [])
@@ -109,7 +107,7 @@ def _parts(
             if part in parts
         }
         title = words.plain(f"value.{named[part]}") if part in named else check_name(part, words)
-        yield from _tables(columns, words(f"caption.{caption}", limit=title), words)
+        yield from _tables(columns, words(f"caption.{caption}", limit=title), words, digits)
 
 
 def _column(steps: Steps, before: Steps) -> Column:

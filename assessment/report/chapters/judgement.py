@@ -8,11 +8,12 @@ from operator import itemgetter
 import numpy as np
 from markupsafe import Markup
 
-from assessment.report.chapters.answer import lead
-from assessment.report.chapters.remarks import agreement
-from assessment.report.tables.capacity import capacities
+from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
+from assessment.report.chapters.synthesis import lead
+from assessment.report.tables.rows import capacities, moves
+from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import Words
 from assessment.report.text.messages import merged
 from assessment.report.text.quantities import COARSE, check_name
 from assessment.results.configurations.hand_check import hand_checks
@@ -66,8 +67,8 @@ def _linear(results: Results, words: Words) -> Iterator[Markup]:
     ]
     if known:
         full, linear, name, direction = min(known)
-        place = {"state": words.state(name), "direction": direction_name(direction)}
-        yield words("judgement.linear", **place, linear=words.ratio(linear), full=words.ratio(full))
+        ratios = {"linear": words.ratio(linear), "full": words.ratio(full)}
+        yield words("judgement.linear", state=name, direction=direction, **ratios)
 
 
 def _chosen(results: Results, words: Words) -> Iterator[Markup]:
@@ -80,58 +81,34 @@ def _chosen(results: Results, words: Words) -> Iterator[Markup]:
     ]
     if made:
         ratio, given, limit = min(made, key=itemgetter(0))
-        yield words(
-            "judgement.chosen",
-            mechanism=given.name,
-            state=words.state(given.state),
-            limit=check_name(limit, words),
-            ratio=words.ratio(ratio),
-        )
+        place = {"mechanism": given.name, "state": given.state, "limit": check_name(limit, words)}
+        yield words("judgement.chosen", **place, ratio=words.ratio(ratio))
 
 
 def _interventions(results: Results, words: Words) -> Iterator[Markup]:
     """Yield which interventions of NTC 2018, §8.4, each strengthening amounts to."""
     for state, found in determined_indices(results).items():
-        if found.attained is None:
-            continue
-        before = (
-            words.plain("value.not_determined")
-            if found.zeta_before is None
-            else words.ratio(found.zeta_before)
-        )
         told = Markup("; ").join(
             words(
                 f"judgement.{'attained' if reached else 'not_attained'}",
                 kind=words(f"judgement.of_{kind}"),
                 least=words.ratio(found.required_zeta[kind] or 0.0),
             )
-            for kind, reached in found.attained.items()
-            if kind != "improvement_school" or is_school(results)
+            for kind, reached in (found.attained or {}).items()
+            if kind != "improvement_school" or used_as(results, SCHOOL)
         )
         if told:
+            was = found.zeta_before
+            before = words.plain("value.not_determined") if was is None else words.ratio(was)
             zeta = words.ratio(found.zeta_SLV)
-            yield words(
-                "judgement.interventions", state=words.state(state), zeta=zeta, before=before, told=told
-            )
-
-
-def is_school(results: Results) -> bool:
-    """Return whether the use of the building is that of a school, which has a threshold of its own (§8.4.2)."""
-    return any(word in (results.echo.report.use or "").lower() for word in ("scuol", "scol", "school"))
+            yield words("judgement.interventions", state=state, zeta=zeta, before=before, told=told)
 
 
 def _ties(results: Results, words: Words) -> Iterator[Markup]:
     """Yield which ties yield along the curves."""
-    yielding = dict.fromkeys(
-        each.tie
-        for state in results.states.values()
-        for pushed in state.pushover.values()
-        for push in pushed.by_contacts.values()
-        for each in push.ties or ()
-        if each.yields
-    )
-    if yielding:
-        yield words("judgement.ties_yield", ties=", ".join(yielding))
+    found = [each.tie for where, each in tensions(results) if each.yields and "direction" in where]
+    if found:
+        yield words("judgement.ties_yield", ties=", ".join(dict.fromkeys(found)))
 
 
 def _histories(results: Results, words: Words) -> Iterator[Markup]:
@@ -152,7 +129,7 @@ def _histories(results: Results, words: Words) -> Iterator[Markup]:
         if peaks:
             peak, name = max(peaks)
             text = "judgement.history_stands" if fallen else "judgement.history_peak"
-            yield words(text, **what, peak=words.millimetres(peak), state=words.state(name))
+            yield words(text, **what, peak=words.millimetres(peak), state=name)
 
 
 def _incremental(results: Results, words: Words) -> Iterator[Markup]:
@@ -161,7 +138,7 @@ def _incremental(results: Results, words: Words) -> Iterator[Markup]:
         loss = state.incremental.loss
         if loss and loss.distinguishable is False:
             low, high = (_signed(bound or 0.0, words) for bound in loss.dynamic_range)
-            yield words("judgement.incremental_indistinct", state=words.state(name), low=low, high=high)
+            yield words("judgement.incremental_indistinct", state=name, low=low, high=high)
 
 
 def _campaign(results: Results, words: Words) -> Iterator[Markup]:
@@ -218,18 +195,17 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
         among = words("judgement.worst_among", known=counts[0], total=counts[1]) if counts else ""
         sentence = words(
             f"judgement.worst_{'collapses' if worst.collapses else found.quantity}",
-            state=words.state(worst.state),
+            state=worst.state,
             movement=words.millimetres(worst.movement_m),
-            direction=direction_name(worst.direction),
+            direction=worst.direction,
             capacity=compared(worst, found.quantity),
             limit=found.limit_state,
             reference=_reference(results, words),
             among=among,
         )
         if not worst.collapses and worst.reduction is not None:
-            sentence += Markup(" ") + words(
-                "judgement.worst_reduction", reduction=words.per_cent(worst.reduction)
-            )
+            loss = words.per_cent(worst.reduction)
+            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=loss)
         yield sentence
 
 
@@ -242,43 +218,34 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
             "judgement.sensitive",
             limit=found.limit_state,
             property=words.plain(f"value.{widest.property}"),
-            state=words.state(widest.state),
+            state=widest.state,
             low=widest.low_factor,
             high=widest.high_factor,
             least=min(widest.capacities()),
             most=max(widest.capacities()),
             reference=_reference(results, words),
         )
-    without = dict.fromkeys(bar.property for bar in every if bar.swing_g is None)
-    if without:
+    if without := dict.fromkeys(bar.property for bar in every if bar.swing_g is None):
         names = ", ".join(words.plain(f"value.{name}") for name in without)
         yield words("judgement.sensitive_open", properties=names)
 
 
 def _margins(results: Results, words: Words) -> Iterator[Markup]:
-    for name, state in results.states.items():
-        for contacts, path in state.pushdown.items():
-            ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
-            if ultimate:
-                yield words(
-                    "judgement.margin" if applied < ultimate else "judgement.no_margin",
-                    state=words.state(name),
-                    contacts=words.plain(f"value.{contacts}"),
-                    applied=1000.0 * applied,
-                    share=words.per_cent(applied / ultimate),
-                    ultimate=1000.0 * ultimate,
-                )
+    for where, path in moves(results):
+        ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
+        if ultimate:
+            yield words(
+                "judgement.margin" if applied < ultimate else "judgement.no_margin",
+                **where,
+                applied=1000.0 * applied,
+                share=words.per_cent(applied / ultimate),
+                ultimate=1000.0 * ultimate,
+            )
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:
-    quality = results.quality
-    residuals = present(
-        {
-            "equilibrium_residual": quality.worst_equilibrium_residual,
-            "cone_violation": quality.worst_cone_violation,
-            "complementarity": quality.worst_complementarity,
-        }
-    )
+    found = {name: getattr(results.quality, f"worst_{name}") for name in RESIDUALS}
+    residuals = present(found)
     shown = {name: words.number(residual, COARSE) for name, residual in residuals.items()}
     poor = [name for name, residual in residuals.items() if residual > RESIDUALS[name]]
     for name in poor:

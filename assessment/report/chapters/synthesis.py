@@ -1,4 +1,4 @@
-"""The first page: the table of what was found, the governing mechanism, and what the result rests on."""
+"""The first page: the answer in sentences, the table of what was found, and what it rests on, from `summary` alone."""
 
 from __future__ import annotations
 
@@ -7,18 +7,125 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from assessment.ntc.demand.return_period import USE_COEFFICIENT, return_period
-from assessment.report.chapters.grid import Grid
-from assessment.report.tables.structure.joints import bounded, edge_pressures
-from assessment.report.tables.structure.mechanisms import mechanism_name
-from assessment.report.tables.synthesis import ORIGINAL, governing_view, index_limit, least_row
+from assessment.report.chapters.grids import Grid
+from assessment.report.tables.mechanisms import mechanism_name
+from assessment.report.tables.structure import bounded, edge_pressures
+from assessment.report.tables.synthesis import (
+    ORIGINAL,
+    governing_view,
+    index_limit,
+    index_of,
+    least_row,
+    rows_of,
+    settled,
+    worst_settled,
+)
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import heading, told, written
+from assessment.report.text.quantities import COARSE, heading, indexed, label, told, written
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.results.schema.summary import SummaryRow
 
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
+QUALITY_ANNEX = "D"  # of the report: where warnings are listed
+
+
+def lead(results: Results, words: Words) -> list[Markup]:
+    """Return the answer in sentences, with which report, page and terminal begin.
+
+    The index of each kind of state, its loss, and whether it is verified.
+    """
+    if not results.model.self_weight_stable:
+        return [words("judgement.unstable")]
+    worst = worst_settled(results) or ORIGINAL
+    sentences = [_of_state(results, worst, words)]
+    sentences += [
+        _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
+    ]
+    sentences += _open(results, words)
+    sentences += _dynamic(results, worst, words)
+    return [each for each in sentences if each]
+
+
+def _of_state(results: Results, name: str, words: Words) -> Markup:
+    """Return a sentence on the original or the worst settled state: its index, and what it was before."""
+    row, limit = least_row(results, name), index_limit(results)
+    if any(not each.reached for each in rows_of(results, name)):
+        return words("synthesis.collapses", state=name)
+    if row is None:
+        return Markup("") if rows_of(results, name) else words("synthesis.nothing")
+    check = index_of(row, limit)
+    quantity = "zeta_E" if check else "alpha_u" if row.alpha_0 is None else "alpha_0"
+    value = check.zeta_E if check else getattr(row, quantity)
+    loss = check.loss if check else row.alpha_loss
+    outcome = _outcome(results, name, words) if check else ""
+    place = {
+        "symbol": indexed(label(quantity, words)),
+        "value": written(quantity, value, words),
+        "where": ", ".join([*([limit] if check and limit else []), direction_name(row.direction or "")]),
+        "outcome": outcome,
+    }
+    if name == ORIGINAL:
+        return words("synthesis.original", **place)
+    key = "current" if len(settled(results)) == 1 else "worst"
+    said = words(f"synthesis.{key}", state=name, count=len(settled(results)), **place)
+    if loss is not None and value is not None and loss < 1.0:
+        before = written(quantity, value / (1.0 - loss), words)
+        change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=words.per_cent(abs(loss)))
+        said += words("synthesis.before", before=before, change=change)
+    return said + Markup.escape(f". {outcome}" if outcome else ".")
+
+
+def _outcome(results: Results, name: str, words: Words) -> str:
+    """Return whether a state is verified in every direction, as a sentence."""
+    verified = [row.verified for row in rows_of(results, name)]
+    kind = "not_verified" if False in verified else "undetermined" if None in verified else "verified"
+    return words.plain(f"synthesis.{kind}")
+
+
+def _strengthened(results: Results, name: str, words: Words) -> Markup:
+    """Return a sentence on what an intervention gives back, in the direction that is weakest after it."""
+    row, limit = least_row(results, name), index_limit(results)
+    check = index_of(row, limit) if row else None
+    if row is None or check is None or check.zeta_E is None or check.gain is None or check.gain <= -1.0:
+        return Markup("")
+    return words(
+        "synthesis.strengthened",
+        state=name,
+        before=words.ratio(check.zeta_E / (1.0 + check.gain)),
+        after=words.ratio(check.zeta_E),
+        gain=words.per_cent(check.gain),
+        where=f"{limit}, {direction_name(row.direction or '')}",
+        outcome=_outcome(results, name, words),
+    )
+
+
+def _open(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield the states and directions without an index, in one sentence."""
+    limit = index_limit(results)
+    where = [
+        words("synthesis.open_at", state=row.state, direction=row.direction or "")
+        for row in results.summary.rows
+        if row.checks and limit and row.reached and index_of(row, limit) is None
+    ]
+    if where:
+        yield words("synthesis.open", where=Markup("; ").join(where), annex=QUALITY_ANNEX)
+
+
+def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
+    """Yield the dynamic capacity beside the static one on the same reference, and what the motions lose of it."""
+    row = least_row(results, name) or next(iter(rows_of(results, name)), None)
+    if row is not None and (dynamic := row.dynamic_pga_g) is not None:
+        static = row.static_nominal_pga_g
+        kind = "dynamic" if static is None else "dynamic_static"
+        yield words(f"synthesis.{kind}", dynamic=dynamic, static=static)
+    whole = [each for each in (results.campaign.loss if results.campaign else []) if each.share == 1.0]
+    loss = results.states[name].incremental.loss or next((e for e in whole if e.settlement == name), None)
+    if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
+        low, high = (words.number(100.0 * (bound or 0.0), COARSE) for bound in loss.dynamic_range)
+        kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
+        yield words(f"synthesis.{kind}", loss=words.number(100.0 * loss.dynamic, COARSE), low=low, high=high)
 
 
 def synthesis_grid(results: Results, words: Words) -> Grid | None:
@@ -41,24 +148,29 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         if changed:
             loss = row.checks[first].loss if first and row.state != ORIGINAL else None
             yield dash if loss is None else words.per_cent(-loss)
-        values = {name: getattr(row, name) for name in listed}
-        yield from (dash if value is None else written(name, value, words) for name, value in values.items())
-        known = row.direction if row.mechanism else None
-        yield mechanism_name(results, row.state, known, words) if known else dash
+        for name in listed:
+            value = getattr(row, name)
+            yield dash if value is None else written(name, value, words)
+        yield (
+            mechanism_name(results, row.state, row.direction, words)
+            if row.mechanism and row.direction
+            else dash
+        )
         if limits:
             yield written("verified", row.verified, words)
 
     texts = ["mechanism", *(["verified"] if limits else [])]
-    indices = ["index" if limit == first else "ratio" for limit in limits]
     head = [heading("state", words), words("synthesis.direction")]
-    head += [words(f"synthesis.{kind}", limit=limit) for kind, limit in zip(indices, limits, strict=True)]
+    head += [words(f"synthesis.{'index' if limit == first else 'ratio'}", limit=limit) for limit in limits]
     head += [words("synthesis.change")] if changed else []
-    for name in [*listed, *texts]:
-        static = name == "static_pga_g"
-        head.append(words("synthesis.static", limit=farthest) if static else heading(name, words))
+    head += [
+        words("synthesis.static", limit=farthest) if name == "static_pga_g" else heading(name, words)
+        for name in (*listed, *texts)
+    ]
     text = [True, True, *[False] * (len(head) - 2 - len(texts)), *[True] * len(texts)]
-    grid = [[Markup.escape(cell) for cell in cells(row)] for row in rows]
-    return Grid(words("caption.synthesis"), head, grid, text)
+    return Grid(
+        words("caption.synthesis"), head, [[Markup.escape(cell) for cell in cells(row)] for row in rows], text
+    )
 
 
 def _ratio(row: SummaryRow, limit: str, words: Words) -> Markup:
@@ -77,9 +189,9 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
     return words(
         "synthesis.mechanism",
         name=mechanism_name(results, *view, words),
-        state=words.state(view[0]),
-        direction=direction_name(view[1]),
-        weight=words.number(weight),
+        state=view[0],
+        direction=view[1],
+        weight=weight,
         share=words.per_cent(weight / results.model.weight_kN if results.model.weight_kN else 0.0),
     )
 
@@ -87,14 +199,13 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
 def basis(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what the result rests on: friction, knowledge, hazard, ranges, crushing, and what is warned of."""
     yield _friction(results, words)
-    assessment = results.echo.assessment or {}
-    if assessment:
+    if results.echo.assessment:
         yield knowledge(results, words)
     if (demand := (results.spectra or {}).get("SLV")) is not None:
         pga = demand.pga_g if demand.pga_g is not None else demand.a_g_g
-        yield words("synthesis.hazard", pga=words.number(pga), reference=reference_life(results, words))
+        yield words("synthesis.hazard", pga=pga, reference=reference_life(results, words))
     yield _range(results, words)
-    yield from _pressure(results, words)
+    yield _pressure(results, words)
     if results.echo.report.protection:
         yield words("synthesis.listed", decree=results.echo.report.protection)
 
@@ -103,32 +214,25 @@ def _friction(results: Results, words: Words) -> Markup:
     """Return the law of friction, and the index by the other one where it differs by more than 2 %."""
     found = {joint.friction for joint in results.geometry.joints if joint.friction is not None}
     mu = "–".join(words.number(each, 2) for each in sorted({min(found), max(found)})) if found else "∞"
-    law = "coulomb" if coulomb(results.echo) else "associative"
-    told = words(f"synthesis.friction_{law}", mu=mu)
-    limit = index_limit(results)
+    law, limit = "coulomb" if coulomb(results.echo) else "associative", index_limit(results)
     others = [
-        words(
-            "synthesis.other_at",
-            zeta=words.ratio(ratio),
-            state=words.state(row.state),
-            direction=direction_name(row.direction or ""),
-        )
+        words("synthesis.other_at", zeta=words.ratio(ratio), state=row.state, direction=row.direction or "")
         for row in results.summary.rows
         if row.other_law and limit and (ratio := (row.other_law.zeta_E or {}).get(limit)) is not None
     ]
-    return told + words(f"synthesis.other_than_{law}", where=Markup("; ").join(others)) if others else told
+    said = words(f"synthesis.friction_{law}", mu=mu)
+    return said + words(f"synthesis.other_than_{law}", where=Markup("; ").join(others)) if others else said
 
 
 def knowledge(results: Results, words: Words) -> Markup:
-    """Return the confidence factor with the level that it follows from, or that it has none."""
-    found = results.knowledge
+    """Return the confidence factor with the level that it follows from, or that it has none; empty without checks."""
+    assessment, found = results.echo.assessment, results.knowledge
+    if not assessment:
+        return Markup("")
     if found is None:
-        return words(
-            "synthesis.no_knowledge", factor=(results.echo.assessment or {}).get("confidence_factor", 1.0)
-        )
-    return words(
-        f"synthesis.knowledge_{'level' if found.level else 'components'}", factor=found.F_C, level=found.level
-    )
+        return words("synthesis.no_knowledge", factor=assessment.get("confidence_factor", 1.0))
+    key = f"synthesis.knowledge_{'level' if found.level else 'components'}"
+    return words(key, factor=found.F_C, level=found.level)
 
 
 def reference_life(results: Results, words: Words) -> Markup:
@@ -137,13 +241,10 @@ def reference_life(results: Results, words: Words) -> Markup:
     life, use = site.get("nominal_life_years"), site.get("use_class")
     if not life or use not in USE_COEFFICIENT:
         return Markup("")
+    figures = {"V_N": life, "C_U": USE_COEFFICIENT[use], "V_R": life * USE_COEFFICIENT[use]}
+    shown = {name: words.comma(f"{value:g}") for name, value in figures.items()}
     return words(
-        "synthesis.life",
-        V_N=words.comma(f"{life:g}"),
-        use_class=use,
-        C_U=words.comma(f"{USE_COEFFICIENT[use]:g}"),
-        V_R=words.comma(f"{life * USE_COEFFICIENT[use]:g}"),
-        T_R=words.rounded(return_period("SLV", life, use), 0),
+        "synthesis.life", use_class=use, T_R=words.rounded(return_period("SLV", life, use), 0), **shown
     )
 
 
@@ -154,24 +255,23 @@ def _range(results: Results, words: Words) -> Markup:
     check = row.checks.get(least.limit_state) if row and least else None
     if check and check.zeta_E_range:
         low, high = (
-            words.ratio(end) if end is not None else words.plain("value.not_determined")
+            words.plain("value.not_determined") if end is None else words.ratio(end)
             for end in check.zeta_E_range
         )
         return words("synthesis.range", low=low, high=high)
     return words("synthesis.no_range" if (results.echo.scatter or 1) == 1 else "synthesis.one_path")
 
 
-def _pressure(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the greatest edge pressure beside the strength that was given, or that none was."""
+def _pressure(results: Results, words: Words) -> Markup:
+    """Return the greatest edge pressure beside the strength that was given, or that none was."""
     strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
     limits = [each for each in strengths if each is not None]
     pressed = edge_pressures(results)
     known = bool(pressed) and bounded(pressed)
     most = told("edge_pressure_kN_m2", pressed[0].edge_pressure_kN_m2, words) if known else ""
-    if limits:
-        strength = told("compressive_strength_kN_m2", min(limits), words)
-        yield words(
-            "synthesis.strength" if known else "synthesis.strength_alone", strength=strength, pressure=most
-        )
-    else:
-        yield words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
+    if not limits:
+        return words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
+    strength = told("compressive_strength_kN_m2", min(limits), words)
+    return words(
+        "synthesis.strength" if known else "synthesis.strength_alone", strength=strength, pressure=most
+    )

@@ -12,7 +12,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.patches import PathPatch
 
 from assessment.report.figures.drawings.parts import moved_ends
-from assessment.report.figures.dynamic import bounds_of_views, shaken
+from assessment.report.figures.motions import bounds_of_views, shaken
 from assessment.report.figures.style import sheet
 from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.outlines import outlines

@@ -7,9 +7,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import COLOURS, DASHES, chart, state_style
+from assessment.report.figures.style import COLOURS, DASHES, chart, key, state_style
 from assessment.report.tables.curves import alpha_at_d_0
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.quantities import label
@@ -50,23 +49,16 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
     names = list(dict.fromkeys(name for found in states.values() for name in found))
     every = [pushover for found in states.values() for pushover in found.values()]
     yields = [p.elastic.d_y_m for p in every if p.elastic and p.elastic.d_y_m]
-    handles = [
-        Line2D([], [], **state_style(n).keywords, label=words.state(name)) for n, name in enumerate(names)
-    ]
-    handles += [Line2D([], [], color="0.0", **MARKS[name], label=name) for name in _points(every)]
+    handles = [key(words.state(name), **state_style(n)) for n, name in enumerate(names)]
+    handles += [key(name, **MARKS[name]) for name in _points(every)]
     handles += [
-        Line2D([], [], color="0.0", linewidth=WIDTHS[contacts], label=words.plain(f"value.{contacts}"))
-        for contacts in ("rigid", "elastic")
+        key(words.plain(f"value.{contacts}"), linewidth=width)
+        for contacts, width in WIDTHS.items()
         if any(contacts in pushover.by_contacts for pushover in every)
     ]
     columns = 2 if yields else 1
-    figure, panels = chart(
-        words,
-        columns=columns,
-        rows=len(directions),
-        height_mm=58.0,
-        foot_mm=4.0 + 4.0 * -(-len(handles) // 3),
-    )
+    foot = 4.0 + 4.0 * -(-len(handles) // 3)
+    figure, panels = chart(words, columns=columns, rows=len(directions), height_mm=58.0, foot_mm=foot)
     for at, axes in enumerate(panels):
         direction = directions[at // columns]
         for name, pushover in states[direction].items():
@@ -74,9 +66,9 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
             for contacts, push in pushover.by_contacts.items():
                 for other in push.members or []:  # of the ensemble
                     others = sense(direction) * _mm(other.displacement_m), other.multiplier
-                    axes.plot(*others, color="0.65", linewidth=0.4, linestyle=style.linestyle)
+                    axes.plot(*others, color="0.65", linewidth=0.4, linestyle=style["linestyle"])
                 along = sense(direction) * _mm(push.curve.displacement_m)
-                axes.plot(along, push.curve.multiplier, linewidth=WIDTHS[contacts], **style.keywords)
+                axes.plot(along, push.curve.multiplier, linewidth=WIDTHS[contacts], **style)
             _key_points(axes, pushover, COLOURS[names.index(name) % len(COLOURS)])
         title = direction_name(direction)
         if yields:
@@ -138,12 +130,8 @@ def _movement_lines(axes: Axes, content: State, words: Words) -> None:
         axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
     for contacts, path in content.pushdown.items():
         if (ultimate := path.ultimate_movement_m) is not None:
-            named = words.plain(
-                "figure.ultimate_line",
-                contacts=words.plain(f"value.{contacts}"),
-                movement=words.millimetres(ultimate),
-            )
-            width = 0.5 * WIDTHS[contacts]
+            movement, width = words.millimetres(ultimate), 0.5 * WIDTHS[contacts]
+            named = words.plain("figure.ultimate_line", contacts=contacts, movement=movement)
             axes.axvline(1000.0 * ultimate, color="0.0", linewidth=width, linestyle=DASHES[2], label=named)
 
 

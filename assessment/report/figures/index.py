@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.report.figures.campaign import (
-    draw_campaign_curves,
-    draw_campaign_fragility,
-    draw_campaign_loss,
-    fragile_shares,
-    moved,
-)
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
 from assessment.report.figures.drawings.deformed import (
     draw_chosen,
@@ -30,19 +23,25 @@ from assessment.report.figures.drawings.deformed import (
 )
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.figures.drawings.thrust import draw_thrust
-from assessment.report.figures.dynamic import (
+from assessment.report.figures.motions import (
+    draw_campaign_curves,
+    draw_campaign_fragility,
+    draw_campaign_loss,
     draw_fragility,
     draw_history,
     draw_incremental,
     draw_motion,
     draw_shapes,
     fragile,
+    fragile_shares,
+    moved,
     shaken,
 )
 from assessment.report.figures.spectra import draw_demand, draw_spectra, one_scale
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
-from assessment.report.tables.structure.cracks import cracks_of, printed
+from assessment.report.tables.cracks import cracks_of, surveyed
+from assessment.report.tables.structure import printed
 from assessment.report.tables.synthesis import governing_view, worst_settled
 from assessment.report.text.language import Words, slug, words_of
 from assessment.results.configurations.joint_states import situations
@@ -106,70 +105,72 @@ def _write_drawing(results: Results, path: Path) -> None:
 
 def pictures(results: Results) -> list[Picture]:
     """List the figures that the results allow: nothing is drawn of what was not computed."""
-    words = words_of(results)
-    return [
-        *_structure(results, words),
-        *_static(results, words),
-        *_studies(results, words),
-        *_dynamic(results, words),
-        *_campaign(results, words),
-    ]
+    show = partial(_picture, results, words_of(results))
+    parts = (_structure, _static, _studies, _dynamic, _campaign)
+    return [picture for part in parts for picture in part(results, show)]
 
 
-def _structure(results: Results, words: Words) -> Iterable[Picture]:
+Show = Callable[..., Picture]
+
+
+def _picture(
+    results: Results,
+    words: Words,
+    name: str,
+    section: str,
+    draw: Callable[..., Figure],
+    /,
+    *what: Any,
+    caption: str = "",
+    full: bool = False,
+    **fields: object,
+) -> Picture:
+    """Return the picture of what a function draws of the results; its caption is named as the picture by default."""
+    return Picture(name, section, partial(draw, results, words, *what), caption or name, fields, full)
+
+
+def _structure(results: Results, show: Show) -> Iterable[Picture]:
     worst, governing = worst_settled(results), governing_view(results)
     if worst or governing:
-        yield Picture(
-            "synthesis",
-            "synthesis",
-            partial(draw_synthesis, results, words, worst, governing),
-            "synthesis_drawing",
-        )
-    yield Picture("model", "structure", partial(draw_model, results, words), "model")
+        yield show("synthesis", "synthesis", draw_synthesis, worst, governing, caption="synthesis_drawing")
+    yield show("model", "structure", draw_model)
     if results.identification and results.identification.best is not None:
-        yield Picture(
-            "identification", "movement", partial(draw_identification, results, words), "identification"
-        )
+        yield show("identification", "movement", draw_identification)
     for name, state in results.states.items():
-        fields: dict[str, object] = {"state": words.state(name)}
         stem = slug(results, name)
+        told = partial(show, state=name)
         if state.settlement:
-            draw = partial(draw_settlement, results, words, name)
-            yield Picture(f"settlement_{stem}", "movement", draw, "settlement", fields)
+            yield told(f"settlement_{stem}", "movement", draw_settlement, name, caption="settlement")
         if state.pushdown:
-            draw = partial(draw_pushdown, results, words, name)
-            yield Picture(f"pushdown_{stem}", "movement", draw, "pushdown", fields)
-        if state.settlement and cracks_of(results, name):
-            draw = partial(draw_cracks, results, words, name, printed(results))
-            yield Picture(f"cracks_{stem}", "cracks", draw, "cracks_drawing", fields)
+            yield told(f"pushdown_{stem}", "movement", draw_pushdown, name, caption="pushdown")
+        if state.settlement and (cracks_of(results, name) or surveyed(results, name)):
+            shown = name, printed(results)
+            yield told(f"cracks_{stem}", "cracks", draw_cracks, *shown, caption="cracks_drawing")
 
 
-def _static(results: Results, words: Words) -> Iterable[Picture]:
+def _static(results: Results, show: Show) -> Iterable[Picture]:
     there = list(situations(results))
     resting = [each for each in there if each.direction is None]
     activated = [each for each in there if each.direction is not None]
-    for stem, found, full in (("thrust_at_rest", resting, False), ("thrust", activated, True)):
-        for number, shown in enumerate(_portions(found)):
-            draw: Callable[[], Figure] = partial(draw_thrust, results, words, shown)
-            yield Picture(_numbered(stem, number), "joints" if full else "cracks", draw, stem, full=full)
+    for name, shown in _portions("thrust_at_rest", resting):
+        yield show(name, "cracks", draw_thrust, shown, caption="thrust_at_rest")
+    for name, shown in _portions("thrust", activated):
+        yield show(name, "joints", draw_thrust, shown, caption="thrust", full=True)
     if results.spectra:
-        yield Picture("spectrum", "action", partial(draw_demand, results, words), "spectrum", full=True)
+        yield show("spectrum", "action", draw_demand, full=True)
     pushes = [(name, way) for name, state in results.states.items() for way in sorted(state.pushover)]
     if pushes:
-        draw = partial(draw_pushover, results, words, sorted({way for _, way in pushes}))
-        yield Picture("pushover", "curves", draw, "pushover")
+        yield show("pushover", "curves", draw_pushover, sorted({way for _, way in pushes}))
     rigid = [(view, push) for view in pushes if (push := results.states[view[0]].pushover[view[1]].rigid)]
-    for number, views in enumerate(_portions([view for view, _ in rigid])):
-        draw = partial(draw_mechanisms, results, words, views)
-        yield Picture(_numbered("mechanism", number), "mechanisms", draw, "mechanism")
-    for number, views in enumerate(_portions([view for view, push in rigid if push.d_0_m is not None])):
-        draw = partial(draw_overturned, results, words, views)
-        yield Picture(_numbered("overturned", number), "joints", draw, "overturned", full=True)
+    for name, views in _portions("mechanism", [view for view, _ in rigid]):
+        yield show(name, "mechanisms", draw_mechanisms, views, caption="mechanism")
+    for name, views in _portions("overturned", [view for view, push in rigid if push.d_0_m is not None]):
+        yield show(name, "joints", draw_overturned, views, caption="overturned", full=True)
     for number, given in enumerate(results.mechanisms or [], 1):
         if not given.refused:
-            fields: dict[str, object] = {"name": given.name, "state": words.state(given.state)}
-            draw = partial(draw_chosen, results, words, given)
-            yield Picture(f"chosen_mechanism_{number}", "mechanisms", draw, "chosen_mechanism", fields)
+            fields = {"state": given.state, "name": given.name}
+            stem = f"chosen_mechanism_{number}"
+            yield show(stem, "mechanisms", draw_chosen, given, caption="chosen_mechanism", **fields)
     for limit in ("SLV", "SLC"):
         able = [
             (name, way)
@@ -177,64 +178,56 @@ def _static(results: Results, words: Words) -> Iterable[Picture]:
             for way, capacity in sorted(state.capacity.items())
             if capacity.curve.d_star_m and limit in capacity.checks
         ]
-        for number, views in enumerate(_portions(able)):
-            draw = partial(draw_spectra, results, words, views, limit)
+        for name, views in _portions(f"spectra_{limit}", able):
             caption = "spectra" if one_scale(results, views, limit) else "spectra_own"
-            stem = _numbered(f"spectra_{limit}", number)
-            yield Picture(stem, "checks", draw, caption, {"limit": limit}, full=limit == "SLC")
+            full = limit == "SLC"
+            yield show(name, "checks", draw_spectra, views, limit, caption=caption, full=full, limit=limit)
 
 
-def _studies(results: Results, words: Words) -> Iterable[Picture]:
+def _studies(results: Results, show: Show) -> Iterable[Picture]:
     if results.scenarios:
-        yield Picture("scenarios", "scenarios", partial(draw_scenarios, results, words), "scenarios_curves")
-    for number, names in enumerate(_portions(varied(results))):
-        fields: dict[str, object] = {"limit": known(results.sensitivity).limit_state}
-        draw = partial(draw_tornado, results, words, names)
-        yield Picture(_numbered("tornado", number), "sensitivity", draw, "tornado_bars", fields)
+        yield show("scenarios", "scenarios", draw_scenarios, caption="scenarios_curves")
+    for name, states in _portions("tornado", varied(results)):
+        limit = known(results.sensitivity).limit_state
+        yield show(name, "sensitivity", draw_tornado, states, caption="tornado_bars", limit=limit)
 
 
-def _dynamic(results: Results, words: Words) -> Iterable[Picture]:
-    for index, motion in enumerate(results.motions or []):
-        fields: dict[str, object] = {"record": motion.name, "pga": motion.pga_g}
-        draw = partial(draw_motion, results, words, index)
-        yield Picture(f"record_{index + 1}", "history", draw, "motion", fields)
-        if states := shaken(results, motion.name):
-            draw = partial(draw_history, results, words, index)
-            yield Picture(f"history_{index + 1}", "history", draw, "control_history", fields)
-        for name in states:
-            draw = partial(draw_shapes, results, words, name, index)
-            stem = f"shapes_{index + 1}_{slug(results, name)}"
-            yield Picture(stem, "history", draw, "shapes", fields | {"state": words.state(name)}, full=True)
+def _dynamic(results: Results, show: Show) -> Iterable[Picture]:
+    for number, motion in enumerate(results.motions or []):
+        told = partial(show, record=motion.name, pga=motion.pga_g)
+        yield told(f"record_{number + 1}", "history", draw_motion, number, caption="motion")
+        if moving := shaken(results, motion.name):
+            yield told(f"history_{number + 1}", "history", draw_history, number, caption="control_history")
+        for name in moving:
+            stem = f"shapes_{number + 1}_{slug(results, name)}"
+            yield told(stem, "history", draw_shapes, name, number, caption="shapes", full=True, state=name)
     searched = [
         name
         for name, state in results.states.items()
         if any(record.points for record in state.incremental.records or [])
     ]
-    for number, names in enumerate(_portions(searched)):
-        draw = partial(draw_incremental, results, words, names)
-        yield Picture(_numbered("incremental", number), "incremental", draw, "incremental_curves")
+    for name, states in _portions("incremental", searched):
+        yield show(name, "incremental", draw_incremental, states, caption="incremental_curves")
     if fragile(results):
-        yield Picture("fragility", "incremental", partial(draw_fragility, results, words), "fragility")
+        yield show("fragility", "incremental", draw_fragility)
 
 
-def _campaign(results: Results, words: Words) -> Iterable[Picture]:
-    if not results.campaign:
-        return
-    yield Picture("campaign_loss", "campaign", partial(draw_campaign_loss, results, words), "campaign_losses")
+def _campaign(results: Results, show: Show) -> Iterable[Picture]:
+    if results.campaign:
+        yield show("campaign_loss", "campaign", draw_campaign_loss, caption="campaign_losses")
     for number, name in enumerate(moved(results)):
-        fields: dict[str, object] = {"settlement": name}
+        told = partial(show, settlement=name)
         if fragile_shares(results, name):
-            draw = partial(draw_campaign_fragility, results, words, name)
             stem = _numbered("campaign_fragility", number)
-            yield Picture(stem, "campaign", draw, "campaign_fragility_curves", fields)
-        draw = partial(draw_campaign_curves, results, words, name)
-        yield Picture(
-            _numbered("campaign_curves", number), "campaign", draw, "campaign_curves", fields, full=True
-        )
+            yield told(stem, "campaign", draw_campaign_fragility, name, caption="campaign_fragility_curves")
+        stem = _numbered("campaign_curves", number)
+        yield told(stem, "campaign", draw_campaign_curves, name, caption="campaign_curves", full=True)
 
 
-def _portions(names: Sequence[T]) -> list[Sequence[T]]:
-    return [names[start : start + PANELS] for start in range(0, len(names), PANELS)]
+def _portions(stem: str, shown: Sequence[T]) -> Iterator[tuple[str, Sequence[T]]]:
+    """Yield names and parts of what is shown, PANELS to a figure."""
+    for number, start in enumerate(range(0, len(shown), PANELS)):
+        yield _numbered(stem, number), shown[start : start + PANELS]
 
 
 def _numbered(stem: str, number: int) -> str:

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import DASHES, OVER_LINES, chart
+from assessment.report.figures.style import DASHES, OVER_LINES, chart, key
 from assessment.report.tables.curves import elastic_capacity
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import Words
 from assessment.report.text.quantities import label
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, Direction
@@ -43,11 +42,7 @@ def draw_spectra(
     for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=False):
         capacity = results.states[name].capacity[direction]
         point = capacity.checks[limit]
-        axes.set(
-            xlim=(0.0, 1000.0 * reach),
-            ylim=(0.0, top),
-            title=f"{words.state(name)}, {direction_name(direction)}",
-        )
+        axes.set(xlim=(0.0, 1000.0 * reach), ylim=(0.0, top), title=words.at(name, direction))
         axes.set(xlabel=label("d_star_m", words), ylabel=label("a_star_g", words))
         _periods(axes, words, reach, top)
         if found := elastic_capacity(results, name, direction):
@@ -67,14 +62,11 @@ def draw_spectra(
         axes.set_axis_off()
     reference = words.plain(f"value.on_{reference_of(results)}")
     elastic = any(elastic_capacity(results, *view) for view in views)
-    handles = [
-        Line2D([], [], color="0.0", linewidth=1.9, label=words.plain("figure.fitted_curve")),
-        *([Line2D([], [], **ELASTIC, label=words.plain("figure.elastic_capacity"))] if elastic else []),
-        Line2D([], [], color="0.0", linewidth=0.9,
-               label=words.plain("figure.borne_spectrum", limit=limit, reference=reference)),
-        Line2D([], [], color="0.0", linewidth=0.9, linestyle=DASHES[2],
-               label=words.plain("figure.demand_spectrum", limit=limit)),
-    ]  # fmt: skip
+    borne = words.plain("figure.borne_spectrum", limit=limit, reference=reference)
+    handles = [key(words.plain("figure.fitted_curve"), linewidth=1.9)]
+    handles += [key(words.plain("figure.elastic_capacity"), **ELASTIC)] if elastic else []
+    handles += [key(borne, linewidth=0.9)]
+    handles += [key(words.plain("figure.demand_spectrum", limit=limit), linewidth=0.9, linestyle=DASHES[2])]
     figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure
 
@@ -91,14 +83,8 @@ def draw_demand(results: Results, words: Words) -> Figure:
         for dashes, (limit, spectrum) in zip(DASHES, known(results.spectra).items(), strict=False):
             T = np.asarray(spectrum.T_s, dtype=float)
             values = np.asarray(getattr(spectrum, name), dtype=float) * (1000.0 if name == "S_De_m" else 1.0)
-            axes.plot(
-                T[T <= LONGEST],
-                values[T <= LONGEST],
-                color="0.0",
-                linewidth=1.2,
-                linestyle=dashes,
-                label=limit,
-            )
+            line: dict[str, Any] = {"color": "0.0", "linewidth": 1.2, "linestyle": dashes, "label": limit}
+            axes.plot(T[T <= LONGEST], values[T <= LONGEST], **line)
         axes.set(xlabel=label("T_s", words), ylabel=label(name, words), xlim=(0.0, LONGEST))
         axes.set_ylim(bottom=0.0)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=4)
@@ -161,7 +147,6 @@ def _limit_point(axes: Axes, point: Check, limit: str) -> None:
         height = _secant(d_star / 1000.0, point.T_s)
         axes.plot([0.0, d_star], [0.0, height], color="0.0", linewidth=0.6, linestyle=DASHES[1])
         axes.plot([d_star, d_star], [0.0, height], color="0.0", linewidth=0.4)
-        axes.plot(
-            d_star, height, marker="o", color="0.0", markerfacecolor="1.0", markersize=5, linestyle="none"
-        )
+        circle: dict[str, Any] = {"marker": "o", "color": "0.0", "markerfacecolor": "1.0", "markersize": 5}
+        axes.plot(d_star, height, linestyle="none", **circle)
         axes.annotate(f"T_{limit}", (d_star, height), (5.0, 6.0), **named)

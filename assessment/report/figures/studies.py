@@ -10,16 +10,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from assessment.report.figures.style import chart, state_style
+from assessment.report.figures.style import chart, key, state_style
 from assessment.report.tables.studies import ROUNDING, Bar, bars
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import Words
 from assessment.report.text.quantities import label
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
-from assessment.results.schema.studies import Scenarios
 from assessment.results.table import compared, reference_of
 
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
+RING: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
+BESIDE: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": 6.5}
 LABEL_PT = 8.0  # height of a number beside a point
 BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, dark above
     "low": {"facecolor": "0.9", "hatch": "////", "edgecolor": "0.0", "linewidth": 0.5},
@@ -47,26 +48,20 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
                 and (point.state == name or point.movement_m == 0.0)
             ]
             x, y = [1000.0 * point.movement_m for point, _ in own], [capacity for _, capacity in own]
-            axes.plot(
-                x,
-                y,
-                marker=marker,
-                markerfacecolor=style.color if face != "1.0" else face,
-                markersize=4.5,
-                **style.keywords,
-            )
+            inside = style["color"] if face != "1.0" else face
+            axes.plot(x, y, marker=marker, markerfacecolor=inside, markersize=4.5, **style)
             if own and own[-1][0].state == name:
                 labels.append((str(number), x[-1], y[-1]))
-        ultimate = _ultimate(results, name)
-        if ultimate is not None:
+        if (ultimate := _ultimate(results, name)) is not None:
             axes.plot(1000.0 * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
             labels.append((str(number), 1000.0 * ultimate, 0.0))
-    _ring(axes, found)
+    if worst := found.worst:  # where the structure has fallen no capacity is left
+        height = 0.0 if worst.collapses else known(compared(worst, found.quantity))
+        axes.plot(1000.0 * worst.movement_m, height, markersize=11, color="0.0", clip_on=False, **RING)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.set(
-        xlabel=label("movement_m", words), ylabel=_capacity(results, words, found.quantity, found.limit_state)
-    )
+    axes.set_xlabel(label("movement_m", words))
+    axes.set_ylabel(_capacity(results, words, found.quantity, found.limit_state))
     _label(axes, labels)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
     return figure
@@ -96,10 +91,8 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         axes.set_xlim(min(shown) - margin, max(shown) + margin)
         axes.grid(visible=False, axis="y")
         reference = words.plain(f"value.on_{reference_of(results)}")
-        title = words.plain(
-            "figure.tornado_base", state=words.state(state), capacity=words.show(base), reference=reference
-        )
-        axes.set_title(title)
+        told = {"state": state, "capacity": base, "reference": reference}
+        axes.set_title(words.plain("figure.tornado_base", **told))
     limit = known(results.sensitivity).limit_state
     panels[-1].set_xlabel(_capacity(results, words, "a_g_g", limit))
     handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
@@ -128,28 +121,15 @@ def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: W
     axes.barh(height, moved - base, left=base, height=0.36 if both else 0.6, **BARS[side])
     rightward = moved - base or base - other_moved or (1.0 if side == "high" else -1.0)
     factor = f"×{words.comma(format(at[0], 'g'))}"
-    axes.annotate(
-        factor if end is not None else f"{factor}: {words.show(None)}",
-        (moved, height),
-        (3 if rightward > 0.0 else -3, 0),
-        textcoords="offset points",
-        ha="left" if rightward > 0.0 else "right",
-        va="center",
-        fontsize=6.5,
-    )
+    text, right = factor if end is not None else f"{factor}: {words.show(None)}", rightward > 0.0
+    side_of: dict[str, Any] = {"ha": "left" if right else "right", **BESIDE}
+    axes.annotate(text, (moved, height), (3 if right else -3, 0), **side_of)
 
 
 def _say_no_swing(axes: Axes, place: int, bar: Bar, base: float, words: Words) -> None:
     """Write beside the capacity that a property does not change it, with its factors."""
     low, high = (words.comma(format(bar.ends()[side][0], "g")) for side in ("low", "high"))
-    axes.annotate(
-        words.plain("figure.no_swing", low=low, high=high),
-        (base, place),
-        (4, 0),
-        textcoords="offset points",
-        va="center",
-        fontsize=6.5,
-    )
+    axes.annotate(words.plain("figure.no_swing", low=low, high=high), (base, place), (4, 0), **BESIDE)
 
 
 def _snapped(value: float | None, base: float) -> float | None:
@@ -174,35 +154,24 @@ def _label(axes: Axes, labels: Iterable[tuple[str, float, float]]) -> None:
         axes.annotate(text, (x, y), (7, height - at - 2), textcoords="offset points", annotation_clip=False)
 
 
-def _ring(axes: Axes, found: Scenarios) -> None:
-    """Ring the worst case; where the structure has fallen, on the axis: no capacity is left."""
-    if worst := found.worst:
-        ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
-        y = 0.0 if worst.collapses else known(compared(worst, found.quantity))
-        axes.plot(1000.0 * worst.movement_m, y, marker="o", markersize=11, color="0.0", clip_on=False, **ring)
-
-
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
     found = known(results.scenarios)
-    handles = [
-        Line2D([], [], label=f"{number}  {name}", **state_style(number - 1).keywords)
-        for number, name in enumerate(names, 1)
-    ]
-    none: dict[str, Any] = {"color": "0.0", "linestyle": "none"}
+    handles = [key(f"{number}  {name}", **state_style(number - 1)) for number, name in enumerate(names, 1)]
     handles += [
-        Line2D([], [], marker=marker, markerfacecolor=face, label=words.plain(
-            "figure.direction", direction=direction_name(direction)), **none)
-        for direction, (marker, face) in MARKS.items()
-        if any(point.direction == direction for point in found.points)
-    ]  # fmt: skip
-    if any(_ultimate(results, name) is not None for name in names):
-        handles.append(Line2D([], [], marker="x", label=words.plain("figure.ultimate_mark"), **none))
-    if worst := found.worst:
-        named = words.plain(
-            "figure.worst_collapses" if worst.collapses else "figure.worst",
-            state=worst.state,
-            movement=words.millimetres(worst.movement_m),
-            direction=direction_name(worst.direction),
+        key(
+            words.plain("figure.direction", direction=way),
+            marker=marker,
+            markerfacecolor=face,
+            linestyle="none",
         )
-        handles.append(Line2D([], [], marker="o", markersize=9, markerfacecolor="none", label=named, **none))
+        for way, (marker, face) in MARKS.items()
+        if any(point.direction == way for point in found.points)
+    ]
+    if any(_ultimate(results, name) is not None for name in names):
+        handles.append(key(words.plain("figure.ultimate_mark"), marker="x", linestyle="none"))
+    if worst := found.worst:
+        place = {"state": worst.state, "direction": worst.direction}
+        named = f"figure.{'worst_collapses' if worst.collapses else 'worst'}"
+        text = words.plain(named, **place, movement=words.millimetres(worst.movement_m))
+        handles.append(key(text, markersize=9, **RING | {"markeredgewidth": 1.0}))
     return handles

@@ -5,10 +5,10 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -16,6 +16,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import Formatter
@@ -49,33 +50,28 @@ SYMBOL = re.compile(
 SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5))
 
 
-class LineStyle(NamedTuple):
-    """How a line is drawn; `keywords` for matplotlib."""
-
-    color: str
-    linestyle: Any
-
-    @property
-    def keywords(self) -> dict[str, Any]:
-        """The style as keyword arguments."""
-        return self._asdict()
-
-
-def state_style(number: int) -> LineStyle:
+def state_style(number: int) -> dict[str, Any]:
     """Return the line of the state of that number (from 0): its colour, and dashes for who prints in grey."""
-    return LineStyle(COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)])
+    return {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number % len(DASHES)]}
+
+
+def key(label: str, **style: Any) -> Line2D:
+    """Return the line of a legend, black unless it has a colour."""
+    return Line2D([], [], label=label, **({"color": "0.0"} | style))
 
 
 def typeset(figure: Figure) -> Figure:
     """Set the symbols in the words of a figure as symbols: a_g with its subscript; a name's own dollars stay.
 
-    A label that is longer than its axis is high takes two lines.
+    A label that is longer than its axis is high takes two lines, parted at the blank nearest to its middle.
     """
     for axes in figure.axes:
         label = axes.get_ylabel()
         width, height = np.asarray(axes.get_position().size) * figure.get_size_inches() / MM
         if LABEL_MM * len(label) > height:
-            axes.set_ylabel("\n".join(_halves(label)))
+            blanks = [at for at, letter in enumerate(label) if letter == " "]
+            at = min(blanks, key=lambda blank: abs(blank - len(label) / 2.0))
+            axes.set_ylabel(f"{label[:at]}\n{label[at + 1 :]}")
             axes.yaxis.set_label_coords(-TWO_LINES_MM / width, 0.5)
     for text in figure.findobj(Text):
         words = text.get_text()
@@ -83,13 +79,6 @@ def typeset(figure: Figure) -> Figure:
             text.set_text(SYMBOL.sub(_symbol, words.replace("$", r"\$")))
             text.set_parse_math(True)
     return figure
-
-
-def _halves(label: str) -> tuple[str, str]:
-    """Return a label in two lines, parted at the blank nearest to its middle."""
-    blanks = [at for at, letter in enumerate(label) if letter == " "]
-    at = min(blanks, key=lambda blank: abs(blank - len(label) / 2.0))
-    return label[:at], label[at + 1 :]
 
 
 def _symbol(found: re.Match[str]) -> str:
@@ -126,30 +115,23 @@ def save_png(draw: Callable[[], Figure], path: Path) -> None:
 
 
 def _without_bands(figure: Figure) -> Bbox:
-    """Return the figure in inches, in its whole width, without the empty bands above and below what is drawn."""
-    boxes = list(_drawn(figure))
-    low, high = (
-        pick(edge) / figure.dpi for pick, edge in ((min, [b.y0 for b in boxes]), (max, [b.y1 for b in boxes]))
-    )
-    width, height = figure.get_size_inches()
-    return Bbox([[0.0, max(0.0, low - BAND_MM * MM)], [width, min(height, high + BAND_MM * MM)]])
+    """Return the figure in inches, in its whole width, without the empty bands above and below what is drawn.
 
-
-def _drawn(figure: Figure) -> Iterator[Bbox]:
-    """Yield the boxes, in pixels, of what is drawn: of a sheet, whose axes are off, only what stands on it."""
+    Of a sheet, whose axes are off, only what stands on it is drawn; no tight box knows of an arrow without words.
+    """
     parts: list[Artist] = [*figure.legends, *figure.texts]
     for axes in figure.axes:
         frame = [axes.patch, axes.xaxis, axes.yaxis, *axes.spines.values()]
         parts += [axes] if axes.axison else [each for each in axes.get_children() if each not in frame]
-    boxes = (_box(part) for part in parts if part.get_visible())
-    yield from (
-        box for box in boxes if box is not None and np.isfinite(box.extents).all() and box.height > 0.0
-    )
-
-
-def _box(part: Artist) -> Bbox | None:
-    """Return the box of a part in pixels: of an annotation without words, its arrow, which no tight box knows of."""
-    return part.get_window_extent() if isinstance(part, Annotation) else part.get_tightbbox()
+    found = [
+        part.get_window_extent() if isinstance(part, Annotation) else part.get_tightbbox()
+        for part in parts
+        if part.get_visible()
+    ]
+    boxes = [b for b in found if b is not None and np.isfinite(b.extents).all() and b.height > 0.0]
+    low, high = min(b.y0 for b in boxes) / figure.dpi, max(b.y1 for b in boxes) / figure.dpi
+    width, height = figure.get_size_inches()
+    return Bbox([[0.0, max(0.0, low - BAND_MM * MM)], [width, min(height, high + BAND_MM * MM)]])
 
 
 @dataclass(frozen=True)
@@ -235,14 +217,8 @@ def sheet(
     for index in range(count):
         row, column = divmod(index, columns)
         bottom = total[1] - (row + 1) * (cell[1] + head_mm)
-        axes = figure.add_axes(
-            (
-                column * cell[0] / total[0],
-                bottom / total[1],
-                cell[0] / total[0],
-                cell[1] / total[1],
-            )
-        )
+        place = np.array([column * cell[0], bottom, *cell]) / np.tile(total, 2)
+        axes = figure.add_axes(tuple(place.tolist()))
         axes.set(xlim=(middle - half, middle + half), ylim=(z0 - below, z1 + above))
         axes.set_axis_off()
         panels.append(axes)

@@ -1,24 +1,29 @@
 """The report as a Word document: the page of the report, element by element, in styles that an office can change.
 
 Nothing is worded here: headings, paragraphs, lists, tables and figures are those of the HTML that the PDF is made of.
+Every look is a named style of `templates/docx_styles.xml`.
 """
 
 from __future__ import annotations
 
 import io
+import math
 import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from docx import Document
 from docx.enum.section import WD_SECTION
-from docx.shared import Emu, Mm
+from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_TAB_ALIGNMENT, WD_TAB_LEADER
+from docx.oxml import parse_xml
+from docx.oxml.ns import nsdecls
+from docx.shared import Emu, Mm, Pt
 from docx.text.paragraph import Paragraph
 from lxml import html
-
-from assessment.report.formats import docx_styles as styles
+from markupsafe import escape
 
 Element = Any  # of lxml, which has no types
 HEADINGS = {"h2": "Heading 1", "h3": "Heading 2"}
@@ -30,7 +35,16 @@ FORMATS = {
     "sub": "subscript",
     "sup": "superscript",
 }
+LOCALES = {"it": "it-IT", "en": "en-GB"}
+PAGE, MARGIN, HEAD = (Mm(210), Mm(297)), Mm(20), Mm(24)
+WIDTH = PAGE[0] - 2 * MARGIN
 HIGHEST = Mm(165)  # of a picture: its caption stands on the same page
+WHOLE = 0.5 * (PAGE[1] - HEAD - MARGIN)  # of height: a table of no more stands on one page
+LINE, BETWEEN = Pt(9.8), Pt(2)  # of a row of a table: each of its lines, and above and below them
+LETTER = Pt(4.2)  # of width, in the mean
+TOGETHER = 3  # rows at the head and at the end of a longer table
+STAMP = Mm(22)  # of height, for a stamp and a signature
+MANY_COLUMNS = 9  # of a table: its text is smaller from there on
 MADE = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same report has the same bytes
 SPACES = re.compile(r"[ \t\r\n]+")  # those of HTML: a blank between a number and its unit stays one
 
@@ -42,7 +56,12 @@ def to_docx(page: str, folder: Path) -> bytes:
     """
     root = html.document_fromstring(page, parser=html.HTMLParser(huge_tree=True))
     document = Document()
-    styles.prepare(document, root.get("lang"))
+    styles = (files("templates") / "docx_styles.xml").read_text(encoding="utf-8")
+    document.styles.element[:] = parse_xml(styles.replace("LOCALE", LOCALES[root.get("lang")]))[:]
+    section = document.sections[0]
+    section.page_width, section.page_height = PAGE
+    section.left_margin = section.right_margin = section.bottom_margin = MARGIN
+    section.top_margin = HEAD
     _properties(document, root)
     _cover(document, root.find_class("cover")[0])
     _contents(document, root.find(".//nav"))
@@ -62,38 +81,48 @@ def _properties(document: Any, root: Element) -> None:
 
 
 def _cover(document: Any, cover: Element) -> None:
-    """Write the title page as a section of its own, without the running heads of the pages that follow."""
+    """Write the title page, and the running heads of the section that follows: title above, page number below."""
     for element in cover:
-        if element.tag == "h1":
-            _words(styles.paragraph(document, "Title"), element)
-        elif element.tag == "p":
-            _words(styles.paragraph(document, "Subtitle"), element)
-        else:
+        if element.tag == "table":
             _table(document, element)
-    title = cover.findtext(".//h1")
+        else:
+            _words(_paragraph(document, "Title" if element.tag == "h1" else "Subtitle"), element)
     subtitle, program = (cover.find_class(name)[0].text_content() for name in ("subtitle", "program"))
-    styles.running_heads(document.add_section(WD_SECTION.NEW_PAGE), title, subtitle, program)
+    section = document.add_section(WD_SECTION.NEW_PAGE)
+    heads = (section.header, cover.findtext(".//h1"), subtitle), (section.footer, program, "")
+    for part, left, right in heads:
+        part.is_linked_to_previous = False
+        part.paragraphs[0].text = f"{left}\t{right}"
+        part.paragraphs[0].paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
+    _append(section.footer.paragraphs[0]._p, "fldSimple", 'w:instr="PAGE"', "<w:r><w:t>1</w:t></w:r>")
 
 
 def _contents(document: Any, nav: Element) -> None:
     """Write the contents: the chapters, and the pages on which the program that shows the document has them."""
-    styles.paragraph(document, styles.CONTENTS_HEADING).add_run(nav.findtext("h2"))
-    styles.contents(document, {each.get("href")[1:]: each.text_content() for each in nav.iterfind(".//a")})
+    _paragraph(document, "Contents Heading").add_run(nav.findtext("h2"))
+    for link in nav.iterfind(".//a"):
+        line = _paragraph(document, "toc 1")
+        line.paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT, WD_TAB_LEADER.DOTS)
+        line.add_run(f"{link.text_content()}\t")
+        field = f'w:instr="PAGEREF _{escape(link.get("href")[1:])} \\h" w:dirty="true"'
+        _append(line._p, "fldSimple", field, "<w:r><w:t>–</w:t></w:r>")
     document.add_page_break()
 
 
 def _block(document: Any, element: Element, folder: Path) -> None:
     """Write an element of the report's body."""
     if element.tag in HEADINGS:
-        heading = styles.paragraph(document, HEADINGS[element.tag])
+        heading = _paragraph(document, HEADINGS[element.tag])
         _words(heading, element)
-        if (name := element.get("id")) is not None:
-            styles.named(heading, name, len(document.element.body))
+        if (name := element.get("id")) is not None:  # by which the contents know it
+            number = len(document.element.body)
+            _append(heading._p, "bookmarkStart", f'w:id="{number}" w:name="_{escape(name)}"')
+            _append(heading._p, "bookmarkEnd", f'w:id="{number}"')
     elif element.tag == "p":
-        _words(styles.paragraph(document, "Quote" if "draft" in element.classes else "Body Text"), element)
+        _words(_paragraph(document, "Quote" if "draft" in element.classes else "Body Text"), element)
     elif element.tag in {"ul", "ol"}:
         for item in element.iterfind("li"):
-            _words(styles.paragraph(document, "List Bullet"), item)
+            _words(_paragraph(document, "List Bullet"), item)
     elif element.tag == "figure":
         _figure(document, element, folder)
     elif element.tag == "table":
@@ -105,49 +134,85 @@ def _block(document: Any, element: Element, folder: Path) -> None:
 
 def _figure(document: Any, figure: Element, folder: Path) -> None:
     image = figure.find("img")
-    place = styles.paragraph(document, styles.FIGURE)
-    shape = place.add_run().add_picture(str(folder / image.get("data-file")))
-    shrink = min(1.0, styles.WIDTH / shape.width, HIGHEST / shape.height)
+    shape = _paragraph(document, "Figure").add_run().add_picture(str(folder / image.get("data-file")))
+    shrink = min(1.0, WIDTH / shape.width, HIGHEST / shape.height)
     shape.width, shape.height = Emu(round(shape.width * shrink)), Emu(round(shape.height * shrink))
     shape._inline.docPr.set("descr", image.get("alt"))  # what a screen reader says
-    _words(styles.paragraph(document, "Caption"), figure.find("figcaption"))
+    _words(_paragraph(document, "Caption"), figure.find("figcaption"))
 
 
 def _table(document: Any, table: Element) -> None:
     """Write a table with its caption above; heads are repeated on every page, numbers stand at the right."""
     if (caption := table.find("caption")) is not None:
-        _words(styles.paragraph(document, styles.TABLE_CAPTION), caption)
+        _words(_paragraph(document, "Table Caption"), caption)
     rows = [list(row) for row in table.iter("tr")]
     headed = table.find("thead") is not None
-    native = document.add_table(
-        len(rows), max(map(len, rows)), style=styles.TABLE if headed else "Normal Table"
-    )
+    native = document.add_table(len(rows), max(map(len, rows)), "Report Table" if headed else "Normal Table")
     native.autofit = False
     texts = [[SPACES.sub(" ", cell.text_content()).strip() for cell in cells] for cells in rows]
-    widths = styles.widths(texts) if headed else [Emu(round(styles.WIDTH * share)) for share in (0.3, 0.7)]
+    widths = _widths(texts) if headed else [Emu(round(WIDTH * share)) for share in (0.3, 0.7)]
     for column, width in zip(native.columns, widths, strict=True):
         column.width = width
-    small = headed and len(widths) > styles.MANY_COLUMNS
-    kept = styles.kept_with_next(texts, widths) if headed else ()
+    text = "Table Text Small" if headed and len(widths) > MANY_COLUMNS else "Table Text"
+    kept = kept_with_next(texts, widths) if headed else ()
     for number, (row, cells) in enumerate(zip(native.rows, rows, strict=True)):
-        styles.keep_whole(row, head=headed and number == 0)
+        head = headed and number == 0
+        for tag in ("cantSplit", *(("tblHeader",) if head else ())):
+            _append(row._tr.get_or_add_trPr(), tag)
         for cell, width, source in zip(row.cells, widths, cells, strict=True):
             cell.width = width
-            named = number == 0 and headed
-            paragraph = cell.paragraphs[0]
-            styles.apply(
-                paragraph, styles.TABLE_HEAD if named else styles.SMALL_TEXT if small else styles.TABLE_TEXT
-            )
+            paragraph = _styled(cell.paragraphs[0], "Table Head" if head else text)
             if headed and "text" not in source.classes:
-                paragraph.alignment = styles.RIGHT
-            if "blank" in source.classes:
-                styles.ruled(cell)
+                paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
+            if "blank" in source.classes:  # a line to write on
+                line = '<w:bottom w:val="single" w:sz="4"/>'
+                _append(cell._tc.get_or_add_tcPr(), "tcBorders", inner=line)
             if "tall" in source.classes:
-                row.height = styles.STAMP
+                row.height = STAMP
             if number in kept:
                 paragraph.paragraph_format.keep_with_next = True
             _words(paragraph, source)
-    styles.paragraph(document, styles.AFTER_TABLE)
+    _paragraph(document, "After Table")
+
+
+def _widths(rows: Sequence[Sequence[str]]) -> list[Emu]:
+    """Return widths of the columns of a table, texts of cells: as their longest words and the square roots of texts."""
+    wanted = [
+        max(max([4, *map(len, text.split())]) + math.sqrt(len(text)) for text in column)
+        for column in zip(*rows, strict=True)
+    ]
+    return [Emu(round(WIDTH * each / sum(wanted))) for each in wanted]
+
+
+def kept_with_next(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> set[int]:
+    """Return which rows of a table, texts of cells, go with the next: all of one of up to half a page.
+
+    Of a longer one those at its head and its end, so that no row stands alone. `widths` of the columns in EMU; heights
+    are estimated, as only the program that shows the document knows them.
+    """
+    lines = [
+        max(1 + int(len(text) * LETTER / width) for text, width in zip(row, widths, strict=True))
+        for row in rows
+    ]
+    height = sum(LINE * count + BETWEEN for count in lines)
+    together = len(rows) if height <= WHOLE else TOGETHER
+    return {*range(min(together, len(rows) - 1)), *range(max(0, len(rows) - together), len(rows) - 1)}
+
+
+def _paragraph(document: Any, style: str) -> Any:
+    """Add an empty paragraph in a style."""
+    return _styled(document.add_paragraph(), style)
+
+
+def _styled(paragraph: Any, style: str) -> Any:
+    """Give a paragraph a style, by its id: the library looks names up among all styles, every time."""
+    paragraph._p.style = style.replace(" ", "")
+    return paragraph
+
+
+def _append(parent: Any, tag: str, attributes: str = "", inner: str = "") -> None:
+    """Append an element that the library has no method for."""
+    parent.append(parse_xml(f"<w:{tag} {nsdecls('w')} {attributes}>{inner}</w:{tag}>"))
 
 
 def _words(paragraph: Paragraph, element: Element) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
 
@@ -13,7 +13,8 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
-from assessment.report.text.language import Words, direction_name
+from assessment.report.tables.rows import moves, pushes
+from assessment.report.text.language import Words
 from assessment.report.text.quantities import label
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
@@ -25,6 +26,7 @@ from assessment.results.schema.static import Frames, TieTension
 from mechanics.types import Array
 
 VALUES = 15  # of a joint at a frame
+Series = dict[str, Any]
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
@@ -38,20 +40,6 @@ class Viewer:
 
     data: Code
     script: Code
-
-
-@dataclass(frozen=True)
-class Series:
-    """A curve of the page: its label and its points, with the digits that can be seen."""
-
-    label: str
-    x: list[float]
-    y: list[float]
-
-    @classmethod
-    def of(cls, label: str, x: Sequence[float], y: Sequence[float]) -> Series:
-        """Return the curve through the points (x, y), in the units of its axes."""
-        return cls(label, _short(x), _short(y))
 
 
 def viewer(results: Results, words: Words) -> Viewer | None:
@@ -92,40 +80,44 @@ def viewer(results: Results, words: Words) -> Viewer | None:
 
 
 def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for name, state in results.states.items():
-        for contacts, path in state.pushdown.items():
-            movement = [1000.0 * value for value in path.movement_m]
-            series = [
-                Series.of("Rx", movement, path.reaction_x_kN),
-                Series.of("Rz", movement, path.reaction_z_kN),
-            ]
-            yield {
-                "title": _title(words, "pushdown", name, words.plain(f"value.{contacts}")),
-                "jumps": [],
-                "x_label": label("movement_m", words),
-                "y_label": words.plain("viewer.reactions"),
-                "series": [asdict(each) for each in series],
-                "frames": _frames(results, path.frames, series)
-                | _ties(results, name, path.frames, path.ties),
-            }
+    for where, path in moves(results):
+        movement = _mm(path.movement_m)
+        series = [_series("Rx", movement, path.reaction_x_kN), _series("Rz", movement, path.reaction_z_kN)]
+        labels = label("movement_m", words), words.plain("viewer.reactions")
+        kept = _frames(results, path.frames, series) | _ties(results, where["state"], path.frames, path.ties)
+        yield _path(
+            words, "pushdown", words.at(where["state"], None, where["contacts"]), labels, series, kept
+        )
 
 
 def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for name, state in results.states.items():
-        for direction, pushover in state.pushover.items():
-            for contacts, push in pushover.by_contacts.items():
-                along = [1000.0 * value for value in push.curve.displacement_m]
-                series = [Series.of("α", along, push.curve.multiplier)]
-                where = f"{direction_name(direction)}, {words.plain(f'value.{contacts}')}"
-                yield {
-                    "title": _title(words, "pushover", name, where),
-                    "jumps": list(_jumps(state, direction, max(map(abs, along)))),
-                    "x_label": label("displacement_m", words),
-                    "y_label": label("multiplier", words),
-                    "series": [asdict(each) for each in series],
-                    "frames": _frames(results, push.frames, series)
-                    | _ties(results, name, push.frames, push.ties),
-                }
+    for where, push in pushes(results):
+        along = _mm(push.curve.displacement_m)
+        series = [_series("α", along, push.curve.multiplier)]
+        labels = label("displacement_m", words), label("multiplier", words)
+        kept = _frames(results, push.frames, series) | _ties(results, where["state"], push.frames, push.ties)
+        found = _path(words, "pushover", words.at(*where.values()), labels, series, kept)
+        reach = max(map(abs, along))
+        yield found | {"jumps": list(_jumps(results.states[where["state"]], where["direction"], reach))}
+
+
+def _path(
+    words: Words,
+    stage: str,
+    place: str,
+    labels: tuple[str, str],
+    series: Sequence[Series],
+    frames: dict[str, Any],
+) -> dict[str, Any]:
+    """Return a path of the page: its curves over the labels of both axes, and its frames."""
+    title, (x_label, y_label) = f"{words.plain(f'viewer.{stage}')}: {place}", labels
+    found = {"title": title, "jumps": [], "x_label": x_label, "y_label": y_label}
+    return found | {"series": series, "frames": frames}
+
+
+def _series(label: str, x: Sequence[float], y: Sequence[float]) -> Series:
+    """Return a curve of the page: its label and its points, with the digits that can be seen."""
+    return {"label": label, "x": _short(x), "y": _short(y)}
 
 
 def _jumps(state: State, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
@@ -152,29 +144,18 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
         for entry in state.history:
             kept, curve = entry.snapshots, entry.curve
             if kept and curve:
-                displacement = [1000.0 * value for value in curve.displacement_m]
-                yield {
-                    "title": _title(words, "history", name, entry.record),
-                    "jumps": [],
-                    "x_label": label("time_s", words),
-                    "y_label": label("displacement_m", words),
-                    "series": [asdict(Series.of("d", curve.time_s, displacement))],
-                    "frames": {
-                        "x": kept.time_s,
-                        "y": [[1000.0 * value for value in kept.displacement_m]],
-                        **_drawn(results, kept),
-                        **_ties(results, name, kept, None),
-                    },
-                }
+                place = f"{words.state(name)}, {entry.record}"
+                labels = label("time_s", words), label("displacement_m", words)
+                series = [_series("d", curve.time_s, _mm(curve.displacement_m))]
+                frames = {"x": kept.time_s, "y": [_mm(kept.displacement_m)]} | _drawn(results, kept)
+                frames |= _ties(results, name, kept, None)
+                yield _path(words, "history", place, labels, series, frames)
 
 
 def _frames(results: Results, kept: Frames, series: Sequence[Series]) -> dict[str, Any]:
     """Frames of a static path: values on its curves at each, and what the script draws."""
-    return {
-        "x": [series[0].x[index] for index in kept.index],
-        "y": [[each.y[index] for index in kept.index] for each in series],
-        **_drawn(results, kept),
-    }
+    y = [[each["y"][index] for index in kept.index] for each in series]
+    return {"x": [series[0]["x"][index] for index in kept.index], "y": y, **_drawn(results, kept)}
 
 
 def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
@@ -248,5 +229,5 @@ def _floats(values: Any) -> str:
     return base64.b64encode(np.asarray(values, dtype=float).astype("<f4").tobytes()).decode()
 
 
-def _title(words: Words, stage: str, state: str, what: str) -> str:
-    return f"{words.plain(f'viewer.{stage}')}: {words.state(state)}, {what}"
+def _mm(metres: Sequence[float]) -> list[float]:
+    return [1000.0 * value for value in metres]

@@ -1,4 +1,4 @@
-"""Tables of the assessment: capacity curves, checks, spectra, chosen mechanisms, and every step of the calculation."""
+"""Tables of the assessment: curves, checks, spectra, chosen mechanisms, every step of the calculation, indices."""
 
 from __future__ import annotations
 
@@ -6,92 +6,52 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from assessment.ntc.limit_states import CHECKS, LINEAR
+from assessment.report.tables.rows import Curves, Found, capacities, curves, table, whole
+from assessment.report.text.language import Words
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, present
 from assessment.results.table import Row, Table, cells, reduction
-from assessment.results.undetermined import checks_asked, undetermined
+from assessment.results.undetermined import checks_asked, determined_indices, undetermined
 
-VERIFICATION: tuple[str, ...] = (
-    "d_star_m",
-    "a_star_g",
-    "T_s",
-    "a_g_g",
-    "demand_a_g_g",
-    "pga_g",
-    "demand_pga_g",
-    "zeta_E",
-    "verified",
-    "return_period_years",
-    "governing",
-    "mechanism",
+VERIFICATION = (
+    "d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified return_period_years"
 )
-SCALINGS = ("a_g_g", "pga_g", "demand_pga_g", "zeta_E", "return_period_years")
+VERIFICATION += " governing mechanism"
+CHOSEN = "state direction moving_weight_kN alpha_0_limit e_star a_0_star_g refused"
+CHOSEN_CHECK = "d_star_m a_star_g T_s a_g_g demand_a_g_g zeta_E verified return_period_years"
+SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptable_nominal_life_years"
+RISK = "IS_V IS_V_class PAM PAM_class risk_class"
+HEADLINES = ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
+INTERVENTIONS = ("improvement", "improvement_school", "retrofit_use", "retrofit")
 OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
 NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
 VERTICAL = "vertical"  # the linear check with the vertical component
 BESIDE = (VERTICAL, OTHER_SCALING, NOMINAL)
-SPECTRUM = ("limit_state", "T_s", "S_e_g", "S_De_m", "damping", "damped_S_e_g", "damped_S_De_m")
-ACTION = (
-    "limit_state",
-    "kind",
-    "return_period_years",
-    "a_g_g",
-    "pga_g",
-    "F0",
-    "Tc_star_s",
-    "soil",
-    "topography",
-    "S",
-    "T_B_s",
-    "T_C_s",
-    "T_D_s",
-)
-CHOSEN = (
-    "mechanism",
-    "state",
-    "direction",
-    "moving_weight_kN",
-    "alpha_0_given",
-    "alpha_0_limit",
-    "ratio",
-    "e_star",
-    "a_0_star_g",
-    "refused",
-)
-LINEAR_CHECK = (
-    "state",
-    "direction",
-    "limit_state",
-    "mechanism",
-    "alpha_onset",
-    "e_star",
-    "a_0_star_g",
-    "demand_a_star_g",
-    "ratio",
-    "verified",
-)
-CHOSEN_CHECK = (
-    "d_star_m",
-    "a_star_g",
-    "T_s",
-    "a_g_g",
-    "demand_a_g_g",
-    "zeta_E",
-    "verified",
-    "return_period_years",
-)
 
 
-def capacity_curves(results: Results) -> Table:
+@curves("capacity", "state direction d_star_m a_star_g")
+def capacity_curves(results: Results) -> Curves:
     """List the points of every capacity curve in spectral coordinates."""
-    rows = [
-        {"state": name, "direction": direction, "d_star_m": d_star, "a_star_g": a_star}
-        for name, direction, capacity in capacities(results)
-        for d_star, a_star in zip(capacity.curve.d_star_m, capacity.curve.a_star_g, strict=True)
-    ]
-    return Table("capacity", rows, ("state", "direction", "d_star_m", "a_star_g"))
+    for name, direction, capacity in capacities(results):
+        yield (name, direction), (capacity.curve.d_star_m, capacity.curve.a_star_g)
+
+
+@curves("spectrum", "limit_state T_s S_e_g S_De_m damping damped_S_e_g damped_S_De_m")
+def spectrum(results: Results) -> Curves:
+    """List the points of the demand spectra: at 5 % damping and at that of the check."""
+    for limit, each in (results.spectra or {}).items():
+        damped = [each.damping] * len(each.T_s), each.damped_S_e_g, each.damped_S_De_m
+        yield (limit,), (each.T_s, each.S_e_g, each.S_De_m, *damped)
+
+
+@table("vertical", "state direction a_v_g alpha_0 a_0_star_g demand_a_star_g ratio verified")
+def vertical(results: Results) -> Found:
+    """List the linear checks at SLV with the vertical component of the seismic action."""
+    for name, direction, capacity in capacities(results):
+        if capacity.vertical:
+            yield {"state": name, "direction": direction}, capacity.vertical
 
 
 @dataclass(frozen=True)
@@ -111,6 +71,7 @@ class SummaryLine:
         return reduction(self.values.get("original"), self.values.get(state))
 
 
+@whole
 def summary(results: Results) -> Table:
     """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions."""
     rows: list[Row] = []
@@ -121,10 +82,46 @@ def summary(results: Results) -> Table:
             | dict(line.values)
             | {f"reduction: {name}": line.reduction(name) for name in settled}
         )
-    columns = [column for name in results.states for column in _with_reduction(name)]
+    both = [each for name in results.states for each in (name, f"reduction: {name}")]
+    columns = [name for name in both if name != "reduction: original"]
     return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
 
 
+def summary_lines(results: Results, direction: Direction) -> Iterator[SummaryLine]:
+    """Yield every quantity of the summary that any state has in a direction, and what each check asked for bears.
+
+    A state without capacity there has null.
+    """
+    of_states = [list(_sources(state, direction)) for state in results.states.values()]
+    missing = [name for name, lacking in undetermined(results).items() if direction in lacking]
+    asked = checks_asked(results)
+    for sources in zip(*of_states, strict=True):
+        quantity, limit, _ = sources[0]
+        values: dict[str, float | None] = {}
+        for name, (_, _, part) in zip(results.states, sources, strict=True):
+            if part is not None and (found := cells(part, [quantity])):
+                values[name] = found[quantity]
+        if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
+            values |= dict.fromkeys((name for name in missing if name not in values), None)
+        if values:
+            yield SummaryLine(direction, quantity, limit, values)
+
+
+def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
+    """Yield quantity, limit state and what has it in a state: the same of every state, None where it is not there."""
+    pushover, capacity = state.pushover.get(direction), state.capacity.get(direction)
+    rigid, elastic = (pushover.rigid, pushover.elastic) if pushover else (None, None)
+    mechanism, checks = rigid and rigid.mechanism, capacity.checks if capacity else {}
+    of: list[tuple[str, Part | None]] = [("alpha_0", rigid), ("alpha_u", elastic), ("alpha_y", elastic)]
+    of += [("d_y_m", elastic), ("d_0_m", rigid), ("e_star", mechanism), ("gamma_star", mechanism)]
+    of += [("T_0_s", capacity if capacity and capacity.T_0_s is not None else None)]  # a rigid curve has none
+    yield from ((quantity, "", part) for quantity, part in of)
+    for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E"):
+        for limit in CHECKS:
+            yield quantity, limit, checks.get(limit)
+
+
+@whole
 def verification(results: Results) -> Table:
     """List the checks of every state and direction: what each limit state bears and what governs it.
 
@@ -135,7 +132,7 @@ def verification(results: Results) -> Table:
         for direction, capacity in state.capacity.items():
             rows += [
                 {"state": name, "direction": direction, "limit_state": limit}
-                | cells(check, VERIFICATION)
+                | cells(check, VERIFICATION.split())
                 | {"mechanism": mechanism_text(capacity.mechanism)}
                 for limit, check in capacity.checks.items()
             ]
@@ -144,9 +141,9 @@ def verification(results: Results) -> Table:
                 {"state": name, "direction": direction, "limit_state": limit} | _not_made(results, limit)
                 for limit in checks_asked(results)
             ]
-    columns = VERIFICATION
+    columns = VERIFICATION.split()
     if all(each.get("return_period_years") is None for each in rows):  # no hazard curve to read it from
-        columns = tuple(column for column in VERIFICATION if column != "return_period_years")
+        columns.remove("return_period_years")
     return Table("verification", rows, ("state", "direction", "limit_state", *columns))
 
 
@@ -165,66 +162,54 @@ def mechanism_text(mechanism: Count) -> str:
     return f"{mechanism.hinges} + {mechanism.sliding_joints}"
 
 
-def spectrum(results: Results) -> Table:
-    """List the points of the demand spectra: at 5 % damping and at that of the check."""
-    rows = [
-        {"limit_state": limit, "damping": demand.damping, "T_s": T, "S_e_g": S_e, "S_De_m": S_De}
-        | {"damped_S_e_g": damped_S_e, "damped_S_De_m": damped_S_De}
-        for limit, demand in (results.spectra or {}).items()
-        for T, S_e, S_De, damped_S_e, damped_S_De in zip(
-            demand.T_s, demand.S_e_g, demand.S_De_m, demand.damped_S_e_g, demand.damped_S_De_m, strict=True
-        )
-    ]
-    return Table("spectrum", rows, SPECTRUM)
-
-
-def action(results: Results) -> Table:
+@table(
+    "action",
+    "limit_state kind return_period_years a_g_g pga_g F0 Tc_star_s soil topography S T_B_s T_C_s T_D_s",
+)
+def action(results: Results) -> Found:
     """List the parameters of the demand spectra."""
-    rows = [
-        {"limit_state": limit} | cells(demand, ACTION) for limit, demand in (results.spectra or {}).items()
-    ]
-    return Table("action", rows, ACTION)
+    for limit, demand in (results.spectra or {}).items():
+        yield {"limit_state": limit}, demand
 
 
-def chosen_mechanisms(results: Results) -> Table:
+@table(
+    "chosen_mechanisms",
+    "mechanism state direction moving_weight_kN alpha_0_given alpha_0_limit ratio e_star a_0_star_g refused",
+)
+def chosen_mechanisms(results: Results) -> Found:
     """List the mechanisms that the user chose beside limit analysis; refused ones with the reason."""
-    rows: list[Row] = []
     for given in results.mechanisms or []:
-        alpha_0, limit = given.alpha_0, given.alpha_0_limit
-        found: Row = {"mechanism": given.name} | cells(given, CHOSEN)
-        found |= {
-            "alpha_0_given": alpha_0,
-            "ratio": alpha_0 / limit if alpha_0 is not None and limit else None,
-        }
-        rows.append(present(found))
-    return Table("chosen_mechanisms", rows, CHOSEN)
+        own, limit = given.alpha_0, given.alpha_0_limit
+        found = {"mechanism": given.name, "alpha_0_given": own} | cells(given, CHOSEN.split())
+        found["ratio"] = own / limit if own is not None and limit else None
+        yield present(found), None
 
 
-def chosen_checks(results: Results) -> Table:
+@table("chosen_checks", f"mechanism state limit_state {CHOSEN_CHECK}")
+def chosen_checks(results: Results) -> Found:
     """List the checks of the mechanisms that the user chose, linear and, where their motion is known, nonlinear."""
-    rows = [
-        {"mechanism": given.name, "state": given.state, "limit_state": name}
-        | present(cells(check, CHOSEN_CHECK))
-        for given in results.mechanisms or []
-        for name, check in given.checks.items()
-    ]
-    return Table("chosen_checks", rows, ("mechanism", "state", "limit_state", *CHOSEN_CHECK))
+    for given in results.mechanisms or []:
+        for name, check in given.checks.items():
+            where = {"mechanism": given.name, "state": given.state, "limit_state": name}
+            yield where | present(cells(check, CHOSEN_CHECK.split())), None
 
 
-def linear_checks(results: Results) -> Table:
+@table(
+    "linear_checks",
+    "state direction limit_state mechanism alpha_onset e_star a_0_star_g demand_a_star_g ratio verified",
+)
+def linear_checks(results: Results) -> Found:
     """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height.
 
     They are of the mechanism that is activated first, in the configuration of its state.
     """
-    rows = [
-        {"state": name, "direction": direction, "limit_state": limit, "mechanism": mechanism}
-        | {"alpha_onset": check.alpha_0, "e_star": check.e_star, "a_0_star_g": check.a_star_g}
-        | {"demand_a_star_g": check.demand_a_star_g, "ratio": check.zeta_E, "verified": check.verified}
-        for name, direction, mechanism, found in _mechanisms_activated(results)
-        for limit, check in found.checks.items()
-        if limit in LINEAR and check.demand_a_star_g is not None
-    ]
-    return Table("linear_checks", rows, LINEAR_CHECK)
+    for name, direction, mechanism, found in _mechanisms_activated(results):
+        for limit, check in found.checks.items():
+            if limit in LINEAR and check.demand_a_star_g is not None:
+                row: Row = {"state": name, "direction": direction, "limit_state": limit}
+                row["mechanism"] = mechanism
+                row |= {"alpha_onset": check.alpha_0, "a_0_star_g": check.a_star_g, "ratio": check.zeta_E}
+                yield row | {"e_star": check.e_star}, check
 
 
 def _mechanisms_activated(
@@ -233,63 +218,44 @@ def _mechanisms_activated(
     """Yield state, direction, name and checks of every mechanism: what is activated first, then those chosen."""
     for name, direction, capacity in capacities(results):
         pushed = results.states[name].pushover.get(direction)
-        first = pushed.rigid.onset if pushed and pushed.rigid else None
-        count = (
-            Count(hinges=first.hinges, sliding_joints=len(first.sliding_joints))
-            if first
-            else capacity.mechanism
-        )
+        count = capacity.mechanism
+        if pushed and pushed.rigid and (first := pushed.rigid.onset):
+            count = Count(hinges=first.hinges, sliding_joints=len(first.sliding_joints))
         yield name, direction, mechanism_text(count), capacity
     for given in results.mechanisms or []:
         if given.direction:
             yield given.state, given.direction, given.name, given
 
 
-def scalings(results: Results) -> Table:
+@table(
+    "scalings",
+    "state direction limit_state scaling a_g_g pga_g demand_pga_g zeta_E return_period_years counts",
+)
+def scalings(results: Results) -> Found:
     """Set the capacity at SLV by both ways of scaling side by side; `counts`: the one that the checks took."""
-    rows = [
-        {"state": name, "direction": direction, "limit_state": "SLV", "scaling": scaling}
-        | cells(check, SCALINGS)
-        | {"counts": check.used}
-        for name, direction, capacity in capacities(results)
-        for scaling, check in (capacity.scalings or {}).items()
-    ]
-    return Table("scalings", rows, ("state", "direction", "limit_state", "scaling", *SCALINGS, "counts"))
+    for name, direction, capacity in capacities(results):
+        for scaling, check in (capacity.scalings or {}).items():
+            where = {"state": name, "direction": direction, "limit_state": "SLV"}
+            yield where | {"scaling": scaling, "counts": check.used}, check
 
 
 def traces(found: Capacity | GivenMechanism) -> Iterator[tuple[str, list[Line]]]:
     """Yield the traces of a direction or of a chosen mechanism: "capacity" for what its checks share, then theirs."""
-    if found.trace:
-        yield "capacity", found.trace
-    for limit, check in found.checks.items():
-        if check.trace:
-            yield limit, check.trace
-    if isinstance(found, GivenMechanism):
-        return
-    if found.vertical:
-        yield VERTICAL, found.vertical.trace
-    for scaling in (found.scalings or {}).values():
-        if scaling.trace:
-            yield OTHER_SCALING, scaling.trace
-    if found.nominal and found.nominal.trace:
-        yield NOMINAL, found.nominal.trace
+    steps = [("capacity", found.trace), *((limit, check.trace) for limit, check in found.checks.items())]
+    if not isinstance(found, GivenMechanism):
+        steps += [(VERTICAL, found.vertical.trace)] if found.vertical else []
+        steps += [(OTHER_SCALING, scaling.trace) for scaling in (found.scalings or {}).values()]
+        steps += [(NOMINAL, found.nominal.trace)] if found.nominal else []
+    yield from ((part, own) for part, own in steps if own)
 
 
-def trace(results: Results) -> Table:
+@table("trace", "state direction part symbol formula inputs result unit paragraph")
+def trace(results: Results) -> Found:
     """List every step of every calculation: formula, numbers put in, result and paragraph."""
-    rows = [
-        {
-            "state": name,
-            "direction": direction,
-            "part": part,
-            **cells(step, ("symbol", "formula", "result", "unit", "paragraph")),
-            "inputs": "; ".join(f"{symbol}={value!r}" for symbol, value in step.inputs.items()),
-        }
-        for name, direction, part, steps in _all_traces(results)
-        for step in steps
-    ]
-    columns = ("state", "direction", "part", "symbol", "formula", "inputs", "result", "unit", "paragraph")
-    return Table("trace", rows, columns)
+    for name, direction, part, steps in _all_traces(results):
+        for step in steps:
+            inputs = "; ".join(f"{symbol}={value!r}" for symbol, value in step.inputs.items())
+            yield {"state": name, "direction": direction, "part": part, "inputs": inputs}, step
 
 
 def _all_traces(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
@@ -311,50 +277,79 @@ def directions(results: Results) -> list[Direction]:
     return sorted({direction for state in results.states.values() for direction in state.pushover})
 
 
-def summary_lines(results: Results, direction: Direction) -> Iterator[SummaryLine]:
-    """Yield every quantity of the summary that any state has in a direction, and what each check asked for bears.
+@whole
+def indices(results: Results) -> Table:
+    """List the indices of every state; what is not known for want of a return period is left out.
 
-    A state without capacity there has null.
+    Null: the state has no capacity in a direction.
     """
-    of_states = [list(_sources(state, direction)) for state in results.states.values()]
-    missing = [name for name, without in undetermined(results).items() if direction in without]
-    asked = checks_asked(results)
-    for sources in zip(*of_states, strict=True):
-        quantity, limit, _ = sources[0]
-        values: dict[str, float | None] = {}
-        for name, (_, _, part) in zip(results.states, sources, strict=True):
-            if part is not None and (found := cells(part, [quantity])):
-                values[name] = found[quantity]
-        if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
-            values |= dict.fromkeys((name for name in missing if name not in values), None)
-        if values:
-            yield SummaryLine(direction, quantity, limit, values)
+    columns = f"{SAFETY} {RISK}".split()
+    known = {name: present(cells(found, columns)) for name, found in determined_indices(results).items()}
+    told = {key for row in known.values() for key in row} | {"zeta_SLV", "IS_V"}
+    nothing = dict.fromkeys((key for key in HEADLINES if key in told), None)
+    rows: list[Row] = [{"state": name} | known.get(name, nothing) for name in _states(results)]
+    return Table("indices", rows, ("state", *columns))
 
 
-def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
-    """Yield quantity, limit state and what has it in a state: the same of every state, None where it is not there."""
-    pushover, capacity = state.pushover.get(direction), state.capacity.get(direction)
-    rigid, elastic = (pushover.rigid, pushover.elastic) if pushover else (None, None)
-    mechanism, checks = rigid and rigid.mechanism, capacity.checks if capacity else {}
-    yield "alpha_0", "", rigid
-    yield "alpha_u", "", elastic
-    yield "alpha_y", "", elastic
-    yield "d_y_m", "", elastic
-    yield "d_0_m", "", rigid
-    yield "e_star", "", mechanism
-    yield "gamma_star", "", mechanism
-    yield "T_0_s", "", capacity if capacity and capacity.T_0_s is not None else None  # a rigid curve has none
-    for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E"):
-        for limit in CHECKS:
-            yield quantity, limit, checks.get(limit)
+def reported_indices(results: Results) -> list[Table]:
+    """Return the indices as the report prints them: those of safety apart from the classes of risk."""
+    rows = indices(results).rows
+    return [
+        Table(name, [{key: row[key] for key in columns if key in row} for row in rows], tuple(columns))
+        for name, columns in (("indices", f"state {SAFETY}".split()), ("risk", f"state {RISK}".split()))
+    ]
 
 
-def _with_reduction(name: str) -> tuple[str, ...]:
-    return (name,) if name == "original" else (name, f"reduction: {name}")
+@whole
+def interventions(results: Results) -> Table:
+    """List ζ_E of every state and what each kind of intervention must reach (NTC 2018, §8.4).
+
+    Of a strengthened state that follows from ζ_E before, and whether it is attained stands behind.
+    """
+    known, rows = determined_indices(results), []
+    for name in _states(results):
+        row: Row = {"state": name, "zeta_SLV": None}
+        if found := known.get(name):
+            row |= cells(found, ["use_class", "zeta_SLV", "zeta_before"]) | present(found.required_zeta)
+            row |= {f"{kind}_attained": whether for kind, whether in (found.attained or {}).items()}
+        rows.append(row)
+    attained = [f"{kind}_attained" for kind in INTERVENTIONS]
+    columns = ("state", "use_class", "zeta_before", "zeta_SLV", *INTERVENTIONS, *attained)
+    optional = {"zeta_before", *attained}
+    kept = [name for name in columns if name not in optional or any(name in row for row in rows)]
+    return Table("interventions", rows, tuple(kept))
 
 
-def capacities(results: Results) -> Iterator[tuple[str, Direction, Capacity]]:
-    """Yield state, direction and capacity wherever there is one."""
-    for name, state in results.states.items():
-        for direction, capacity in state.capacity.items():
-            yield name, direction, capacity
+def reported_interventions(results: Results, words: Words) -> Table:
+    """Return the interventions as the report prints them: behind each value whether it is attained."""
+    table = interventions(results)
+    rows = [
+        {
+            key: value
+            if (attained := row.get(f"{key}_attained")) is None
+            else words(f"value.{'attained' if attained else 'not_attained'}", least=value)
+            for key, value in row.items()
+            if not key.endswith("_attained")
+        }
+        for row in table.rows
+    ]
+    return Table(table.name, rows, tuple(key for key in table.columns if not key.endswith("_attained")))
+
+
+@table("knowledge", "parameter factor_component origin")
+def knowledge(results: Results) -> Found:
+    """List the components of F_C and the origin of each parameter, as given."""
+    if found := results.knowledge:
+        for name, value in found.components.items():
+            yield {"parameter": name, "factor_component": value, "origin": found.origins.get(name, "")}, None
+        for name, text in found.origins.items():
+            if text and name not in found.components:
+                yield {"parameter": name, "origin": text}, None
+
+
+def _states(results: Results) -> list[str]:
+    """Return the states with indices, and those that would have them had they a capacity in every direction."""
+    known, missing = determined_indices(results), undetermined(results)
+    assessment = results.echo.assessment or {}
+    asked = bool(known) or ("site" in assessment and assessment.get("spectrum") != "record")
+    return [name for name in results.states if name in known or (asked and name in missing)]

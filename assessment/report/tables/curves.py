@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assessment.report.tables.capacity import capacities
+from assessment.report.tables.rows import capacities
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import RigidPush

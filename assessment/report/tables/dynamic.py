@@ -1,180 +1,147 @@
-"""The tables of time histories and of the incremental analysis."""
+"""The tables of motions: time histories, the incremental analysis, campaigns and their fragility."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+import re
+from collections.abc import Iterator, Sequence
+from xml.sax.saxutils import escape
 
+from assessment.report.tables.rows import Curves, Found, curves, table, without
 from assessment.results.schema import Results
-from assessment.results.schema.campaign import Campaign
-from assessment.results.schema.dynamic import History, Incremental, Loss, Range, Scanned
+from assessment.results.schema.campaign import Campaign, CampaignCombination
+from assessment.results.schema.dynamic import History, Incremental, Loss, MeasureFit, Range, Scanned
 from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
-HISTORY = (
-    "state", "record", "pga_g", "contacts", "control", "peak_displacement_m", "residual_displacement_m", "collapsed",
-    "time_of_collapse_s",
-)  # fmt: skip
-RANGES = (
-    "state", "record", "integrator", "integrator_share", "members", "members_collapsed", "lowest_peak_m",
-    "median_peak_m", "highest_peak_m",
-)  # fmt: skip
-ENERGY = (
-    "input",
-    "kinetic",
-    "potential",
-    "elastic",
-    "friction",
-    "impact",
-    "viscous",
-    "integrator",
-    "residual",
-)
-SEARCH = (
-    "state", "record", "record_pga_g", "pga_safe_g", "lowest_collapse_g", "pga_collapse_g", "level_50_g", "level_84_g",
-    "resurrections", "widest_gap", "runs",
-)  # fmt: skip
-OF_STATES = (
-    "state", "records", "mean_pga_collapse_g", "lowest_pga_collapse_g", "pga_collapse_g", "pga_all_collapse_g",
-    "median_g", "dispersion",
-)  # fmt: skip
+HISTORY = "state record pga_g contacts control peak_displacement_m residual_displacement_m collapsed time_of_collapse_s"
+ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
+LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
+MOVED = "settlement share movement_m"
+LOSS = f"{MOVED} rule pga_collapse_g dynamic_loss dynamic_loss_low dynamic_loss_high distinguishable left_out"
+LOSS += " static_loss"
 OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
-COMPARED = (
-    "state", "analysis", "direction", "limit_state", "pga_surface_g", "over_static", "level_50_g", *OF_LOSS
-)  # fmt: skip
+FRAGILITY = (
+    f"{MOVED} combinations withstood failed median_g median_low_g median_high_g beta beta_low beta_high"
+)
+FRAGILITY += " beta_record beta_ensemble"
+MODEL = """<?xml version="1.0" encoding="utf-8"?>
+<nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
+  <fragilityModel id="collapse" assetCategory="buildings" lossCategory="structural">
+    <description>{title}</description>
+    <limitStates>collapse</limitStates>
+{functions}  </fragilityModel>
+</nrml>
+"""
+FUNCTION = """    <fragilityFunction id="{id}" format="continuous" shape="logncdf">
+      <imls imt="{imt}" noDamageLimit="0.0" minIML="0.0" maxIML="{most:.6g}"/>
+      <params ls="collapse" mean="{mean:.6g}" stddev="{stddev:.6g}"/>
+    </fragilityFunction>
+"""
+COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
+OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are none
 
 
-def dynamic_tables(results: Results) -> list[Table]:
-    """List all tables of the dynamic stages, long ones included."""
-    return [
-        histories(results),
-        ranges(results),
-        energy(results),
-        history_curves(results),
-        motions(results),
-        incremental(results),
-        incremental_states(results),
-        incremental_curves(results),
-        static_dynamic(results),
-    ]
-
-
-def histories(results: Results) -> Table:
+@table("history", HISTORY)
+def histories(results: Results) -> Found:
     """List what every time history came to."""
-    rows = []
     for state, entry in _histories(results):
         unasked = {None: "", True: "residual_displacement_m", False: "time_of_collapse_s"}[entry.collapsed]
-        rows.append({"state": state} | cells(entry, [key for key in HISTORY if key != unasked]))
-    return Table("history", rows, HISTORY)
+        yield {"state": state} | cells(entry, [key for key in HISTORY.split() if key != unasked]), None
 
 
-def ranges(results: Results) -> Table:
+@table(
+    "history_ranges",
+    "state record integrator integrator_share members members_collapsed lowest_peak_m median_peak_m highest_peak_m",
+)
+def ranges(results: Results) -> Found:
     """List how every time history was integrated, by how many members, and the range of their peaks."""
-    rows = []
     for state, entry in _histories(results):
-        if not entry.curve:
-            continue
-        found: Row = {"state": state} | cells(entry, RANGES)
+        row: Row = {"state": state}
         if entry.peak_displacement_m_range:
-            found["lowest_peak_m"], found["highest_peak_m"] = entry.peak_displacement_m_range
-            found["median_peak_m"] = entry.peak_displacement_median_m
-        rows.append(found)
-    return Table("history_ranges", rows, RANGES)
+            row["lowest_peak_m"], row["highest_peak_m"] = entry.peak_displacement_m_range
+            row["median_peak_m"] = entry.peak_displacement_median_m
+        if entry.curve:
+            yield row, entry
 
 
-def energy(results: Results) -> Table:
+@table("history_energy", f"state record {' '.join(f'{name}_kNm' for name in ENERGY.split())}")
+def energy(results: Results) -> Found:
     """List the energy balance of every time history: input is what was stored and dissipated, and a residual, kNm."""
-    columns = [f"{name}_kNm" for name in ENERGY]
-    rows = [
-        {"state": state, "record": entry.record} | cells(entry.energy, columns)
-        for state, entry in _histories(results)
-        if entry.energy
-    ]
-    return Table("history_energy", rows, ("state", "record", *columns))
+    for state, entry in _histories(results):
+        if entry.energy:
+            yield {"state": state, "record": entry.record}, entry.energy
 
 
-def history_curves(results: Results) -> Table:
+@curves("history_curves", "state record time_s displacement_m")
+def history_curves(results: Results) -> Curves:
     """List the points of every control displacement history."""
-    rows = [
-        {"state": state, "record": entry.record, "time_s": time, "displacement_m": displacement}
-        for state, entry in _histories(results)
-        if entry.curve
-        for time, displacement in zip(entry.curve.time_s, entry.curve.displacement_m, strict=True)
-    ]
-    return Table("history_curves", rows, ("state", "record", "time_s", "displacement_m"))
+    for state, entry in _histories(results):
+        if entry.curve:
+            yield (state, entry.record), (entry.curve.time_s, entry.curve.displacement_m)
 
 
-def motions(results: Results) -> Table:
+@curves("record_spectra", "record T_s S_a_g S_d_m")
+def motions(results: Results) -> Curves:
     """List the spectral ordinates (5 % damping) of the records of the time histories."""
-    rows = [
-        {"record": motion.name, "T_s": period, "S_a_g": acceleration, "S_d_m": displacement}
-        for motion in results.motions or []
-        for period, acceleration, displacement in zip(motion.T_s, motion.S_a_g, motion.S_d_m, strict=True)
-    ]
-    return Table("record_spectra", rows, ("record", "T_s", "S_a_g", "S_d_m"))
+    for motion in results.motions or []:
+        yield (motion.name,), (motion.T_s, motion.S_a_g, motion.S_d_m)
 
 
-def incremental(results: Results) -> Table:
+@table("incremental", f"state record record_pga_g {LEVELS} resurrections widest_gap runs")
+def incremental(results: Results) -> Found:
     """List the bracket of the PGA at collapse of every record and state."""
-    rows = [
-        {"state": state} | cells(record, SEARCH) | bands(record, record.pga_collapse_g_range)
-        for state, found in _incrementals(results)
-        for record in found.records or []
-    ]
-    return Table("incremental", rows, SEARCH)
-
-
-def incremental_states(results: Results) -> Table:
-    """List mean, lowest and, of enough records, the standard's PGA at collapse, and the fragility of every state."""
-    rows: list[Row] = []
     for state, found in _incrementals(results):
-        of_state: Row = {"state": state} | cells(found, OF_STATES) | {"records": len(found.records or [])}
+        for record in found.records or []:
+            yield {"state": state} | bands(record, record.pga_collapse_g_range), record
+
+
+@table(
+    "incremental_states",
+    "state records mean_pga_collapse_g lowest_pga_collapse_g pga_collapse_g pga_all_collapse_g median_g dispersion",
+)
+def incremental_states(results: Results) -> Found:
+    """List mean, lowest and, of enough records, the standard's PGA at collapse, and the fragility of every state."""
+    for state, found in _incrementals(results):
+        row: Row = {"state": state, "records": len(found.records or [])}
+        row |= cells(found, ("mean_pga_collapse_g", "lowest_pga_collapse_g"))
         if found.pga_collapse_g_range:
-            of_state["pga_all_collapse_g"] = found.pga_collapse_g_range[1]
-        if not found.rule:
-            of_state.pop("pga_collapse_g", None)
-        if found.fragility:
-            of_state |= cells(found.fragility, ("median_g", "dispersion"))
-        rows.append(of_state)
-    return Table("incremental_states", rows, OF_STATES)
+            row["pga_all_collapse_g"] = found.pga_collapse_g_range[1]
+        if found.rule:
+            row |= cells(found, ["pga_collapse_g"])
+        yield row | (cells(found.fragility, ("median_g", "dispersion")) if found.fragility else {}), None
 
 
-def incremental_curves(results: Results) -> Table:
+@table(
+    "incremental_curves",
+    "state record pga_g peak_displacement_m members members_collapsed collapsed time_of_collapse_s",
+)
+def incremental_curves(results: Results) -> Found:
     """List every run of the incremental analysis."""
-    columns = (
-        "pga_g",
-        "peak_displacement_m",
-        "members",
-        "members_collapsed",
-        "collapsed",
-        "time_of_collapse_s",
-    )
-    rows = [
-        {"state": state, "record": record.record} | cells(point, columns)
-        for state, found in _incrementals(results)
-        for record in found.records or []
-        for point in record.points
-    ]
-    return Table("incremental_curves", rows, ("state", "record", *columns))
+    for state, found in _incrementals(results):
+        for record in found.records or []:
+            for point in record.points:
+                yield {"state": state, "record": record.record}, point
 
 
-def static_dynamic(results: Results) -> Table:
+@table(
+    "static_dynamic",
+    f"state analysis direction limit_state pga_surface_g over_static level_50_g {' '.join(OF_LOSS)}",
+)
+def static_dynamic(results: Results) -> Found:
     """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
 
     The level of 50 % is the median of the fragility, and the loss of motions that of these levels, of each record by
     itself. `over_static` is over the least static capacity of the state.
     """
-    rows: list[Row] = []
     for name, state in results.states.items():
         shaken = [*_of_incremental(state.incremental), *_of_campaign(results.campaign, name)]
-        if not shaken:
-            continue
-        static = list(_of_check(name, results))
+        static = list(_of_check(name, results)) if shaken else []
         known = [row["pga_surface_g"] for row in static if row["pga_surface_g"] is not None]
         gone = OF_LOSS if name == "original" else ()
         for row in (*static, *shaken):
             if known and row.get("pga_surface_g") is not None:
                 row["over_static"] = row["pga_surface_g"] / min(known)
-            rows.append({"state": name} | {key: value for key, value in row.items() if key not in gone})
-    return Table("static_dynamic", rows, COMPARED)
+            yield {"state": name} | {key: value for key, value in row.items() if key not in gone}, None
 
 
 def _of_check(name: str, results: Results) -> Iterator[Row]:
@@ -229,12 +196,123 @@ def bands(found: Scanned, range_: Range | None) -> Row:
 
 
 def _histories(results: Results) -> Iterator[tuple[str, History]]:
-    for name, state in results.states.items():
-        for entry in state.history:
-            yield name, entry
+    return ((name, entry) for name, state in results.states.items() for entry in state.history)
 
 
 def _incrementals(results: Results) -> Iterator[tuple[str, Incremental]]:
     for name, state in results.states.items():
         if state.incremental.records is not None:
             yield name, state.incremental
+
+
+def reported_campaign(results: Results) -> list[Table]:
+    """Return the tables of the report: without counts that are all zero, and the bounds of β."""
+    gone = OF_ENSEMBLES if not results.campaign or results.campaign.members == 1 else ()
+    spread, lost = fragilities(results), losses(results)
+    counted = [
+        key for key in COUNTS if not any(each.get(key) for found in (spread, lost) for each in found.rows)
+    ]
+    return [
+        records(results),
+        without(spread, "beta_low", "beta_high", "combinations", *gone, *counted),
+        without(lost, "share", *counted),
+    ]
+
+
+@table("campaign_records", "record record_pga_g sa_g scale duration_s time_step_s")
+def records(results: Results) -> Found:
+    """List the records, read or made, and scaled."""
+    for each in results.campaign.records if results.campaign else []:
+        yield {}, each
+
+
+@table(
+    "campaign",
+    f"settlement share record sign {LEVELS} pga_all_collapse_g resurrections widest_gap sa_collapse_g time_step_s "
+    "runs reason",
+)
+def combinations(results: Results) -> Found:
+    """List the levels at which each combination collapses, and why where it was not completed."""
+    for each in _combinations(results):
+        yield bands(each, each.pga_collapse_range), each
+
+
+@table(
+    "campaign_curves",
+    "settlement share record sign pga_g peak_displacement_m residual_displacement_m members members_collapsed "
+    "time_of_collapse_s",
+)
+def campaign_points(results: Results) -> Found:
+    """List every level that was run."""
+    for each in _combinations(results):
+        where = cells(each, ("settlement", "share", "record", "sign"))
+        yield from ((where, point) for point in each.points)
+
+
+@table("campaign_fragility", FRAGILITY)
+def fragilities(results: Results) -> Found:
+    """List the fragility of every movement; the bounds are those of the bootstrap."""
+    for each in results.campaign.fragility if results.campaign else []:
+        low, high = each.median_range or (None, None)
+        least, most = each.beta_range or (None, None)
+        yield {"median_low_g": low, "median_high_g": high, "beta_low": least, "beta_high": most}, each
+
+
+@table("campaign_loss", LOSS)
+def losses(results: Results) -> Found:
+    """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
+    campaign = results.campaign
+    for each, fit in zip(campaign.loss, campaign.fragility, strict=True) if campaign else ():
+        low, high = each.dynamic_range
+        row: Row = {"dynamic_loss": each.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
+        row |= {"static_loss": each.static}
+        row |= {} if each.distinguishable is None else {"distinguishable": each.distinguishable}
+        row |= cells(fit, ("rule", "pga_collapse_g")) if fit.rule else {}
+        yield row | cells(each, (*MOVED.split(), "left_out")), None
+
+
+@table("fragility_measures", "analysis state share measure unit median_of_measure beta_of_measure efficient")
+def measures(results: Results) -> Found:
+    """List the fragilities by every measure of intensity; the most efficient one has the least β."""
+    fits: list[tuple[Row, Sequence[MeasureFit]]] = [
+        ({"analysis": "incremental", "state": name}, each.fragility.measures)
+        for name, each in _incrementals(results)
+        if each.fragility
+    ]
+    fits += [
+        ({"analysis": "campaign", "state": row.settlement, "share": row.share}, row.measures)
+        for number, row in enumerate(results.campaign.fragility if results.campaign else [])
+        if row.share > 0.0 or number == 0
+    ]
+    for place, own in fits:
+        least = min((each.beta for each in own if each.beta is not None), default=None)
+        for each in own:
+            found = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
+            yield found | {"median_of_measure": each.median, "beta_of_measure": each.beta}, None
+
+
+def fragility_model(results: Results) -> str | None:
+    """Return the fragilities as a fragility model of OpenQuake (NRML 0.5), None if there are none.
+
+    Mean and standard deviation are those of the measure (g), not of its logarithm, as OpenQuake takes them.
+    """
+    of_states = [(name, state.incremental.fragility) for name, state in results.states.items()]
+    found: list[tuple[str, str, float | None, float | None]] = [
+        (name, "PGA", fit.median_g, fit.dispersion) for name, fit in of_states if fit
+    ]
+    if campaign := results.campaign:
+        imt = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
+        found += [
+            (f"{row.settlement} {row.share:g}", imt, row.median_g, row.beta) for row in campaign.fragility
+        ]
+    functions = ""
+    for name, imt, median, beta in found:
+        if median and beta:
+            mean, most = median * math.exp(0.5 * beta**2), median * math.exp(5.0 * beta)
+            stddev, word = mean * math.sqrt(math.expm1(beta**2)), re.sub(r"\W+", "_", name)
+            functions += FUNCTION.format(id=word, imt=imt, most=most, mean=mean, stddev=stddev)
+    return MODEL.format(title=escape(results.title), functions=functions) if functions else None
+
+
+def _combinations(results: Results) -> list[CampaignCombination]:
+    return results.campaign.combinations if results.campaign else []

@@ -1,22 +1,32 @@
-"""The tables of the scenarios side by side and of the sensitivity."""
+"""The tables of studies: scenarios, sensitivity, ranges of what scatters, discretisation errors, identification."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
+from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
+from assessment.report.text.language import Words
 from assessment.results.echo import taken_to_collapse
+from assessment.results.identified import told_of
 from assessment.results.schema import Results
-from assessment.results.schema.studies import Capacities, Scenarios, Sensitivity, SensitivityRun
-from assessment.results.table import Row, Table, cells, quoted_check
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.identification import Explanation
+from assessment.results.schema.part import Part
+from assessment.results.schema.static import Contacts
+from assessment.results.schema.studies import Scenarios, Sensitivity, SensitivityRun
+from assessment.results.table import Row, Table, cells, columns_of, quoted_check
 
-CAPACITY = ("collapses", "alpha_0", "alpha_u", "d_0_m", "limit_state", "a_g_g", "zeta_E")
-SCENARIOS = (
-    *("state", "movement_m", "direction", *CAPACITY),
-    *("reduction", "ultimate_rigid_m", "ultimate_elastic_m", "worst"),
-)
-SENSITIVITY = ("state", "property", "factor", "direction", *CAPACITY)
+CAPACITY = "collapses alpha_0 alpha_u d_0_m limit_state a_g_g zeta_E"
+SCENARIOS = f"state movement_m direction {CAPACITY} reduction ultimate_rigid_m ultimate_elastic_m worst"
+SENSITIVITY = f"state property factor direction {CAPACITY}"
 ROUNDING = 1e-6  # of a capacity: what the solver may leave of a difference that is none
+RANGE = "_range"  # behind the name of a quantity, in the schema: the ends of its range
+MOVEMENTS = "hypothesis support displacement_x_m x_error_m displacement_z_m z_error_m rotation_mrad"
+MOVEMENTS += " rotation_error_mrad"
+MEASUREMENTS = "hypothesis number measurement measured_kind x_m z_m unit measured sigma predicted residual"
+MEASUREMENTS += " residual_in_sigma"
 
 
 @dataclass(frozen=True)
@@ -44,50 +54,46 @@ class Bar:
         return {"low": (self.low_factor, self.a_g_low_g), "high": (self.high_factor, self.a_g_high_g)}
 
 
-TORNADO = tuple(field.name for field in fields(Bar))
-
-
-def study_tables(results: Results) -> list[Table]:
-    """List all tables of the studies, long ones included."""
-    return [scenarios(results), sensitivity(results), tornado(results)]
-
-
 def reported_studies(results: Results) -> list[Table]:
     """Return the tables of the report: the scenarios without what holds for all of them, and the tornado."""
-    table = scenarios(results)
-    left_out = {"limit_state", "worst"} | (
-        {"collapses"} - {key for each in table.rows for key in each if each[key]}
-    )
-    return [Table(table.name, table.rows, tuple(c for c in SCENARIOS if c not in left_out)), tornado(results)]
+    found = scenarios(results)
+    standing = not any(each.get("collapses") for each in found.rows)
+    return [without(found, "limit_state", "worst", *["collapses"] * standing), tornado(results)]
 
 
-def scenarios(results: Results) -> Table:
+@table("scenarios", SCENARIOS)
+def scenarios(results: Results) -> Found:
     """List every point of every scenario; the ultimate movements stand with the whole movement.
 
     `reduction` is that of a_g, of α0 where there is no assessment; `worst` marks the lowest of them.
     """
-    found, rows = results.scenarios, []
-    if not found:
-        return Table("scenarios", [], SCENARIOS)
-    for point in found.points:
-        judged = _judged(point, SCENARIOS, found) | {"worst": point == found.worst}
+    found = results.scenarios
+    for point in found.points if found else ():
+        row = _of_study(found) | {"worst": found is not None and point == found.worst}
         if point.share == 1.0 and point.state in taken_to_collapse(results.echo):
             paths = results.states[point.state].pushdown
-            judged |= {f"ultimate_{contacts}_m": path.ultimate_movement_m for contacts, path in paths.items()}
-        rows.append(judged)
-    return Table("scenarios", rows, SCENARIOS)
+            row |= {f"ultimate_{contacts}_m": path.ultimate_movement_m for contacts, path in paths.items()}
+        yield row, point
 
 
-def sensitivity(results: Results) -> Table:
+@table("sensitivity", SENSITIVITY)
+def sensitivity(results: Results) -> Found:
     """List every run of the sensitivity: state, property and its factor, direction, capacity."""
     found = results.sensitivity
-    rows = [_judged(run, SENSITIVITY, found) for run in found.runs] if found else []
-    return Table("sensitivity", rows, SENSITIVITY)
+    for run in found.runs if found else ():
+        yield _of_study(found), run
 
 
-def tornado(results: Results) -> Table:
+def _of_study(study: Scenarios | Sensitivity | None) -> Row:
+    """Return the limit state of capacities, where there is an assessment."""
+    return {"limit_state": study.limit_state} if study and study.limit_state else {}
+
+
+@table("tornado", " ".join(columns_of(Bar)))
+def tornado(results: Results) -> Found:
     """Set the bars of the tornado in a table."""
-    return Table("tornado", [asdict(each) for each in bars(results)], TORNADO)
+    for each in bars(results):
+        yield asdict(each), None
 
 
 def bars(results: Results) -> list[Bar]:
@@ -113,13 +119,9 @@ def _bar(state: str, name: str, runs: Iterable[SensitivityRun], base: float | No
     low, high = sorted({run.factor for run in of_property})
     at = {factor: _weaker(run.a_g_g for run in of_property if run.factor == factor) for factor in (low, high)}
     known = [value for value in (at[low], base, at[high]) if value is not None]
-    return Bar(state, name, low, high, at[low], base, at[high], _swing(known) if len(known) == 3 else None)
-
-
-def _swing(capacities: list[float]) -> float:
-    """Return the span of the capacities, none where nothing but rounding tells them apart."""
-    span = max(capacities) - min(capacities)
-    return span if span > ROUNDING * max(capacities) else 0.0
+    span = max(known) - min(known) if len(known) == 3 else None
+    swing = 0.0 if span is not None and span <= ROUNDING * max(known) else span  # nothing but rounding
+    return Bar(state, name, low, high, at[low], base, at[high], swing)
 
 
 def _weaker(capacities: Iterable[float | None]) -> float | None:
@@ -128,7 +130,136 @@ def _weaker(capacities: Iterable[float | None]) -> float | None:
     return min(known) if known and len(known) == len(values) else None
 
 
-def _judged(numbers: Capacities, columns: Sequence[str], study: Scenarios | Sensitivity) -> Row:
-    """Return a row with the limit state of its capacity, where there is an assessment."""
-    limit = study.limit_state
-    return cells(numbers, columns) | ({"limit_state": limit} if limit else {})
+@dataclass(frozen=True)
+class Range:
+    """Range of a quantity, in its unit in results.json; None where it does not depend on direction, joints or check."""
+
+    state: str
+    direction: Direction | None
+    contacts: Contacts | None
+    limit_state: str | None
+    quantity: str
+    value: float | None
+    lowest: float | None
+    highest: float | None
+
+
+def ranges(results: Results) -> Iterator[Range]:
+    """Yield the ranges of what scatters, state by state: pushdowns, pushovers, checks."""
+    parts: list[tuple[Row, Part]] = [*moves(results), *pushes(results)]
+    for name, direction, capacity in capacities(results):
+        where = {"state": name, "direction": direction}
+        parts += [(where | {"limit_state": limit}, check) for limit, check in capacity.checks.items()]
+    for name in results.states:
+        for where, part in (each for each in parts if each[0]["state"] == name):
+            numbers = cells(part, type(part).model_fields)
+            place: Any = (where.get(key) for key in ("direction", "contacts", "limit_state"))
+            direction, contacts, limit = place
+            for quantity in (key.removesuffix(RANGE) for key in numbers if key.endswith(RANGE)):
+                low, high = numbers[f"{quantity}{RANGE}"]
+                yield Range(name, direction, contacts, limit, quantity, numbers[quantity], low, high)
+
+
+@table("static_ranges", " ".join(columns_of(Range)))
+def static_ranges(results: Results) -> Found:
+    """List the ranges of the states whose paths scatter; what a range does not depend on is left out of its row."""
+    for each in ranges(results):
+        row = asdict(each)
+        where = ("direction", "contacts", "limit_state")
+        yield {key: value for key, value in row.items() if key not in where or value is not None}, None
+
+
+@table(
+    "convergence",
+    "state direction halvings alpha_0_error d_0_error_m alpha_u_error a_g_error_g relative_error met",
+)
+def convergence(results: Results) -> Found:
+    """List the estimated errors of the capacities of every state and direction."""
+    yield from (({}, each) for each in results.convergence.rows if each.direction)
+
+
+@table(
+    "history_convergence",
+    "state record halvings order peak_displacement_error_m peak_displacement_scatter_m relative_error "
+    "relative_scatter met",
+)
+def history_convergence(results: Results) -> Found:
+    """List the estimated errors of the peak displacements of every time history."""
+    yield from (({}, each) for each in results.convergence.rows if each.record)
+
+
+@table(
+    "incremental_convergence",
+    "state record order pga_collapse_error_g pga_collapse_scatter_g relative_error relative_scatter met",
+)
+def incremental_convergence(results: Results) -> Found:
+    """List the estimated errors of the PGA at collapse of every record and state."""
+    yield from (({}, each) for each in results.convergence.incremental or [])
+
+
+def reported_convergence(results: Results, words: Words) -> Iterator[Table]:
+    """Yield the tables of errors for the report: an error of null is not known."""
+    unknown = words("value.not_known")
+    for made in (convergence, history_convergence, incremental_convergence):
+        found = made(results)
+        rows = [{key: unknown if v is None else v for key, v in each.items()} for each in found.rows]
+        yield Table(found.name, rows, found.columns)
+
+
+def reported_identification(results: Results) -> list[Table]:
+    """Return the tables of the report: of movements and measurements those of hypotheses not told from the best."""
+    told = told_of(results.identification) if results.identification else []
+    gone = ("x_m", "z_m", "residual", *["hypothesis"] * (len(told) < 2))
+    movements = Table("identified_movements", list(_movements(told)), tuple(MOVEMENTS.split()))
+    fitted = Table("measurements", list(_measurements(results, told)), tuple(MEASUREMENTS.split()))
+    return [hypotheses(results), movements, without(fitted, *gone)]
+
+
+def _explanations(results: Results) -> Sequence[Explanation]:
+    return results.identification.hypotheses if results.identification else []
+
+
+@table(
+    "hypotheses", "hypothesis unknowns chi_squared degrees_of_freedom chi_squared_probability aic told_apart"
+)
+def hypotheses(results: Results) -> Found:
+    """List every hypothesis: how well it fits, with how many unknowns."""
+    for each in _explanations(results):
+        yield {"chi_squared_probability": each.probability, "told_apart": each.distinguished}, each
+
+
+@table("identified_movements", MOVEMENTS)
+def identified_movements(results: Results) -> Found:
+    """List the movement of each support of each hypothesis; without error: not determined, or held."""
+    yield from ((row, None) for row in _movements(_explanations(results)))
+
+
+def _movements(told: Iterable[Explanation]) -> Iterator[Row]:
+    for each in told:
+        for moved in each.movement:
+            rotation = moved.rotation_standard_error_rad
+            yield {
+                "hypothesis": each.hypothesis,
+                "support": moved.support,
+                "displacement_x_m": moved.x_m,
+                "x_error_m": moved.x_standard_error_m,
+                "displacement_z_m": moved.z_m,
+                "z_error_m": moved.z_standard_error_m,
+                "rotation_mrad": 1e3 * moved.rotation_rad,
+                "rotation_error_mrad": None if rotation is None else 1e3 * rotation,
+            }
+
+
+@table("measurements", MEASUREMENTS)
+def measurements(results: Results) -> Found:
+    """List every measurement beside what each hypothesis predicts; numbers are those of the drawing."""
+    yield from ((row, None) for row in _measurements(results, _explanations(results)))
+
+
+def _measurements(results: Results, told: Iterable[Explanation]) -> Iterator[Row]:
+    sites = results.identification.sites if results.identification else []
+    for each in told:
+        for number, (row, site) in enumerate(zip(each.fit, sites, strict=True), 1):
+            x, z = site.point_m
+            where = {"hypothesis": each.hypothesis, "number": number, "measured_kind": row.kind}
+            yield cells(row, MEASUREMENTS.split()) | where | {"x_m": x, "z_m": z}

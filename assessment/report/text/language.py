@@ -48,15 +48,30 @@ class Words:
         return cls(language, _strings(language))
 
     def __call__(self, key: str, **values: object) -> Markup:
-        """Return the string as HTML, its {fields}, or {fields:unit}, shown by `show` and escaped."""
+        """Return the string as HTML, its {fields}, or {fields:unit}, shown by `field` and escaped."""
         return Markup(self._find(key)).format(**self._shown(values))
 
     def plain(self, key: str, **values: object) -> str:
         """Return the string as plain text, for figures."""
         return str(self._find(key)).format(**self._shown(values))
 
+    def field(self, name: str, value: object) -> str:
+        """Write a value for a field of that name: states, directions and contacts as they are called, else `show`."""
+        if isinstance(value, str) and name == "state":
+            return self.state(value)
+        if isinstance(value, str) and name == "direction":
+            return direction_name(value)
+        if isinstance(value, str) and name == "contacts":
+            return self.name("value", value)
+        return self.show(value)
+
+    def at(self, *place: str | None) -> str:
+        """Write a place: state, direction, contacts, as far as they are given."""
+        named = zip(("state", "direction", "contacts"), place, strict=False)
+        return ", ".join(self.field(name, value) for name, value in named if value)
+
     def _shown(self, values: Mapping[str, object]) -> dict[str, Any]:
-        shown = {name: self.show(value) for name, value in values.items()}
+        shown = {name: self.field(name, value) for name, value in values.items()}
         return {name: text if isinstance(text, Markup) else _Shown(text) for name, text in shown.items()}
 
     def name(self, table: str, name: str, default: str | None = None) -> str:

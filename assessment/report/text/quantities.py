@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 from markupsafe import Markup
 
@@ -19,7 +19,6 @@ WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 COUNTED = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
 GENERATED = re.compile(r"generated (\d+)")  # the name of a record that the program made
 INDEX = re.compile(r"_(\w+(?:,\w+)*)")
-Text = TypeVar("Text", str, Markup)
 
 
 def check_name(check: str, words: Words) -> str:
@@ -91,6 +90,7 @@ WRITERS: Mapping[
     "return_period_years": _return_period,
     "T_SLV_years": _return_period,
     "share": lambda value, words: words.comma(f"{100.0 * value:g}"),
+    **dict.fromkeys(("resurrections", "widest_gap"), lambda value, words: words.comma(value)),
     **dict.fromkeys(("analysis", "contacts", "property", "rule", "measured_kind"), _named("value")),
     **dict.fromkeys(("use_category", "integrator"), _named("setting")),
 }
@@ -121,11 +121,6 @@ def label(name: str, words: Words, reference: str = ROCK) -> str:
 def heading(name: str, words: Words, reference: str = ROCK) -> Markup:
     """Return the heading of a column: see `label`."""
     return indexed(label(name, words, reference))
-
-
-def referenced(text: Text, words: Words, reference: str) -> Text:
-    """Put into a label with the unit [g] whether the acceleration is on rock or at the surface."""
-    return text.replace(" [g]", f" {words.plain(f'value.on_{reference}')} [g]")
 
 
 def is_text(name: str) -> bool:

@@ -332,3 +332,8 @@ def outline_area(vertices: Any) -> float:
 
 def _rounded(value: float) -> float:
     return 0.0 if abs(value) < NOTHING else float(f"{value:.{FIGURES - 1}e}")
+
+
+def block_size(results: Results) -> float:
+    """Return the usual size of a block, m: the median of the roots of their areas."""
+    return float(np.median([outline_area(block.vertices_m) ** 0.5 for block in results.geometry.blocks]))

@@ -37,8 +37,9 @@ class Derived(Part):
     ratio_SLV_linear: float = column(
         "–", ("Rapporto SLV lineare", "Ratio SLV linear"), null="not_determined", ratio=True
     )
-    measured_mm: float = column("mm", ("Misurato", "Measured"), decimals=1)
-    sigma_mm: float = column("mm", "σ", decimals=1)
+    mark: str = column("", ("Segno", "Mark"))
+    measured_mm: float = column("mm", ("Misurato", "Measured"), decimals=1, null="none")
+    sigma_mm: float = column("mm", "σ", decimals=1, null="none")
     calculated_mm: float = column("mm", ("Calcolato", "Calculated"), decimals=1, null="none")
     P_VR: float = column("–", "P_VR", shown="%")
     share_used: float = column(

@@ -117,6 +117,7 @@ class Geometry(Part):
     origin_m: Point | None = optional(
         "of a drawing far from (0, 0): where coordinates of hand checks count from", "m"
     )
+    cracks_m: list[list[Point]] | None = optional("surveyed cracks of the drawing, lines: x, z", "m")
     joint_tolerance_m: float = key("edges closer than this form a joint", "m")
     gravity_m_s2: float = key("acceleration of gravity", "m/s²")
 

@@ -7,8 +7,9 @@ from assessment.ntc.load_factors import psi_2
 from assessment.ntc.vertical import vertical_component
 from assessment.project.project import ProjectError, load_project
 from assessment.project.structure.model import build_model
-from assessment.report.chapters.remarks import vertical_sentences
-from assessment.report.tables.structure.loads import reported_loads, vertical
+from assessment.report.chapters.remarks import vertical as vertical_sentences
+from assessment.report.tables.capacity import vertical
+from assessment.report.tables.structure import reported_loads
 from assessment.report.text.language import Words
 from assessment.results.plain import plain
 from assessment.workflow.stages import run

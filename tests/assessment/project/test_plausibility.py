@@ -13,7 +13,7 @@ from assessment.project.catalogue.templates import TEMPLATES
 from assessment.project.plausibility import implausible, implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.report.tables.index import layers
+from assessment.report.tables.structure import layers
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import cell
 from assessment.workflow.description import describe

@@ -12,7 +12,7 @@ import pytest
 from assessment.cli.summary import as_json, model_summary, summary
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.report.chapters.printed_tables import macro_block_grids, printed_tables
+from assessment.report.chapters.grids import macro_block_grids, printed_tables
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned
 from assessment.report.figures.drawings.deformed_dxf import _drawing

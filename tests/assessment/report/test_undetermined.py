@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 
 from assessment.cli.summary import summary
+from assessment.report.chapters.grids import check_grids, printed_tables
 from assessment.report.chapters.judgement import draft_judgement
-from assessment.report.chapters.printed_tables import check_grids, printed_tables
 from assessment.report.chapters.synthesis import synthesis_grid
-from assessment.report.tables.capacity import verification
-from assessment.report.tables.indices import indices, interventions
+from assessment.report.tables.capacity import indices, interventions, verification
 from assessment.report.text.language import words_of
 from assessment.results.undetermined import checks_asked, undetermined
 from assessment.runtime.tasks import Outcome

@@ -9,13 +9,12 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.report.chapters.answer import lead
 from assessment.report.chapters.judgement import RESIDUALS, all_warnings, draft_judgement
+from assessment.report.chapters.synthesis import lead
 from assessment.report.tables import capacity as capacity_tables
-from assessment.report.tables import index as tables
+from assessment.report.tables import mechanisms as mechanism_tables
+from assessment.report.tables import structure
 from assessment.report.tables import studies as study_tables
-from assessment.report.tables.convergence import convergence_tables
-from assessment.report.tables.structure import mechanisms as mechanism_tables
 from assessment.report.text.language import NO_BREAK, direction_name, words_of
 from assessment.report.text.quantities import check_name
 from assessment.results.configurations.hand_check import hand_check
@@ -37,7 +36,7 @@ class Read:
     def __init__(self, results: Results) -> None:
         self.results, found = results, typed(results)
         self.at_surface = reference_of(found) == "surface"
-        made = [*(make(found) for make in TABLES), *convergence_tables(found)]
+        made = [make(found) for make in TABLES]
         self.rows = {table.name: table.rows for table in made} | {"comparison": results["comparison"]}
 
     @property
@@ -63,11 +62,14 @@ TABLES = (
     capacity_tables.verification,
     capacity_tables.chosen_checks,
     mechanism_tables.mechanisms,
-    tables.settlements,
-    tables.quality,
+    structure.settlements,
+    structure.quality,
     mechanism_tables.second_solver,
     study_tables.scenarios,
     study_tables.tornado,
+    study_tables.convergence,
+    study_tables.history_convergence,
+    study_tables.incremental_convergence,
     hand_check,
     balance,
 )

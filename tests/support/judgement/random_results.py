@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assessment.analyses.checks.indices import governing, safety_index
 from assessment.report.chapters.judgement import RESIDUALS
-from assessment.report.tables.structure.mechanisms import SECOND_SOLVER
+from assessment.report.tables.mechanisms import SECOND_SOLVER
 from assessment.results.plain import plain
 from assessment.results.quality import quality_of
 from assessment.results.schema import State

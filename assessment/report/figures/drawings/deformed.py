@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import (
@@ -22,10 +21,10 @@ from assessment.report.figures.drawings.parts import (
     push_arrow,
     tie_handles,
 )
-from assessment.report.figures.style import MM, Sheet, foot, sheet
+from assessment.report.figures.style import MM, Sheet, foot, key, sheet
+from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.curves import alpha_at_d_0
-from assessment.report.tables.structure.cracks import cracks_of, surveyed
-from assessment.report.text.language import Words, direction_name
+from assessment.report.text.language import Words
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
 from assessment.results.configurations.outlines import outlines
@@ -60,6 +59,7 @@ LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbe
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
 CAPITAL = 0.75  # of the size of a font: the height of a digit
 CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
+SURVEYED: dict[str, Any] = {"color": "#a33c0a", "linewidth": 1.6, "linestyle": (0, (3, 1)), "marker": "|"}
 MEASURED: dict[str, Any] = HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
 WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5}
 NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE}
@@ -77,8 +77,8 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     views: list[tuple[str, Configuration, float]] = [(_times(times, words), content.configuration, times)]
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
-            kind, movement = words.plain(f"value.{contacts}"), words.millimetres(path.ultimate_movement_m)
-            title = words.plain("figure.ultimate", contacts=kind, movement=movement)
+            movement = words.millimetres(path.ultimate_movement_m)
+            title = words.plain("figure.ultimate", contacts=contacts, movement=movement)
             views.append((title, path.ultimate_configuration, 1.0))
     shapes = [shape.moved(at, by) for _, at, by in views]
     page = sheet(
@@ -109,34 +109,30 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     at = results.states[settled].configuration if settled else np.zeros((len(shape.centroids), 3))
     times = magnification(shape, at)
     view = shape.moved(at, times)
-    shown = [view, *([mechanism.start, mechanism.swept] if mechanism else [])]
-    panels = 2 if mechanism else 1
+    shown = [shape, view, *([mechanism.start, mechanism.swept] if mechanism else [])]
     page = sheet(
-        union([shape, *shown]),
-        panels,
+        union(shown),
+        2 if mechanism else 1,
         border_mm=7.0,
         below_mm=7.0,
         height_mm=88.0,
         foot_mm=foot(["", ""]),
         most_mm=55.0,
     )
-    page.panels[0].set_title(
-        words.state(settled or "original") + (f", {_times(times, words)}" if settled else "")
-    )
+    axes, handles = page.panels[0], [ghost_handle(words.plain("figure.original_outline"))]
+    axes.set_title(words.state(settled or "original") + (f", {_times(times, words)}" if settled else ""))
     if settled:
-        ghost(page.panels[0], shape)
-    fill_roles(page.panels[0], view)
-    handles: list[Any] = []
+        ghost(axes, shape)
+    fill_roles(axes, view)
     if settled:
-        draw_ties(page, page.panels[0], moved_ends(results, settled, at, times))
-        movement_arrow(page, page.panels[0], shape, results, known(results.states[settled].settlement))
-        handles.append(ghost_handle(words.plain("figure.original_outline")))
+        draw_ties(page, axes, moved_ends(results, settled, at, times))
+        movement_arrow(page, axes, shape, results, known(results.states[settled].settlement))
     if mechanism and governing:
-        page.panels[1].set_title(f"{words.state(governing[0])}, {direction_name(governing[1])}")
+        page.panels[1].set_title(words.at(*governing))
         mechanism.draw(page, page.panels[1])
         push_arrow(page, page.panels[1], mechanism.swept.bounds, governing[1])
-        handles += mechanism_handles([mechanism], words)[1:]
-    page.legend(handles or [ghost_handle(words.plain("figure.original_outline"))], words)
+        handles = [*(handles if settled else []), *mechanism_handles([mechanism], words)[1:]]
+    page.legend(handles, words)
     return page.figure
 
 
@@ -182,7 +178,7 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], ways: Sequence[Di
     labels = [each.get_label() for each in handles]
     page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels), height_mm=170.0, most_mm=75.0)
     for axes, view, way in zip(page.panels, views, ways, strict=True):
-        axes.set_title(f"{words.state(view.state)}, {direction_name(way)}")
+        axes.set_title(words.at(view.state, way))
         view.draw(page, axes)
         push_arrow(page, axes, view.swept.bounds, way)
     page.legend(handles, words)
@@ -194,12 +190,12 @@ def mechanism_handles(views: Sequence[Mechanism], words: Words) -> list[Any]:
     handles: list[Any] = [
         ghost_handle(words.plain("figure.start_outline")),
         Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
-        Line2D([], [], **HINGE, label=words.plain("figure.hinge")),
+        key(words.plain("figure.hinge"), **HINGE),
     ]
     if any(len(view.sliding) for view in views):
-        handles.append(Line2D([], [], **SLIDING, label=words.plain("figure.sliding")))
+        handles.append(key(words.plain("figure.sliding"), **SLIDING))
     if any(view.ties for view in views):
-        handles.append(Line2D([], [], **TIE, label=words.plain("figure.tie")))
+        handles.append(key(words.plain("figure.tie"), **TIE))
     return handles
 
 
@@ -295,25 +291,23 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     ends = {crack.joint: _face(results, shape, crack.joint) for crack in found}
     for face in ends.values():
         axes.plot(*face.T, **CRACK)
-    for number, (ring, centroid) in enumerate(
-        zip(shape.rings(range(len(shape.centroids))), shape.centroids, strict=True)
-    ):
+    for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
         size = room(page, ring, str(number))
         if size >= SMALLEST_PT:
             dark = results.geometry.blocks[number].support is not None
             labels.put(str(number), centroid, fontsize=size, color="1.0" if dark else "0.25")
-    handles = [Line2D([], [], **CRACK, label=words.plain("figure.crack"))]
-    if measured := surveyed(results, state):
-        points = np.array([each.point_m for each in measured])
-        owner = np.array([each.block for each in measured])
-        at = place(
-            points, owner, outlines(results).centroids, np.asarray(results.states[state].configuration)
-        )
-        axes.plot(*at.T, **MEASURED)
+    handles = [key(words.plain("figure.crack"), **CRACK)] if found else []
+    drawn, moved = outlines(results), np.asarray(results.states[state].configuration, dtype=float)
+    for each in surveyed(results, state):
+        line = np.asarray(each.line, dtype=float)
+        at = place(line, np.array([drawn.nearest(point) for point in line]), drawn.centroids, moved)
+        style, kind = (MEASURED, "measured_crack") if len(line) == 1 else (SURVEYED, "surveyed_crack")
+        label = words.plain(f"figure.{kind}")
+        axes.plot(*at.T, **style)
+        if label not in [handle.get_label() for handle in handles]:
+            handles.append(key(label, **style))
         labels.avoid(at, MEASURED["markersize"] + 1.0)
-        for each, spot in zip(measured, at, strict=True):
-            labels.write(f"M{each.number}", _around(page, spot), **NUMBER)
-        handles.append(Line2D([], [], **MEASURED, label=words.plain("figure.measured_crack")))
+        labels.write(each.mark, _around(page, at[len(at) // 2]), **NUMBER)
     for crack in found[:most]:
         labels.write(f"G{crack.joint}", _beside(page, ends[crack.joint], middle), **NUMBER)
     page.legend(handles, words)
@@ -339,17 +333,13 @@ def draw_identification(results: Results, words: Words) -> Figure:
     labels.avoid(marked, MEASURED["markersize"] + MEASURED["markeredgewidth"])
     for number, point in enumerate(marked, 1):
         labels.write(str(number), _around(page, point), **NUMBER)
-    mark = Line2D([], [], **MEASURED, label=words.plain("figure.measurement"))
+    mark = key(words.plain("figure.measurement"), **MEASURED)
     page.legend([ghost_handle(words.plain("figure.original_outline")), mark], words)
     return page.figure
 
 
 def _times(times: float, words: Words) -> str:
-    return (
-        words.plain("figure.magnified", times=f"{times:g}")
-        if times > 1.0
-        else words.plain("figure.true_scale")
-    )
+    return words.plain("figure.magnified" if times > 1.0 else "figure.true_scale", times=f"{times:g}")
 
 
 def _around(page: Sheet, point: Array) -> list[Array]:

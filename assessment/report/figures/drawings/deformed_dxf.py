@@ -19,6 +19,7 @@ from assessment.report.text.language import slug
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.configurations.joint_states import (
     JointStates,
+    Situation,
     joint_states,
     loaded,
     situations,
@@ -53,24 +54,19 @@ def write_deformed(results: Results, path: Path) -> None:
 def _drawing(results: Results) -> Drawing:
     drawing = new("R2010")
     drawing.units = units.M
-    space = drawing.modelspace()
+    space, size = drawing.modelspace(), outlines(results).size
     for number, (layer, shape) in enumerate(shapes(results)):
         drawing.layers.add(layer, color=COLOURS[number % len(COLOURS)])
-        for ring in shape.rings(range(len(shape.centroids))):
+        for ring in shape.rings(shape.every):
             space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
-    size = outlines(results).size
-    for layer, ends in _ties(results):
-        drawing.layers.add(layer, color=2)
-        for start, end in ends:
-            space.add_line(start, end, dxfattribs={"layer": layer})
-    for layer, points in _hinges(results):
-        drawing.layers.add(layer, color=1)
-        for point in points:
-            space.add_circle(point, HINGE_RADIUS * size, dxfattribs={"layer": layer})
-    for layer, lines in _resultants(results):
-        drawing.layers.add(layer, color=5)
-        for start, end in lines:
-            space.add_line(start, end, dxfattribs={"layer": layer})
+    for colour, found in ((2, _ties(results)), (1, _hinges(results)), (5, _resultants(results))):
+        for layer, items in found:
+            drawing.layers.add(layer, color=colour)
+            for item in np.asarray(items):
+                if item.ndim == 1:
+                    space.add_circle(item, HINGE_RADIUS * size, dxfattribs={"layer": layer})
+                else:
+                    space.add_line(item[0], item[1], dxfattribs={"layer": layer})
     for layer, values in _joints(results):
         drawing.layers.add(layer, color=8).off()
         for text, place in values:
@@ -138,18 +134,19 @@ def _hinges(results: Results) -> Iterator[tuple[str, list[Point]]]:
 
 def _resultants(results: Results) -> Iterator[tuple[str, list[Array]]]:
     for situation in situations(results):
-        lines = thrust_lines(joint_states(results, situation))
-        if lines:
-            where = "REST" if situation.direction is None else SIDES[situation.direction]
-            yield f"{_layer(results, situation.state)}_THRUST_{where}", lines
+        if lines := thrust_lines(joint_states(results, situation)):
+            yield f"{_layer(results, situation.state)}_THRUST_{_at(situation)}", lines
+
+
+def _at(situation: Situation) -> str:
+    return "REST" if situation.direction is None else SIDES[situation.direction]
 
 
 def _joints(results: Results) -> Iterator[tuple[str, list[tuple[str, Array]]]]:
     """Yield layer, and text and place (2,) m of every joint that carries in a situation, at its centre of pressure."""
     for situation in loaded(results):
         states = joint_states(results, situation)
-        at = "REST" if situation.direction is None else SIDES[situation.direction]
-        layer = f"{_layer(results, situation.state)}_JOINTS_{situation.contacts.upper()}_{at}"
+        layer = f"{_layer(results, situation.state)}_JOINTS_{situation.contacts.upper()}_{_at(situation)}"
         carrying = [k for k, condition in enumerate(states.condition) if condition != "idle"]
         yield layer, [(_values(states, k), states.point[k]) for k in carrying]
 

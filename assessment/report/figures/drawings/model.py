@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 
 from assessment.report.figures.drawings.parts import ARROW, draw_ties
-from assessment.report.figures.style import Sheet, foot, sheet
+from assessment.report.figures.style import Sheet, foot, key, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
@@ -21,19 +20,8 @@ from assessment.results.schema.model import Block
 from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill
 
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
-DOWN = Path(  # an arrow, as a mark
-    [
-        (-0.05, 1.0),
-        (0.05, 1.0),
-        (0.05, -0.2),
-        (0.3, -0.2),
-        (0.0, -1.0),
-        (-0.3, -0.2),
-        (-0.05, -0.2),
-        (-0.05, 1.0),
-    ],
-    closed=True,
-)
+SHAFT = [(-0.05, 1.0), (0.05, 1.0), (0.05, -0.2), (0.3, -0.2), (0.0, -1.0), (-0.3, -0.2), (-0.05, -0.2)]
+DOWN = Path([*SHAFT, SHAFT[0]], closed=True)  # an arrow, as a mark
 MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
 DIMENSION = {
     "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
@@ -41,6 +29,7 @@ DIMENSION = {
     "shrinkB": 0.0,
     "lw": 0.5,
 }
+ON_WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
 
 
 def draw_model(results: Results, words: Words) -> Figure:
@@ -62,7 +51,7 @@ def draw_model(results: Results, words: Words) -> Figure:
             handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
     if len(named) > MOST_NAMED:
         more = words.plain("figure.more_layers", count=len(named) - MOST_NAMED)
-        handles.append(Line2D([], [], linestyle="none", label=more))
+        handles.append(key(more, linestyle="none"))
     handles += _loads(page, axes, blocks, words)
     handles += _controls(axes, results, words)
     handles += _ties(page, axes, results, words)
@@ -86,7 +75,7 @@ def _loads(page: Sheet, axes: Axes, blocks: Sequence[Block], words: Words) -> li
     text = " / ".join(words.number(size) for size in sizes)
     label = words.plain("figure.loads", count=len(loaded), loads=text)
     mark: dict[str, Any] = {"linestyle": "none", "marker": DOWN, "markersize": 9.0, "color": INK}
-    return [Line2D([], [], **mark, label=label)] if loaded else []
+    return [key(label, **mark)] if loaded else []
 
 
 def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
@@ -104,9 +93,9 @@ def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
             textcoords="offset points",
             ha="right" if left else "left",
             fontweight="bold",
-            bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
+            bbox=ON_WHITE,
         )
-    return [Line2D([], [], **mark, label=words.plain("figure.control"))] if controls else []
+    return [key(words.plain("figure.control"), **mark)] if controls else []
 
 
 def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
@@ -115,16 +104,14 @@ def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
     ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
     draw_ties(page, axes, ends)
     for tie, (start, end) in zip(ties, ends, strict=True):
-        axes.annotate(
-            tie.name,
-            (start + end) / 2.0,
-            (0.0, 3.0),
-            textcoords="offset points",
-            ha="center",
-            va="bottom",
-            bbox={"facecolor": "1.0", "edgecolor": "none", "pad": 0.6},
-        )
-    return [Line2D([], [], **TIE, label=words.plain("figure.tie"))] if ties else []
+        over: dict[str, Any] = {
+            "textcoords": "offset points",
+            "ha": "center",
+            "va": "bottom",
+            "bbox": ON_WHITE,
+        }
+        axes.annotate(tie.name, (start + end) / 2.0, (0.0, 3.0), **over)
+    return [key(words.plain("figure.tie"), **TIE)] if ties else []
 
 
 def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
@@ -136,7 +123,7 @@ def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
         axes.plot([x, x], [z0 - off - tick, z0 - tick], color=INK, linewidth=0.4)
     for z in (z0, z1):
         axes.plot([x0 - off - tick, x0 - tick], [z, z], color=INK, linewidth=0.4)
-    label = {"ha": "center", "va": "center", "bbox": {"facecolor": "1.0", "edgecolor": "none", "pad": 1.0}}
+    label = {"ha": "center", "va": "center", "bbox": ON_WHITE | {"pad": 1.0}}
     axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
     axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
 

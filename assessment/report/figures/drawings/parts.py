@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import MM, Sheet
+from assessment.report.figures.style import MM, Sheet, key
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.tie_ends import ties_of
@@ -36,7 +36,7 @@ RINGS_MM, TURNS = (3.0, 5.0, 7.0, 9.0, 12.0, 16.0), 12
 
 def ghost_handle(label: str) -> Line2D:
     """Return the legend's line of an earlier outline."""
-    return Line2D([], [], color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)), label=label)
+    return key(label, color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)))
 
 
 def movement_arrow(page: Sheet, axes: Axes, shape: Shape, results: Results, settlement: Settlement) -> None:
@@ -76,7 +76,7 @@ def draw_ties(page: Sheet, axes: Axes, ends: Iterable[Array]) -> None:
 def tie_handles(results: Results, words: Words, *states: str) -> list[Line2D]:
     """Return the legend of ties, nothing where none of the states has one."""
     there = any(ties_of(results, state) for state in states)
-    return [Line2D([], [], **TIE, label=words.plain("figure.tie"))] if there else []
+    return [key(words.plain("figure.tie"), **TIE)] if there else []
 
 
 def moved_ends(results: Results, state: str, configuration: Any, times: float = 1.0) -> Iterator[Array]:
@@ -99,48 +99,51 @@ class Labels:
 
         Return whether there was room for it.
         """
-        half = 0.5 * self._size(text, float(style.get("fontsize", 7.5)), style)
+        half = self._half(text, style)
         wanted = [np.asarray(place, dtype=float) for place in places]
         spots: list[tuple[Array, Array | None]] = [(at, None) for at in wanted]
         spots += [(at, target) for target in wanted for at in self._around(target)]
         for at, target in spots:
-            if self._take(at, half):
+            if self._is_free(at, half):
                 led: dict[str, Any] = {} if target is None else {"arrowprops": LEADER, "xytext": tuple(at)}
-                x, z = (at if target is None else target).tolist()
-                self.axes.annotate(text, (x, z), ha="center", va="center", **led, **style)
+                self._take(at, half)
+                self._text(text, at if target is None else target, **led, **style)
                 return True
         return False
 
-    def avoid(self, places: Array, points: float) -> None:
-        """Keep texts off marks (n, 2) of a size in points."""
-        half = 0.5 * self.page.paper(points / 72.0 / MM)
-        self.taken += [np.concatenate([place - half, place + half]) for place in places]
-
     def put(self, text: str, place: Array, **style: Any) -> None:
         """Write a text at a place (2,) that is its own, such as the inside of a block, whatever is there."""
-        half = 0.5 * self._size(text, float(style.get("fontsize", 7.5)), style)
-        self.taken.append(np.concatenate([place - half, place + half]))
-        self.axes.annotate(text, (float(place[0]), float(place[1])), ha="center", va="center", **style)
+        self._take(place, self._half(text, style))
+        self._text(text, place, **style)
 
-    def _size(self, text: str, points: float, style: Mapping[str, Any]) -> Array:
+    def avoid(self, places: Array, points: float) -> None:
+        """Keep texts off marks (n, 2) of a size in points."""
+        for at in places:
+            self._take(at, 0.5 * self.page.paper(points / 72.0 / MM))
+
+    def _text(self, text: str, place: Array, **style: Any) -> None:
+        x, z = place.tolist()
+        self.axes.annotate(text, (x, z), ha="center", va="center", **style)
+
+    def _half(self, text: str, style: Mapping[str, Any]) -> Array:
+        """Return half the width and height (2,) of a text."""
+        points = float(style.get("fontsize", 7.5))
         pad = 2.0 * float((style.get("bbox") or {}).get("pad", 0.0))
         letter = BOLD if style.get("fontweight") == "bold" else LETTER
-        points_mm = 1.0 / 72.0 / MM
-        width, height = letter * points * len(text) + pad, LINE * points + pad
-        return np.array([self.page.paper(width * points_mm), self.page.paper(height * points_mm)])
+        size = np.array([letter * points * len(text) + pad, LINE * points + pad])
+        return np.asarray(0.5 * self.page.paper(1.0 / 72.0 / MM) * size)
 
     def _around(self, place: Array) -> Iterator[Array]:
         for radius in RINGS_MM:
             for turn in np.linspace(0.0, 2.0 * np.pi, TURNS, endpoint=False):
                 yield place + self.page.paper(radius) * np.array([np.cos(turn), np.sin(turn)])
 
-    def _take(self, at: Array, half: Array) -> bool:
-        box = np.concatenate([at - half, at + half])
+    def _take(self, at: Array, half: Array | float) -> None:
+        self.taken.append(np.concatenate([at - half, at + half]))
+
+    def _is_free(self, at: Array, half: Array) -> bool:
+        """Whether a box is inside the axes and on no other."""
+        low, high = at - half, at + half
         (x0, x1), (z0, z1) = self.axes.get_xlim(), self.axes.get_ylim()
-        inside = x0 <= box[0] and z0 <= box[1] and box[2] <= x1 and box[3] <= z1
-        if not inside or any(
-            (box[:2] < other[2:]).all() and (other[:2] < box[2:]).all() for other in self.taken
-        ):
-            return False
-        self.taken.append(box)
-        return True
+        inside = x0 <= low[0] and z0 <= low[1] and high[0] <= x1 and high[1] <= z1
+        return inside and not any((low < box[2:]).all() and (box[:2] < high).all() for box in self.taken)

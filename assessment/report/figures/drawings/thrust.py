@@ -10,12 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from assessment.report.figures.drawings.parts import draw_ties, moved_ends, push_arrow, tie_handles
-from assessment.report.figures.style import Sheet, foot, sheet
-from assessment.report.text.language import Words, direction_name
+from assessment.report.figures.style import Sheet, foot, key, sheet
+from assessment.report.text.language import Words
 from assessment.results.configurations.joint_states import JointStates, Situation, joint_states, thrust_lines
 from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
@@ -45,13 +43,8 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     handles = _handles({c for states in joints for c in states.condition}, unit, words)
     handles += tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
-    page = sheet(
-        union(shapes),
-        len(shown),
-        border_mm=above,
-        foot_mm=foot([each.get_label() for each in handles]),
-        height_mm=150.0,
-    )
+    below = foot([each.get_label() for each in handles])
+    page = sheet(union(shapes), len(shown), border_mm=above, foot_mm=below, height_mm=150.0)
     for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
         axes.set_title(_title(situation, words))
         _draw(page, axes, results, shape, states, unit)
@@ -62,28 +55,20 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     return page.figure
 
 
-def _draw(
-    page: Sheet,
-    axes: Axes,
-    results: Results,
-    shape: Shape,
-    states: JointStates,
-    unit: float,
-) -> None:
+def _draw(page: Sheet, axes: Axes, results: Results, shape: Shape, states: JointStates, unit: float) -> None:
     fill_roles(axes, shape)
     fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
+    are = np.array(states.condition)
     for condition, style in JOINTS.items():
         width = style["linewidth"] * fine
-        ends = states.ends[_are(states, condition)]
-        axes.add_collection(LineCollection(list(ends), **(style | {"linewidth": width})))
+        ends = list(states.ends[are == condition])
+        axes.add_collection(LineCollection(ends, **(style | {"linewidth": width})))
     half = 0.5 * page.paper(UNIT_MM) / unit * states.force
-    resultants = np.stack([states.point - half, states.point + half], axis=1)[~_are(states, "idle")]
+    resultants = np.stack([states.point - half, states.point + half], axis=1)[are != "idle"]
     axes.add_collection(LineCollection(list(resultants), **RESULTANT))
     axes.add_collection(LineCollection(thrust_lines(states), **THRUST))
-    axes.plot(
-        *states.point[_are(states, "edge")].T,
-        **(HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}),
-    )
+    mark = HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}
+    axes.plot(*states.point[are == "edge"].T, **mark)
 
 
 def round_force(largest: float) -> float:
@@ -93,28 +78,15 @@ def round_force(largest: float) -> float:
     return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-9))
 
 
-def _are(states: JointStates, condition: str) -> NDArray[np.bool_]:
-    return np.array([each == condition for each in states.condition])
-
-
 def _title(situation: Situation, words: Words) -> str:
     name = words.state(situation.state)
     if situation.direction is None:
-        return f"{name}\n{words.plain('figure.at_rest_forces', contacts=words.plain(f'value.{situation.contacts}'))}"
-    return f"{name}, {direction_name(situation.direction)}\nα = {words.show(situation.alpha)}"
+        return f"{name}\n{words.plain('figure.at_rest_forces', contacts=situation.contacts)}"
+    return f"{words.at(name, situation.direction)}\nα = {words.show(situation.alpha)}"
 
 
 def _handles(conditions: set[str], unit: float, words: Words) -> list[Any]:
     scale = words.plain("figure.resultant", force=words.comma(f"{unit:g}"), length=f"{UNIT_MM:g}")
-    handles = [
-        Line2D([], [], **THRUST, label=words.plain("figure.thrust")),
-        Line2D([], [], **RESULTANT, label=scale),
-    ]
-    handles += [
-        Line2D([], [], **style, label=words.plain(f"figure.joint_{condition}"))
-        for condition, style in JOINTS.items()
-        if condition in conditions
-    ]
-    if "edge" in conditions:
-        handles.append(Line2D([], [], **HINGE, label=words.plain("figure.joint_edge")))
-    return handles
+    handles = [key(words.plain("figure.thrust"), **THRUST), key(scale, **RESULTANT)]
+    named = [(each, style) for each, style in (*JOINTS.items(), ("edge", HINGE)) if each in conditions]
+    return handles + [key(words.plain(f"figure.joint_{each}"), **style) for each, style in named]

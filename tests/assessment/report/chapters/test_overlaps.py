@@ -2,7 +2,7 @@
 
 from markupsafe import Markup
 
-from assessment.report.chapters.remarks import overlap_sentences
+from assessment.report.chapters.remarks import overlaps
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -14,7 +14,7 @@ def _said(penetration, language):
     row |= {"worst_equilibrium_residual": 0.0, "worst_penetration_m": penetration}
     results["quality"]["by_stage"] = [row]
     shared = typed(results)
-    return [Markup(each).striptags() for each in overlap_sentences(shared, words_of(shared))]
+    return [Markup(each).striptags() for each in overlaps(shared, words_of(shared))]
 
 
 def test_an_overlap_of_more_than_a_hundredth_of_a_block_is_told_with_where():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from assessment.report.chapters.grids import _second_solver
 from assessment.report.chapters.remarks import agreement
 from assessment.report.chapters.remarks import second_solver as comparison
-from assessment.report.tables.index import second_solver
-from assessment.report.tables.structure.mechanisms import reported_second_solver
+from assessment.report.tables.mechanisms import second_solver
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -37,11 +37,11 @@ def pair(difference=3e-10):
 def test_the_table_has_enough_digits_to_compare(language, number):
     results = example(language, found=pair())
     words = words_of(results)
-    rows = reported_second_solver(results, words).rows
+    rows = _second_solver(results, words).rows
     assert len(rows) == 4 and [row["relative_difference"] for row in rows] == [words.number(3e-10, 2)] * 4
     text = " ".join(comparison(results, words))
     assert "HiGHS" in text and "Coulomb" not in text
-    from assessment.report.chapters.printed_tables import printed_tables
+    from assessment.report.chapters.grids import printed_tables
 
     cells = printed_tables(results, words)["second_solver"].rows[0]
     assert cells.count(number) == 2

@@ -2,9 +2,9 @@
 
 from markupsafe import Markup
 
-from assessment.report.chapters.remarks import nearly_yielding, pretension_sentence
-from assessment.report.figures.dynamic import draw_shapes
-from assessment.report.tables.structure.ties import shaken_ties
+from assessment.report.chapters.remarks import nearly_yielding, slackened
+from assessment.report.figures.motions import draw_shapes
+from assessment.report.tables.structure import shaken_ties
 from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -55,8 +55,8 @@ def _said(sentences, results):
 
 
 def test_a_pretension_of_which_less_than_half_is_left_is_told():
-    assert not _said(pretension_sentence, _tied(rest_kN=10.1))
-    [said] = _said(pretension_sentence, _tied(rest_kN=3.28))
+    assert not _said(slackened, _tied(rest_kN=10.1))
+    [said] = _said(slackened, _tied(rest_kN=3.28))
     assert said.startswith(
         "Of the pretension of 20.0 kN of the tie “chain” 3.28 kN are left at rest, in state"
     )

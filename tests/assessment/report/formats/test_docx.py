@@ -14,8 +14,7 @@ from lxml import html
 
 from assessment.report.document import CHAPTERS, write_docx, write_page
 from assessment.report.figures.index import write_images
-from assessment.report.formats.docx import to_docx
-from assessment.report.formats.docx_styles import kept_with_next
+from assessment.report.formats.docx import kept_with_next, to_docx
 from assessment.report.text.language import LANGUAGES, words_of
 from assessment.runtime.processes.pool import Pool, result_of
 from tests.support.pictured import draw_sections
@@ -129,7 +128,7 @@ def test_contents_refer_to_the_pages_of_the_headings(made):
     entries = [p for p in document.paragraphs if p.style.name == "toc 1"]
     assert [p.text.partition("\t")[0] for p in entries] == [p.text for p in headings]
     for entry, heading in zip(entries, headings, strict=True):
-        [field] = [each.text.split() for each in entry._p.iter(qn("w:instrText"))]
+        [field] = [each.get(qn("w:instr")).split() for each in entry._p.iter(qn("w:fldSimple"))]
         [start] = heading._p.iter(qn("w:bookmarkStart"))
         assert field[:2] == ["PAGEREF", start.get(qn("w:name"))]
     numbers = [each.get(qn("w:id")) for each in document.element.body.iter(qn("w:bookmarkStart"))]

@@ -6,11 +6,13 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
-from assessment.report.chapters.remarks import crack_sentences, damping_sentence
+from assessment.report.chapters.remarks import cracks as crack_sentences
+from assessment.report.chapters.remarks import damping
 from assessment.report.figures.drawings.deformed import LARGEST_PT, NUMBER, draw_cracks, room
 from assessment.report.figures.drawings.parts import Labels
 from assessment.report.figures.style import sheet
-from assessment.report.tables.structure.cracks import PRINTED, SEEN, cracks
+from assessment.report.tables.cracks import SEEN, cracks
+from assessment.report.tables.structure import PRINTED
 from assessment.report.text.language import words_of
 from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example
@@ -139,8 +141,6 @@ def test_of_cracks_that_is_told_which_there_is(monkeypatch):
 def test_the_damping_is_that_of_the_circular():
     results = results_example("it")
     words = words_of(typed(results))
-    assert "8 % e del 10 %" in damping_sentence(typed(results), words)
+    assert "8 % e del 10 %" in damping(typed(results), words)
     results["echo"]["assessment"]["circular"] = 2009
-    assert "5 %" in damping_sentence(typed(results), words) and "617/2009" in damping_sentence(
-        typed(results), words
-    )
+    assert "5 %" in damping(typed(results), words) and "617/2009" in damping(typed(results), words)

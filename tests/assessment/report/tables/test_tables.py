@@ -7,13 +7,13 @@ import pandas as pd
 import pytest
 
 from assessment.project.project import json_schema
-from assessment.report.chapters.grid import grid, ranges_grid
-from assessment.report.chapters.remarks import index_sentences
-from assessment.report.tables.capacity import summary, trace, verification
-from assessment.report.tables.index import blocks, layers, write_tables
-from assessment.report.tables.indices import indices, reported_indices
-from assessment.report.tables.ranges import Range
-from assessment.report.tables.structure.mechanisms import all_mechanisms
+from assessment.report.chapters.grids import grid, ranges_table
+from assessment.report.chapters.remarks import indices as index_sentences
+from assessment.report.tables.capacity import indices, reported_indices, summary, trace, verification
+from assessment.report.tables.index import write_tables
+from assessment.report.tables.mechanisms import all_mechanisms
+from assessment.report.tables.structure import blocks, layers
+from assessment.report.tables.studies import Range
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import LANGUAGES, Words
 from assessment.report.text.quantities import cell
@@ -214,8 +214,8 @@ def test_mechanisms_found_and_chosen_stand_in_one_table():
 def test_ranges_say_what_an_acceleration_refers_to():
     """The table of ranges printed "a_g [g]" alone; a ratio of its a_g says nothing more, and is left out."""
     found = [Range("moved", "+x", None, "SLV", quantity, 0.1, 0.1, 0.2) for quantity in ("a_g_g", "zeta_E")]
-    made = ranges_grid(found, Words.of("it"))
-    assert [row[3].striptags() for row in made.rows] == ["ag su suolo rigido [g] SLV"]
+    made = ranges_table(found, Words.of("it"))
+    assert [row["quantity"].striptags() for row in made.rows] == ["ag su suolo rigido [g] SLV"]
 
 
 def test_a_mechanism_is_named_by_what_it_is_made_of():

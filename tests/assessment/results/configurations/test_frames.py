@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.chapters.remarks import joint_law, pressure_sentences
-from assessment.report.tables.structure.joints import edge_pressures, reported_pressures
+from assessment.report.chapters.remarks import joint_law, pressures
+from assessment.report.tables.structure import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import Met, described, faces_of
 from assessment.results.configurations.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
@@ -276,7 +276,7 @@ def test_pressures_without_bound_are_a_sentence_and_no_table():
     words = words_of(typed(results))
     assert np.isinf(edge_pressures(typed(results))[0].edge_pressure_kN_m2)
     assert reported_pressures(typed(results)).rows == []
-    assert "press without bound" in pressure_sentences(typed(results), words)
+    assert "press without bound" in " ".join(pressures(typed(results), words))
     assert "greatest edge pressure" not in " ".join(joint_law(typed(results), words, elastic=False))
     assert reported_pressures(typed(analysed())).rows
 
@@ -288,8 +288,10 @@ def test_the_table_of_edge_pressures_holds_the_joints_that_are_pressed_most():
     joints = len(edge_pressures(results))
     assert 10 < joints == len(results.geometry.joints) == len(reported_pressures(full).rows) <= 40
     assert len(reported_pressures(results).rows) == 10
-    assert "csv" not in pressure_sentences(full, words_of(results))
-    assert "The 10 joints that are pressed most are printed" in pressure_sentences(results, words_of(results))
+    assert "csv" not in " ".join(pressures(full, words_of(results)))
+    assert "The 10 joints that are pressed most are printed" in " ".join(
+        pressures(results, words_of(results))
+    )
 
 
 def test_rounding_is_no_reaction():

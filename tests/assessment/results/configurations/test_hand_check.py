@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from assessment.report.chapters.printed_tables import macro_block_grids
+from assessment.report.chapters.grids import macro_block_grids
 from assessment.report.chapters.remarks import too_many
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import found_mechanism

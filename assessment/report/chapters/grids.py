@@ -1,0 +1,258 @@
+"""The tables that the report prints, as cells of text in its language and units; the CSV files have them whole."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from importlib.resources import files
+
+from markupsafe import Markup
+
+from assessment.ntc.demand.return_period import EXCEEDANCE, USE_COEFFICIENT, return_period
+from assessment.ntc.limit_states import ROCK
+from assessment.report.tables import capacity as checked
+from assessment.report.tables import dynamic, structure
+from assessment.report.tables.cracks import reported_cracks, survey_table
+from assessment.report.tables.mechanisms import all_mechanisms, mechanism_name, mechanisms, second_solver
+from assessment.report.tables.rows import pushes, without
+from assessment.report.tables.studies import (
+    Range,
+    ranges,
+    reported_convergence,
+    reported_identification,
+    reported_studies,
+)
+from assessment.report.tables.synthesis import index_limit, index_of, least_row
+from assessment.report.text.input_table import echoed
+from assessment.report.text.language import Words
+from assessment.report.text.quantities import cell, check_name, heading, is_text, written
+from assessment.results.configurations.hand_check import (
+    BY_HAND,
+    figures_of,
+    governing_mechanisms,
+    hand_check,
+    rigid_push,
+    ties_in,
+    virtual_work_table,
+)
+from assessment.results.configurations.reactions import balance, reactions
+from assessment.results.echo import printed
+from assessment.results.schema import Results
+from assessment.results.schema.part import present
+from assessment.results.table import Row, Table, cells, reference_of
+
+SIGNIFICANT = {"hand_check": 4, "second_solver": 5}  # digits of tables that show how near two values are
+CHECKED = "direction limit_state d_star_m a_star_g T_s pga_g demand_pga_g zeta_E return_period_years verified governing"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of the report: headings (HTML) and rows of cells; `text` marks the columns of words."""
+
+    caption: Markup
+    head: list[Markup]
+    rows: list[list[Markup]]
+    text: list[bool]
+
+
+def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
+    """Write a table for the report, without the columns that no row has; `reference`: of a_g, rock or surface."""
+    columns = [column for column in table.columns if any(column in row for row in table.rows)]
+    return Grid(
+        caption,
+        [heading(column, words, reference) for column in columns],
+        [[cell(column, row, words, significant) for column in columns] for row in table.rows],
+        [is_text(column) for column in columns],
+    )
+
+
+def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
+    """Return the tables of the report that have rows, by name."""
+    found = [
+        _validation(words),
+        _layers(results),
+        structure.reported_loads(results, words),
+        structure.ties(results),
+        *reported_identification(results),
+        structure.settlements(results),
+        reported_cracks(results),
+        survey_table(results),
+        _mechanisms(results, words),
+        structure.tie_tensions(results),
+        structure.tie_demands(results),
+        reactions(results),
+        balance(results),
+        structure.reported_pressures(results),
+        _action(results),
+        *checked.reported_indices(results),
+        checked.reported_interventions(results, words),
+        _interventions(results),
+        checked.knowledge(results),
+        _chosen(results),
+        checked.chosen_checks(results),
+        all_mechanisms(results),
+        checked.linear_checks(results),
+        checked.scalings(results),
+        *reported_studies(results),
+        dynamic.histories(results),
+        dynamic.ranges(results),
+        dynamic.energy(results),
+        structure.shaken_ties(results),
+        dynamic.incremental(results),
+        dynamic.incremental_states(results),
+        *dynamic.reported_campaign(results),
+        dynamic.measures(results),
+        dynamic.static_dynamic(results),
+        *reported_convergence(results, words),
+        structure.quality(results),
+        hand_check(results),
+        _second_solver(results, words),
+        Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
+        ranges_table(ranges(results), words, reference_of(results)),
+    ]
+    reference = reference_of(results)
+    return {
+        table.name: grid(
+            table, words, words(f"caption.{table.name}"), SIGNIFICANT.get(table.name, 3), reference
+        )
+        for table in found
+        if table.rows
+    }
+
+
+def check_grids(results: Results, words: Words) -> Iterator[Grid]:
+    """Yield the checks of each state: every direction and limit state, the vertical component with them."""
+    whole = checked.verification(results)
+    surface = all(row.get("pga_g") is not None for row in whole.rows if row.get("a_g_g") is not None)
+    columns = [name if surface else name.replace("pga", "a_g") for name in CHECKED.split()]
+    columns = [name for name in columns if any(row.get(name) is not None for row in whole.rows)]
+    factor = words.number((results.echo.assessment or {}).get("confidence_factor", 1.0))
+    for name, state in results.states.items():
+        own = [row for row in whole.rows if row["state"] == name]
+        rows: list[Row] = []
+        for direction, capacity in state.capacity.items():
+            made = [row for row in own if row["direction"] == direction]
+            rows += [{key: row[key] for key in columns if key in row} for row in made]
+            if lifted := capacity.vertical:
+                row: Row = {"direction": direction, "limit_state": words("value.vertical_check")}
+                row |= {"a_star_g": lifted.a_0_star_g, "zeta_E": lifted.ratio, "verified": lifted.verified}
+                rows.append(row)
+        limits = Markup("; ").join(dict.fromkeys(check_name(row["limit_state"], words) for row in own))
+        missing = dict.fromkeys(row["direction"] for row in own if row["direction"] not in state.capacity)
+        rows += [
+            {"direction": way, "limit_state": limits, "zeta_E": None, "verified": None} for way in missing
+        ]
+        if rows:
+            caption = words("caption.checks", state=name, factor=factor)
+            yield grid(Table("checks", rows, tuple(columns)), words, caption, reference=reference_of(results))
+
+
+def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> Iterator[Grid]:
+    """Yield the macro-blocks of each state's weakest direction, `most` or fewer, with the sums of the virtual work."""
+    for name, direction in governing_mechanisms(results):
+        figures = figures_of(results, name, direction)
+        if len(figures) <= most:
+            table = virtual_work_table(figures, ties_in(results, name, direction))
+            yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)
+
+
+def _layers(results: Results) -> Table:
+    """Return the layers; their loads stand in a table of their own, where there are any."""
+    table = structure.layers(results)
+    return without(table, "vertical_load_kN") if results.loads else table
+
+
+def _chosen(results: Results) -> Table:
+    """Return the mechanisms of the user's that are none of the refused ones."""
+    table = checked.chosen_mechanisms(results)
+    return Table(table.name, [row for row in table.rows if "refused" not in row], table.columns)
+
+
+def _mechanisms(results: Results, words: Words) -> Table:
+    """Return the mechanisms by name, with the multiplier of the first motion beside the largest."""
+    table = without(mechanisms(results), "hinges", "sliding_joints", "sliding_residual")
+    rows = []
+    for row in table.rows:
+        where = row["state"], row["direction"]
+        named = Markup.escape(mechanism_name(results, *where, words))
+        rows.append(row | {"mechanism": named} | cells(rigid_push(results, *where), ["alpha_onset"]))
+    return Table("mechanisms", rows, (*table.columns[:2], "mechanism", "alpha_onset", *table.columns[2:]))
+
+
+def _second_solver(results: Results, words: Words) -> Table:
+    """Return the comparison of two programs without the friction law, the difference in two digits."""
+    table, key = without(second_solver(results), "sliding"), "relative_difference"
+    rows = [
+        row if row[key] is None else row | {key: Markup.escape(words.number(row[key], 2))}
+        for row in table.rows
+    ]
+    return Table(table.name, rows, table.columns)
+
+
+def _action(results: Results) -> Table:
+    """Return the demand with what the reference life follows from: P_VR and T_R of every limit state."""
+    site = (results.echo.assessment or {}).get("site") or {}
+    life, use = site.get("nominal_life_years"), site.get("use_class")
+    table = checked.action(results)
+    rows = []
+    for row in map(present, table.rows):
+        told: Row = {}
+        if life and use in USE_COEFFICIENT and row["kind"] != "record":
+            limit = row["limit_state"]
+            told = {"P_VR": EXCEEDANCE[limit], "return_period_years": return_period(limit, life, use)}
+        rows.append(told | row)
+    return Table("action", rows, ("limit_state", "kind", "P_VR", *table.columns[2:]))
+
+
+def _interventions(results: Results) -> Table:
+    """Return original, settled and strengthened states beside one another, each in its weakest direction."""
+    rows: list[Row] = []
+    for name in results.states if results.strengthening else ():
+        row: Row = {"state": name}
+        if least := least_row(results, name):
+            row |= {"direction": least.direction, "alpha_0": least.alpha_0, "d_0_m": least.d_0_m}
+            if check := index_of(least, index_limit(results)):
+                row |= {"zeta_E": check.zeta_E, "reduction": check.loss, "gain": check.gain}
+                row["verified"] = check.verified
+            pulled = [
+                (each.greatest_kN, each.tie)
+                for where, push in pushes(results)
+                for each in push.ties or ()
+                if where["state"] == name and each.greatest_kN is not None
+            ]
+            if pulled:
+                force, tie = max(pulled)
+                limit = structure.tie_strength(results)[tie]
+                row |= {"greatest_kN": force, "share_used": force / limit if limit else None}
+        rows.append(present(row))
+    columns = "state direction zeta_E reduction gain alpha_0 d_0_m greatest_kN share_used verified"
+    return Table("compared", rows, tuple(columns.split()))
+
+
+def ranges_table(found: Iterable[Range], words: Words, reference: str = ROCK) -> Table:
+    """Return the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
+
+    Ratios are left out: they are those of the a_g above them.
+    """
+    rows = []
+    for each in found:
+        if each.quantity != "zeta_E":
+            limit = f" {check_name(each.limit_state, words)}" if each.limit_state else ""
+            row: Row = {name: getattr(each, name) for name in ("state", "direction", "contacts")}
+            row["quantity"] = heading(each.quantity, words, reference) + limit
+            ends = zip(("used", "lowest", "highest"), (each.value, each.lowest, each.highest), strict=True)
+            rows.append(row | {name: written(each.quantity, end, words) for name, end in ends})
+    columns = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
+    return Table("static_ranges", rows, columns)
+
+
+def _validation(words: Words) -> Table:
+    """Return the validation table of this version; tests compute every row again."""
+    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
+    rows = [
+        {name: Markup(text) for name, text in case[words.language].items()}
+        | {name: words.comma(case[name]) for name in ("expected", "computed")}
+        for case in cases
+    ]
+    return Table("validation", rows, ("case", "source", "expected", "computed"))

@@ -1,0 +1,409 @@
+"""Figures of motions: records, control displacements, deformed shapes, IDA curves, fragility, campaigns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
+from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
+from assessment.report.text.language import Words
+from assessment.report.text.quantities import COARSE, label
+from assessment.results.configurations.outlines import outlines
+from assessment.results.schema import Results
+from assessment.results.schema.campaign import Campaign, CampaignCombination, CampaignFragility
+from assessment.results.schema.dynamic import History, Incremental, Level, Search
+from assessment.results.schema.part import known
+from mechanics.pictures import Shape, fill_roles, ghost
+
+MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
+BAND = "0.82"  # grey between the members of an ensemble
+LOSS_BAND, FAINT = "0.85", "0.55"
+FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
+LEAST_M = 1e-5  # what an axis of displacements shows at least: where nothing moves, no rounding
+AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
+SHADE = 0.12  # opacity of the bounds of a fragility
+STEEP = 0.1  # ln of the measure shown beyond the median of equal levels, which has no dispersion
+Run = tuple[str, float, str, int]
+
+
+def shaken(results: Results, record: str) -> dict[str, History]:
+    """Return the time history of each state under a record, where the state was reached."""
+    return {
+        state: entry
+        for state, content in results.states.items()
+        for entry in content.history
+        if entry.record == record and entry.curve
+    }
+
+
+def fragile(results: Results) -> dict[str, Incremental]:
+    """Return the incremental analysis of each state that has a fragility."""
+    found = {state: content.incremental for state, content in results.states.items()}
+    return {state: each for state, each in found.items() if each.fragility}
+
+
+def moved(results: Results) -> list[str]:
+    """Return the settlements of the campaign."""
+    return list(dict.fromkeys(row.settlement for row in results.campaign.loss)) if results.campaign else []
+
+
+def fragile_shares(results: Results, settlement: str) -> list[CampaignFragility]:
+    """Return the shares of a settlement whose fragility is known."""
+    found = known(results.campaign).fragility
+    return [row for row in found if row.settlement == settlement and row.median_g is not None]
+
+
+def draw_motion(results: Results, words: Words, index: int) -> Figure:
+    """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
+    motion = known(results.motions)[index]
+    figure, panels = chart(words, columns=2, height_mm=48.0, foot_mm=0.0)
+    panels[0].plot(motion.time_s, motion.acceleration_g, color="0.0", linewidth=0.5)
+    panels[0].set(xlabel=label("time_s", words), ylabel=label("acceleration_g", words))
+    panels[0].set_xlim(*motion.window_s)
+    panels[1].plot(motion.T_s, motion.S_a_g, color="0.0")
+    panels[1].set(xlabel=label("T_s", words), ylabel=label("S_a_g", words))
+    panels[1].set(xlim=(0.0, motion.T_s[-1]), ylim=(0.0, None))
+    return figure
+
+
+def draw_history(results: Results, words: Words, index: int) -> Figure:
+    """Draw the control displacement of every state under one record; a cross marks collapse."""
+    found = shaken(results, known(results.motions)[index].name)
+    figure, (axes,) = chart(words, height_mm=68.0)
+    size = outlines(results).size
+    falls = [entry for entry in found.values() if entry.collapsed]
+    sustained = [1.3 * known(entry.sustained_displacement_m) for entry in found.values()]
+    bound = max([*sustained, *(min(FALLING * size, known(entry.peak_displacement_m)) for entry in falls)])
+    handles: list[Artist] = []
+    for number, (state, entry) in enumerate(found.items()):
+        curve, style = known(entry.curve), {"linewidth": 0.9} | state_style(number)
+        time, displacement = np.asarray(curve.time_s), np.asarray(curve.displacement_m)
+        if entry.band:
+            low, high = 1000.0 * np.asarray(entry.band.low_m), 1000.0 * np.asarray(entry.band.high_m)
+            axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
+        axes.plot(time, 1000.0 * displacement, **style)
+        if entry.collapsed:
+            out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
+            at = time[out], 1000.0 * displacement[out]
+            axes.plot(*at, marker="x", color="0.0", markersize=6.0, clip_on=False)
+        handles.append(key(_outcome(state, entry, words), **style))
+    until = [entry.free_motion_from_s for entry in found.values() if entry.free_motion_from_s is not None]
+    if until:
+        axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
+    axes.set(xlabel=label("time_s", words), ylabel=label("displacement_m", words))
+    axes.set_ylim(*(1050.0 * max(bound, LEAST_M) * side for side in (-1.0, 1.0)))
+    if falls:
+        handles.append(key(words.plain("figure.collapse"), marker="x", linestyle="none"))
+    if any(entry.band for entry in found.values()):
+        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.members")))
+    if until:
+        handles.append(key(words.plain("figure.free_motion"), linewidth=0.5, linestyle=DASHES[2]))
+    figure.legend(handles=handles, loc="lower center", ncols=min(2, len(handles)))
+    return figure
+
+
+def _outcome(state: str, entry: History, words: Words) -> str:
+    name = "figure.collapses" if entry.collapsed else "figure.peak"
+    peak = words.millimetres(entry.peak_displacement_m)
+    return words.plain(name, state=state, time=entry.time_of_collapse_s, peak=peak)
+
+
+def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figure:
+    """Draw a state at its largest control displacement under a record and at collapse or at the end, to true scale.
+
+    Where it collapses, the largest is that from which it still came back.
+    """
+    entry = shaken(results, known(results.motions)[index].name)[state]
+    shape = outlines(results)
+    start = shape.moved(results.states[state].configuration)
+    kinds = ("sustained", "at_collapse") if entry.collapsed else ("at_peak", "at_end")
+    times = (
+        entry.time_of_peak_s,
+        entry.time_of_collapse_s if entry.collapsed else known(entry.curve).time_s[-1],
+    )
+    moved = [known(entry.peak_configuration), known(entry.final_configuration)]
+    views = [shape.moved(at) for at in moved]
+    page = sheet(bounds_of_views(start, views), 2, border_mm=5.0, height_mm=90.0, below_mm=5.0)
+    for axes, kind, time, view, at in zip(page.panels, kinds, times, views, moved, strict=True):
+        axes.set_title(words.plain(f"figure.{kind}", time=time))
+        ghost(axes, start)
+        fill_roles(axes, view)
+        draw_ties(page, axes, moved_ends(results, state, at))
+    page.legend([ghost_handle(words.plain("figure.at_rest")), *tie_handles(results, words, state)], words)
+    return page.figure
+
+
+def bounds_of_views(start: Shape, views: Sequence[Shape]) -> tuple[float, float, float, float]:
+    """Return the bounds of all views, no farther than AROUND from the state at rest: fallen blocks may be anywhere."""
+    boxes = np.array([start.bounds, *(view.bounds for view in views)])
+    room = AROUND * start.size
+    low = np.maximum(boxes[:, :2].min(axis=0), boxes[0, :2] - room)
+    high = np.minimum(boxes[:, 2:].max(axis=0), boxes[0, 2:] + room)
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> Figure:
+    """Draw PGA over peak displacement of each record, a panel per state; arrows at the lowest collapse of each.
+
+    Dotted: the levels of which 16, 50 and 84 % of the records and signs collapse.
+    """
+    figure, panels = _grid(words, len(states), 75.0)
+    found = [results.states[name].incremental for name in states]
+    records = [record for each in found for record in known(each.records)]
+    stood = [point for record in records for point in record.points if not point.collapsed]
+    reach = 1.25 * max((known(point.peak_displacement_m) for point in stood), default=0.0)
+    tops = [level for record in records for level in (record.lowest_collapse_g, record.pga_safe_g) if level]
+    tops += [level for record in records for level in record.resurrections_g]
+    dotted: dict[str, Any] = {"color": "0.4", "linewidth": 0.6, "linestyle": ":"}
+    quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[1]}
+    for axes, name, each in zip(panels, states, found, strict=True):
+        for marker, record in zip(cycle(MARKERS), known(each.records), strict=False):
+            _curve(axes, record, marker, 1000.0 * reach)
+        low, high = each.pga_collapse_g_range or (None, None)
+        if low is not None and high is not None and high > low:
+            axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
+        if each.pga_collapse_g is not None:
+            axes.axhline(each.pga_collapse_g, **quoted)
+        if fit := each.fragility:
+            for level in (fit.level_16_g, fit.median_g, fit.level_84_g):
+                axes.axhline(known(level), **dotted)
+        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
+        axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
+        axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
+        if (d_0 := _ultimate(results, name)) and reach > 0.0:
+            _over_ultimate(axes, reach / d_0, words)
+    handles: list[Artist] = [
+        key(record.record, linewidth=0.6, marker=marker, markersize=3.0)
+        for marker, record in zip(cycle(MARKERS), known(found[0].records), strict=False)
+    ]
+    handles.append(key(words.plain("figure.quoted_pga"), **quoted))
+    if any(each.fragility for each in found):
+        handles.append(key(words.plain("figure.probable"), **dotted))
+    if any((each.pga_collapse_g_range or (None, None))[1] is not None for each in found):
+        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
+    if any(record.resurrections_g for record in records):
+        mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
+        handles.append(key(words.plain("figure.resurrection"), **mark))
+    figure.legend(handles=handles, loc="lower center", ncols=min(4, len(handles)))
+    return figure
+
+
+def _over_ultimate(axes: Axes, end: float, words: Words) -> None:
+    """Add a second axis inside the upper edge: displacements over d_0, up to `end`."""
+    beside = axes.twiny()
+    beside.set_xlim(0.0, end)
+    comma_ticks(beside, words)
+    beside.grid(visible=False)
+    beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
+    beside.text(0.99, 0.90, "d/d₀", transform=beside.transAxes, ha="right", fontsize="x-small", color="0.4")
+
+
+def _ultimate(results: Results, state: str) -> float | None:
+    """Return the least d_0 (m) of the rigid curves of a state whose control point is that of the motions."""
+    asked = (results.echo.incremental or {}).get("control") or (results.echo.control or [{}])[0].get("name")
+    pushed = [p.rigid for p in results.states[state].pushover.values() if p.control == asked and p.rigid]
+    return min((rigid.d_0_m for rigid in pushed if rigid.d_0_m), default=None)
+
+
+def _grid(words: Words, count: int, height_mm: float) -> tuple[Figure, list[Axes]]:
+    """Return a figure of so many panels, two in a row; a place that is left over is empty."""
+    columns = min(2, count)
+    figure, panels = chart(words, columns=columns, rows=-(-count // columns), height_mm=height_mm)
+    for axes in panels[count:]:
+        axes.set_axis_off()
+    return figure, panels[:count]
+
+
+def _curve(axes: Axes, record: Search, marker: str, edge: float) -> None:
+    """Draw one IDA curve (mm, g): the runs withstood below collapse, the arrow of collapse, resurrections alone."""
+    line: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "marker": marker, "markersize": 3.0}
+    collapse = record.lowest_collapse_g
+    stood = [point for point in record.points if not point.collapsed]
+    below = [p for p in stood if collapse is None or p.pga_g < collapse]
+    x, y = _path(below)
+    axes.plot([0.0, *x], [0.0, *y], **line)
+    above = _path(p for p in stood if p not in below)
+    axes.plot(*above, **(line | {"linestyle": "none", "markerfacecolor": "1.0"}))
+    if collapse is not None and x:
+        arrow = {"arrowstyle": "-|>", "lw": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
+        axes.annotate("", (edge, collapse), (x[-1], y[-1]), arrowprops=arrow)
+
+
+def _path(points: Iterable[Level]) -> tuple[list[float], list[float]]:
+    """Return peak displacements, mm, and PGA, g, of levels that were withstood."""
+    found = list(points)
+    return [1000.0 * known(p.peak_displacement_m) for p in found], [p.pga_g for p in found]
+
+
+def draw_fragility(results: Results, words: Words) -> Figure:
+    """Draw the probability of collapse over PGA of each state: lognormal curve, and the 50 % levels it is fitted to."""
+    found = fragile(results)
+    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=0.0)
+    fits = [known(each.fragility) for each in found.values()]
+    top = max(fit.median_g * np.exp(max(2.5 * fit.dispersion, 0.1)) for fit in fits)
+    low = 0.9 * min(fit.median_g * np.exp(-max(2.5 * fit.dispersion, 0.1)) for fit in fits)
+    pga = np.linspace(low, top, 200)
+    for number, (fit, (state, each)) in enumerate(zip(fits, found.items(), strict=True)):
+        numbers = {"median": fit.median_g, "dispersion": fit.dispersion}
+        named, style = words.plain("figure.fragility", state=state, **numbers), state_style(number)
+        draw_band(axes, fit.band or (), style["color"])
+        axes.plot(pga, _lognormal(pga, fit.median_g, max(fit.dispersion, 1e-3)), label=named, **style)
+        signs = [part for record in known(each.records) for part in record.signs]
+        fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
+        share = (np.arange(len(fallen)) + 0.5) / max(len(signs), 1)
+        inside = "1.0" if state != "original" else style["color"]
+        mark = {"marker": "o", "markersize": 3.5, "color": style["color"], "markerfacecolor": inside}
+        axes.plot(fallen, share, linestyle="none", **mark)
+    axes.set(xlabel=label("pga_g", words), ylabel=words.plain("figure.probability"))
+    axes.set(xlim=(low, top), ylim=(0.0, 1.0))
+    if any(fit.band for fit in fits):
+        shade: dict[str, Any] = {"color": "0.0", "alpha": SHADE, "linewidth": 0.0}
+        axes.fill_between([], [], **shade, label=words.plain("figure.fragility_band"))
+    axes.legend(loc="lower right")
+    return figure
+
+
+def draw_band(axes: Axes, band: Sequence[Sequence[float]], color: str) -> None:
+    """Shade between the bounds of the level at which each probability is reached."""
+    p, low, high = (list(each) for each in zip(*band, strict=True)) if band else ([], [], [])
+    axes.fill_betweenx(p, low, high, color=color, alpha=SHADE, linewidth=0.0)
+
+
+def _lognormal(level: Any, median: float, dispersion: float) -> Any:
+    from scipy.special import ndtr  # late: few reports need it, and it takes long to import
+
+    return ndtr(np.log(level / median) / dispersion)
+
+
+def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
+    """Draw PGA over peak displacement of every combination that was run, a panel per share; crosses: collapse.
+
+    A collapse has no displacement: its cross stands at the right edge. A combination that another one's run stands for
+    has the curve of that one, as its mirror image none.
+    """
+    combinations = known(results.campaign).combinations
+    runs = {(row.settlement, row.share, row.record, row.sign): row.points for row in combinations}
+    rows = [row for row in combinations if row.settlement == settlement]
+    shares = list(dict.fromkeys(row.share for row in rows))
+    figure, panels = _grid(words, len(shares), 54.0)
+    points = [point for row in rows for point in _points(row, runs)]
+    bounds = [bound for row in rows for bound in (row.lowest_collapse_g, row.pga_safe_g)]
+    peaks = [1000.0 * p.peak_displacement_m for p in points if p.peak_displacement_m is not None]
+    reach, top = 1.1 * max(peaks, default=1.0) or 1.0, 1.15 * max(filter(None, bounds), default=1.0)
+    line: dict[str, Any] = {"color": FAINT, "linewidth": 0.6, "marker": "o", "markersize": 1.5}
+    cross: dict[str, Any] = {"color": "0.0", "marker": "x", "markersize": 3.5}
+    for axes, share in zip(panels, shares, strict=True):
+        for row in (each for each in rows if each.share == share):
+            lowest = row.lowest_collapse_g
+            found = (p for p in _points(row, runs) if not p.collapsed)
+            x, y = _path(p for p in found if not (lowest and p.pga_g > lowest))
+            if x:
+                axes.plot([0.0, *x], [0.0, *y], **line)
+            if lowest is not None:
+                axes.plot(reach, lowest, clip_on=False, **cross)
+        axes.set(xlim=(0.0, reach), ylim=(0.0, top), title=_share(share, words))
+        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
+    handles = [key(words.plain("figure.combination"), **line)]
+    handles += [key(words.plain("figure.collapse"), linestyle="none", **cross)]
+    figure.legend(handles=handles, loc="lower center", ncols=2)
+    return figure
+
+
+def _points(row: CampaignCombination, runs: Mapping[Run, list[Level]]) -> list[Level]:
+    """Return the levels that were run of a combination, by itself or by the one that is the same."""
+    same = row.same_as
+    if same is None or same.sign != row.sign:
+        return row.points
+    return runs[same.settlement, same.share, row.record, row.sign]
+
+
+def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:
+    """Draw the probability of collapse over the measure, a curve per share; circles: the combinations, or stripes."""
+    found, campaign = fragile_shares(results, settlement), known(results.campaign)
+    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(found))
+    seen = {row.share: _seen(campaign, settlement, row.share) for row in found}
+    fits = [(known(row.median_g), known(row.beta)) for row in found]
+    top = max(median * np.exp(max(2.0 * beta, STEEP)) for median, beta in fits)
+    low = min(median * np.exp(-3.0 * beta) for median, beta in fits)
+    low = min([low, *(level for levels, _ in seen.values() for level in levels)])
+    start = 0.1 * math.floor(9.5 * low)  # below it nothing collapses
+    level = np.linspace(max(start, 1e-3 * top), top, 300)
+    handles: list[Artist] = []
+    shades = np.linspace(1.0, 0.0, len(found))
+    for dashes, row, (median, beta), shade in zip(cycle(DASHES), found, fits, shades, strict=False):
+        mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
+        mark["markerfacecolor"] = str(shade)
+        draw_band(axes, row.band or (), "0.0")
+        axes.plot(level, _lognormal(level, median, max(beta, 1e-3 * STEEP)), color="0.0", linestyle=dashes)
+        axes.plot(*seen[row.share], linestyle="none", **mark)
+        numbers = {"median": median, "dispersion": words.number(beta, COARSE)}
+        named = words.plain("figure.fragility", state=_share(row.share, words), **numbers)
+        handles.append(key(named, linestyle=dashes, **mark))
+    sa = words.plain("figure.sa", period=campaign.period_s)
+    axes.set(xlabel=label("pga_g", words) if campaign.measure == "PGA" else sa, xlim=(start, top))
+    axes.set(ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
+    if any(row.band for row in found):
+        text = words.plain("figure.fragility_band")
+        handles.append(Patch(color="0.0", alpha=SHADE, linewidth=0.0, label=text))
+    figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
+    return figure
+
+
+def draw_campaign_loss(results: Results, words: Words) -> Figure:
+    """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 95 % bounds, static beside."""
+    names, campaign = moved(results), known(results.campaign)
+    figure, panels = _grid(words, len(names), 70.0)
+    losses = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
+    drawn = [loss for loss in losses if loss is not None]
+    least, most = min([0.0, *drawn]), max([0.01, *drawn])
+    room = 5.0 * (most - least)  # per cent
+    line: dict[str, Any] = {"color": "0.0", "marker": "o", "markersize": 3.5}
+    dynamic: dict[str, Any] = line | {"linestyle": "-", "markerfacecolor": "0.0"}
+    static: dict[str, Any] = line | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
+    for axes, name in zip(panels, names, strict=True):
+        own = [row for row in campaign.loss if row.settlement == name]
+        band = np.array(
+            [(row.movement_m, *row.dynamic_range) for row in own if None not in row.dynamic_range]
+        )
+        x, low, high = band.reshape(-1, 3).T * [[1000.0], [100.0], [100.0]]
+        axes.fill_between(x, low, high, color=LOSS_BAND, linewidth=0.0)
+        for losses_of, style in (("dynamic", dynamic), ("static", static)):
+            pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
+            shown = [(1000.0 * movement, 100.0 * loss) for movement, loss in pairs if loss is not None]
+            axes.plot([x for x, _ in shown], [y for _, y in shown], **style)
+        axes.set(xlabel=label("movement_m", words), ylabel=words.plain("figure.loss"), title=name)
+        axes.set_xlim(left=0.0)
+        axes.set_ylim(100.0 * least - room, 100.0 * most + room)  # the same in all: movements are compared
+    bounds = Patch(color=LOSS_BAND, linewidth=0.0, label=words.plain("figure.loss_band"))
+    handles: list[Artist] = [key(words.plain("figure.dynamic_loss"), **dynamic)]
+    handles += [] if campaign.method == "stripes" else [bounds]
+    handles += [key(words.plain("figure.static_loss"), **static)]
+    figure.legend(handles=handles, loc="lower center", ncols=3)
+    return figure
+
+
+def _seen(campaign: Campaign, settlement: str, share: float) -> tuple[list[float], list[float]]:
+    """Return levels of 50 % or stripes (g, of the measure) and the share of the combinations that collapse there."""
+    of_share = (r for r in campaign.combinations if r.settlement == settlement and r.share == share)
+    rows = [row for row in of_share if row.pga_safe_g is not None]
+    if campaign.method == "stripes":
+        fallen = np.array([known(row.collapsed) for row in rows], dtype=float)
+        return campaign.levels_g, fallen.mean(axis=0).tolist()
+    ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in campaign.records}
+    levels = sorted(ratio[row.record] * row.level_50_g for row in rows if row.level_50_g is not None)
+    return levels, ((np.arange(len(levels)) + 0.5) / len(rows)).tolist()
+
+
+def _share(share: float, words: Words) -> str:
+    if share == 0.0:
+        return words.state("original")
+    return words.plain("figure.share", share=f"{100.0 * share:g}")

@@ -1,0 +1,124 @@
+"""Tables of mechanisms: those of the analysis, by two programs, and together with those that the engineer chose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from assessment.ntc.limit_states import LINEAR
+from assessment.report.tables.capacity import mechanism_text
+from assessment.report.tables.rows import Found, capacities, table, whole
+from assessment.report.text.language import Words
+from assessment.report.text.quantities import WHOLE
+from assessment.results.configurations.hand_check import macro_blocks, rigid_push
+from assessment.results.configurations.hand_check import mechanisms as found_mechanisms
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
+from assessment.results.schema.part import Configuration, present
+from assessment.results.table import Row, Table, cells
+
+MOVES = 1e-6  # of the largest displacement
+RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
+OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
+SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
+COUNTED = 10  # hinges that have a word
+
+
+@whole
+def mechanisms(results: Results) -> Table:
+    """List the rigid mechanism of every state and direction.
+
+    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
+    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
+    """
+    rows: list[Row] = []
+    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
+    for name, direction, rigid in found_mechanisms(results):
+        found, other = rigid.mechanism, rigid.other_law
+        row: Row = {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
+        row |= {} if found.alpha == rigid.alpha_0 else {"mechanism_alpha": found.alpha}
+        row |= {f"alpha_0_{other.sliding}": other.alpha_0} if other else {}
+        rows.append(row | cells(found, columns) | {"sliding_joints": len(found.sliding_joints)})
+    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in each for each in rows)]
+    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
+
+
+@table("second_solver", f"state direction sliding alpha_own_run {' '.join(SECOND_SOLVER[1:])}")
+def second_solver(results: Results) -> Found:
+    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve.
+
+    Where an ensemble was run α0 is the least of it, and what is compared is the state's own run: `alpha_own_run`.
+    """
+    for name, direction, rigid in found_mechanisms(results):
+        if pair := rigid.second_solver:
+            where = {"state": name, "direction": direction, "sliding": rigid.sliding}
+            yield where | {"alpha_own_run": pair.alpha_0}, pair
+
+
+def mechanism_name(results: Results, state: str, direction: Direction, words: Words) -> str:
+    """Name the rigid mechanism of a state: overturning, sliding, of so many hinges or parts, and of which layers."""
+    found = rigid_push(results, state, direction).mechanism
+    turning = sum(bool(part.rotation) for part in macro_blocks(results, state, direction))
+    if not turning:
+        name = words.plain("mechanism.sliding")
+    elif turning == 1:
+        name = words.plain("mechanism.overturning")
+    elif found.hinges <= COUNTED:
+        name = words.plain("mechanism.hinges", count=words.plain(f"mechanism.n{found.hinges}"))
+    else:
+        name = words.plain("mechanism.parts", count=turning)
+    if turning and found.sliding_joints:
+        name = words.plain("mechanism.and_sliding", name=name)
+    element = macro_element(results, found.displacements)
+    return name if element == WHOLE else f"{name} ({element})"
+
+
+@whole
+def all_mechanisms(results: Results) -> Table:
+    """List every mechanism that has a capacity: its macro-element, which are the layers that move, and its ratios.
+
+    Found ones are named by their hinges and sliding joints.
+    """
+    columns = [
+        "macro_element",
+        "mechanism",
+        "state",
+        "direction",
+        "alpha_0",
+        "alpha_onset",
+        "a_0_star_g",
+        "d_0_star_m",
+    ]
+    rows = sorted(_with_capacity(results), key=lambda row: row["macro_element"])
+    return Table("all_mechanisms", rows, (*columns, *RATIOS))
+
+
+def _with_capacity(results: Results) -> Iterator[Row]:
+    for name, direction, capacity in capacities(results):
+        pushover = results.states[name].pushover.get(direction)
+        if pushover and pushover.rigid:
+            linear = next((capacity.checks[each] for each in LINEAR if each in capacity.checks), None)
+            row: Row = {"alpha_onset": linear.alpha_0, "a_0_star_g": linear.a_star_g} if linear else {}
+            row |= {"mechanism": mechanism_text(capacity.mechanism), "state": name, "direction": direction}
+            yield _row(results, row, pushover.rigid.mechanism.displacements, capacity)
+    for given in results.mechanisms or []:
+        if given.direction and given.displacements:
+            row = {"mechanism": given.name} | cells(given, ("state", "direction", "a_0_star_g"))
+            yield _row(results, row, given.displacements, given)
+
+
+def _row(results: Results, own: Row, moved: Configuration, found: Capacity | GivenMechanism) -> Row:
+    ratios = {key: found.checks[check].zeta_E for key, check in RATIOS.items() if check in found.checks}
+    shared = {"macro_element": macro_element(results, moved), **cells(found, ("alpha_0", "d_0_star_m"))}
+    return present(own | shared | ratios)
+
+
+def macro_element(results: Results, displacements: Configuration) -> str:
+    """Return the layers whose blocks move in a mechanism; WHOLE where all do that can."""
+    size = [max(abs(x), abs(z)) for x, z, _ in displacements]
+    movable = [
+        (block.layer, moved)
+        for block, moved in zip(results.geometry.blocks, size, strict=True)
+        if block.support is None
+    ]
+    moving = {layer for layer, moved in movable if moved > MOVES * max(size)}
+    return WHOLE if moving == {layer for layer, _ in movable} else ", ".join(sorted(moving))

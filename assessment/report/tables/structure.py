@@ -1,0 +1,265 @@
+"""Tables of the structure: blocks, layers, loads, movements of supports, ties, and joints that are pressed most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+
+from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table, whole
+from assessment.report.text.language import Words
+from assessment.results.configurations.hand_check import outline_area
+from assessment.results.configurations.joint_states import joint_states, loaded
+from assessment.results.echo import material, taken_to_collapse
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Direction, StrengtheningRow
+from assessment.results.schema.model import Block
+from assessment.results.schema.part import present
+from assessment.results.schema.static import Contacts, TieTension
+from assessment.results.table import COMPARISON, Row, Table, cells
+
+LOADS = "layer blocks own_weight_kN permanent_load_kN variable_load_kN use_category psi_2 combined_kN seismic_weight_kN"
+VARIABLE = {"variable_load_kN", "use_category", "psi_2"}
+MATERIAL = (
+    "unit_weight_kN_m3 friction normal_stiffness_kN_m3 tangential_stiffness_kN_m3 compressive_strength_kN_m2"
+)
+AT = 0.999  # of the yield force: a tension that is it
+PLATES_M = {"plate_20_MPa": 0.20, "plate_30_MPa": 0.30, "plate_40_MPa": 0.40}  # sides of square plates
+PRINTED = {"short": 10, "full": 40}  # joints of a table of the report, those that matter most
+
+
+@table("blocks", "block layer support x_m z_m area_m2 depth_m vertical_load_kN")
+def blocks(results: Results) -> Found:
+    """List every block: layer, support, centroid, area, volume and extra load."""
+    for number, block in enumerate(results.geometry.blocks):
+        x, z = block.centroid_m
+        yield {"block": number, "x_m": x, "z_m": z, "area_m2": outline_area(block.vertices_m)}, block
+
+
+@table("layers", f"layer support blocks depth_m area_m2 {MATERIAL} vertical_load_kN")
+def layers(results: Results) -> Found:
+    """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
+    by_layer: dict[str, list[Block]] = {}
+    for block in results.geometry.blocks:
+        name = f"{block.layer}, {block.region}" if block.region else block.layer
+        by_layer.setdefault(name, []).append(block)
+    for layer, own in sorted(by_layer.items()):
+        row: Row = {"layer": layer, "support": own[0].support, "depth_m": own[0].depth_m, "blocks": len(own)}
+        row["area_m2"] = sum(outline_area(block.vertices_m) for block in own)
+        row["vertical_load_kN"] = sum(block.vertical_load_kN for block in own)
+        given = material(results.echo, own[0])
+        yield row | {key: given[key] for key in MATERIAL.split() if given.get(key) is not None}, None
+
+
+@table("loads", LOADS)
+def loads(results: Results) -> Found:
+    """List own weight, permanent and variable loads of each layer, ψ₂, and their combination; all blocks together."""
+    for each in results.loads or []:
+        yield {}, each
+
+
+def reported_loads(results: Results, words: Words) -> Table:
+    """Return the loads with their sums, without what no layer has."""
+    own = results.loads or []
+    columns = [name for name in LOADS.split() if name not in VARIABLE or any(a.variable_load_kN for a in own)]
+    rows = [present(cells(each, columns)) for each in own]
+    if len(own) > 1:
+        kept = [name for name in columns if name not in {"layer", "use_category", "psi_2"}]
+        rows.append({"layer": words.plain("value.sum")} | {key: sum(a[key] for a in rows) for key in kept})
+    return Table("loads", rows, tuple(columns))
+
+
+@whole
+def settlements(results: Results) -> Table:
+    """List the movements and how far each may go: the ultimate movement by kind of contact."""
+    rows, sought = [], taken_to_collapse(results.echo)
+    for name, state in results.states.items():
+        if settlement := state.settlement:
+            x, z = settlement.displacement_m
+            found: Row = {"state": name, "displacement_x_m": x, "displacement_z_m": z}
+            found |= cells(settlement, ("support", "rotation_rad"))
+            found |= present({"after": settlement.after})
+            for contacts, path in state.pushdown.items():
+                if name in sought or path.ultimate_movement_m is not None:
+                    found[f"ultimate_{contacts}_m"] = path.ultimate_movement_m
+            rows.append(found)
+    columns = "state after support displacement_x_m displacement_z_m rotation_rad ultimate_rigid_m ultimate_elastic_m"
+    kept = [name for name in columns.split() if name != "after" or any("after" in row for row in rows)]
+    return Table("settlements", rows, tuple(kept))
+
+
+@curves("pushdown", "state contacts movement_m reaction_x_kN reaction_z_kN")
+def pushdown_curves(results: Results) -> Curves:
+    """List the points of every pushdown curve."""
+    for where, path in moves(results):
+        yield tuple(where.values()), (path.movement_m, path.reaction_x_kN, path.reaction_z_kN)
+
+
+@curves("pushover", "state direction contacts displacement_m multiplier")
+def pushover_curves(results: Results) -> Curves:
+    """List the points of every pushover curve; displacements along x: towards −x they are negative."""
+    for where, push in pushes(results):
+        yield tuple(where.values()), (push.curve.displacement_m, push.curve.multiplier)
+
+
+@table("comparison", " ".join(COMPARISON))
+def comparison(results: Results) -> Found:
+    """List the capacities of each settled state beside the original one's."""
+    for each in results.comparison:
+        yield {}, each
+
+
+@table("strengthening", " ".join(StrengtheningRow.model_fields))
+def strengthening(results: Results) -> Found:
+    """List the capacities of every strengthened state beside those of the state before, as in results.json."""
+    for each in results.strengthening or ():
+        yield {}, each
+
+
+@table(
+    "quality",
+    "state stage solves worst_equilibrium_residual worst_penetration_m worst_complementarity worst_cone_violation",
+)
+def quality(results: Results) -> Found:
+    """List the worst certificates of the solutions by state and stage."""
+    for each in results.quality.by_stage:
+        yield {}, each
+
+
+@table("ties", "tie from_x_m from_z_m to_x_m to_z_m yield_force_kN stiffness_kN_m pretension_kN states")
+def ties(results: Results) -> Found:
+    """List the ties as drawn; null: no yield force, or rigid."""
+    for tie in results.model.ties or ():
+        ends = zip(("from_x_m", "from_z_m", "to_x_m", "to_z_m"), (*tie.start_m, *tie.end_m), strict=True)
+        yield {"tie": tie.name, "states": "; ".join(tie.states), **dict(ends)}, tie
+
+
+def tensions(results: Results) -> Iterator[tuple[Row, TieTension]]:
+    """Yield the tension of every tie along every path, behind its state, direction and contacts."""
+    for paths in (moves(results), pushes(results)):
+        for where, path in paths:
+            for each in path.ties or ():
+                yield where, each
+
+
+@table("tie_tensions", "tie state direction contacts rest_kN peak_kN greatest_kN yields")
+def tie_tensions(results: Results) -> Found:
+    """List the tension of every tie along every path: movements of supports, and pushes by direction."""
+    by_state = list(results.states)
+    yield from sorted(tensions(results), key=lambda each: by_state.index(each[0]["state"]))
+
+
+def tie_strength(results: Results) -> dict[str, float | None]:
+    """Return the yield force (kN) of every tie; None: none."""
+    return {tie.name: tie.yield_force_kN for tie in results.model.ties or ()}
+
+
+@table("shaken_ties", "tie state record greatest_kN time_of_greatest_s yields")
+def shaken_ties(results: Results) -> Found:
+    """List the greatest tension of every tie in every motion.
+
+    Of a tie that yields it is the yield force: the instants that are kept may lie beside the one at which it does, and
+    then that is not known.
+    """
+    for name, state in results.states.items():
+        for entry in state.history:
+            for each in entry.ties or ():
+                limit = tie_strength(results)[each.tie] if each.yields else None
+                between = limit is not None and each.greatest_kN is not None and each.greatest_kN < AT * limit
+                row: Row = {"tie": each.tie, "state": name, "record": entry.record, "yields": each.yields}
+                row["greatest_kN"] = limit if between else each.greatest_kN
+                yield row | ({} if between else {"time_of_greatest_s": each.time_s}), None
+
+
+def tie_demands(results: Results) -> Table:
+    """List the greatest tension of every tie, its share of the yield force, and the pressure below square plates.
+
+    Bar, anchorage and masonry below the plate are for the engineer to check against these.
+    """
+    greatest: dict[str, Row] = {}
+    for each in [*tie_tensions(results).rows, *shaken_ties(results).rows]:
+        force, most = each["greatest_kN"], greatest.get(each["tie"])
+        if force is not None and (most is None or force > most["greatest_kN"]):
+            greatest[each["tie"]] = {key: each[key] for key in ("tie", "state", "greatest_kN", "yields")}
+    for tie, row in greatest.items():
+        force, limit = row["greatest_kN"], tie_strength(results)[tie]
+        row.update({"yield_force_kN": limit, "yields": bool(row["yields"])})
+        row.update({"share_used": force / limit} if limit else {})
+        row.update({name: 0.001 * force / side**2 for name, side in PLATES_M.items()})
+    columns = ("tie", "state", "greatest_kN", "yield_force_kN", "share_used", "yields", *PLATES_M)
+    return Table("tie_demands", list(greatest.values()), columns)
+
+
+@dataclass(frozen=True)
+class EdgePressure:
+    """The greatest edge pressure of a joint, and in which state, towards where and with which joints it was found.
+
+    `joint`: its number in the drawing, None for a pair of faces that met as blocks moved; `block_a`, `block_b`: the
+    blocks that it lies between; `direction`: of the push, None at rest. Without a strength both pressures are the same.
+    """
+
+    joint: int | None
+    block_a: int
+    block_b: int
+    edge_pressure_kN_m2: float
+    uncrushed_pressure_kN_m2: float
+    state: str
+    direction: Direction | None
+    contacts: Contacts
+
+
+def edge_pressures(results: Results) -> list[EdgePressure]:
+    """Return the greatest edge pressure of every joint, the greatest first.
+
+    Over the states at rest and the peaks of the pushover curves with elastic joints, as far as there are any: in a
+    rigid mechanism hinges press without bound.
+    """
+    situations = list(loaded(results))
+    elastic = [each for each in situations if each.contacts == "elastic"]
+    drawn = len(results.geometry.joints)
+    greatest: dict[int | str, EdgePressure] = {}
+    for situation in elastic or situations:
+        states = joint_states(results, situation)
+        for number, (a, b) in enumerate(states.blocks.tolist()):
+            key = number if number < drawn else str(situation.met[number - drawn].faces_m)
+            pressures = float(states.pressure[number]), float(states.uncrushed[number])
+            if key not in greatest or pressures[1] > greatest[key].uncrushed_pressure_kN_m2:
+                joint = number if number < drawn else None
+                greatest[key] = EdgePressure(
+                    joint, a, b, *pressures, situation.state, situation.direction, situation.contacts
+                )
+    return sorted(greatest.values(), key=lambda each: -each.uncrushed_pressure_kN_m2)
+
+
+@table("edge_pressures", " ".join(EdgePressure.__dataclass_fields__))
+def edge_pressure_table(results: Results) -> Found:
+    """List the greatest edge pressure of every joint, the greatest first."""
+    for each in edge_pressures(results):
+        yield asdict(each), None
+
+
+def printed(results: Results) -> int:
+    """Return how many joints a table of the report has."""
+    return PRINTED[results.echo.report.annexes or "short"]
+
+
+def reported_pressures(results: Results) -> Table:
+    """Return the joints that are pressed most; without the pressures of no crushing where no joint crushes.
+
+    No rows where the greatest has no bound, as in the hinges of rigid joints.
+    """
+    found = edge_pressures(results)
+    left_out = () if crushes(results) else ("uncrushed_pressure_kN_m2",)
+    columns = tuple(name for name in EdgePressure.__dataclass_fields__ if name not in left_out)
+    rows = [present(asdict(each)) for each in (found[: printed(results)] if bounded(found) else ())]
+    return Table("edge_pressures", rows, columns)
+
+
+def bounded(found: Sequence[EdgePressure]) -> bool:
+    """Return whether the greatest pressure, the first, is a number."""
+    return not found or math.isfinite(found[0].uncrushed_pressure_kN_m2)
+
+
+def crushes(results: Results) -> bool:
+    """Return whether any joint has a compressive strength."""
+    return any(joint.compressive_strength_kN_m2 is not None for joint in results.geometry.joints)

@@ -1,1 +1,0 @@
-"""Tables of the structure: loads, joints and their cracks, ties, mechanisms."""
