@@ -121,7 +121,9 @@ def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
         kind = "dynamic" if static is None else "dynamic_static"
         yield words(f"synthesis.{kind}", dynamic=dynamic, static=static)
     whole = [each for each in (results.campaign.loss if results.campaign else []) if each.share == 1.0]
-    loss = results.states[name].incremental.loss or next((e for e in whole if e.settlement == name), None)
+    found = [results.states[name].incremental.loss] if name in results.states else []
+    found += [each for each in whole if each.settlement == name]
+    loss = next(filter(None, found), None)
     if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
         low, high = (words.number(100.0 * (bound or 0.0), COARSE) for bound in loss.dynamic_range)
         kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
