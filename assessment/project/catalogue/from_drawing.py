@@ -23,6 +23,8 @@ from mechanics.types import Mask
 
 BLOCK = (0.05, 0.4, 3.0)  # m: least, usual and largest size of most blocks of masonry
 FRAME = 0.5  # of all outlines: one that encloses so many is a frame
+HOLE = 0.5  # of the area of an outline: one within it that is smaller is an opening
+BOND = {"course_m": 0.3, "block_m": 0.6}  # of a wall that is drawn as one outline
 STRUCTURE = 0.1  # of the area of the largest part: what touches nothing and is smaller is a note
 LOW = 0.25  # of a structure's height, within which it is supported
 BEARING = 0.02  # of a block's width: what rests on less rests on nothing
@@ -68,6 +70,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     masonry = _masonry(rings, reach)
     ignored, unclosed = _no_masonry(sheet, layers, masonry)
     masonry &= ~np.isin(layers, ignored)
+    walls, openings = _openings(rings, layers, masonry)
+    masonry &= ~openings
     size = float(np.median(np.sqrt(shapely.area(rings[masonry]))))
     tables, regions, lines = _supports(rings, layers, masonry, reach, size)
     width, height = np.ptp(shapely.bounds(rings[masonry]).reshape(-1, 2), axis=0).tolist()
@@ -80,7 +84,10 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         "title": path.stem.strip() or "project",
         "geometry": {"drawing": path.name, "unit": unit, "depth_m": 1.0},
         "material": {"unit_weight_kN_m3": 18.0, "friction": 0.6},
-        "layers": tables | {key: {} for key in unclosed} | {name: {"ignore": True} for name in ignored},
+        "layers": tables
+        | {key: {} for key in unclosed}
+        | {name: {"bond": dict(BOND)} for name in walls}
+        | {name: {"ignore": True} for name in ignored},
         "region": regions,
         "settlements": moved,
         "pushover": {"contacts": ["rigid"], "increment_m": float(f"{1e-3 * height:.1g}")},
@@ -95,8 +102,14 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         told.append(message("outlines with faults, of which nothing is known here: {broken}", broken=broken))
     if ignored:
         told.append(message("ignored, being no masonry: layers {ignored}", ignored=ignored))
+    if walls:
+        told.append(
+            message("an outline with openings: [layers.{wall}.bond] cuts it into blocks", wall=walls[0])
+        )
+    if drawn.cracks:
+        told.append(message("surveyed cracks, to be drawn beside those calculated: {n}", n=len(drawn.cracks)))
     keys = ["geometry.depth_m = 1.0", "material.unit_weight_kN_m3 = 18.0", "material.friction = 0.6"]
-    keys += ["settlements"] * len(moved) + ["report"]
+    keys += [f"layers.{name}.bond" for name in walls] + ["settlements"] * len(moved) + ["report"]
     told.append(message("to fill in: {keys}; for NTC 2018 [assessment] and [assessment.site]", keys=keys))
     return {key: value for key, value in content.items() if value}, tuple(told)
 
@@ -125,6 +138,25 @@ def _masonry(rings: Any, reach: float) -> Mask:
     _, part = connected_components(links, directed=False)
     areas = np.bincount(part, weights=np.where(frames, 0.0, shapely.area(rings)))
     return np.asarray(~frames & (areas[part] >= STRUCTURE * areas.max()))
+
+
+def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], Mask]:
+    """Return the layers, sorted, of outlines around others of their layer, and which outlines (b,) are these others.
+
+    What touches such an outline from within, as a door does, is around it too.
+    """
+    tree = shapely.STRtree(rings)
+    outer, inner = tree.query(rings, predicate="covers")
+    same = np.array(layers)[outer] == np.array(layers)[inner]
+    chosen = (
+        (outer != inner)
+        & same
+        & masonry[outer]
+        & (shapely.area(rings)[inner] < HOLE * shapely.area(rings)[outer])
+    )
+    openings = np.zeros(len(rings), dtype=bool)
+    openings[inner[chosen]] = True
+    return sorted({layers[k] for k in outer[chosen].tolist()}), openings
 
 
 def _no_masonry(sheet: Sheet, layers: list[str], masonry: Mask) -> tuple[list[str], list[str]]:
