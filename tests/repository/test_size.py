@@ -20,7 +20,7 @@ LINES = {
     "assessment/ntc": 2750,
     "assessment/project": 5501,
     "assessment/report": 7334,
-    "assessment/results": 3986,
+    "assessment/results": 3992,
     "assessment/runtime": 1913,
     "assessment/studies": 2810,
     "assessment/workflow": 1239,
