@@ -50,7 +50,7 @@ class Draft:
         """Add the computing time (s) of a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
-    def add(self, stage: str, found: DynamicResult[Any] | Found) -> bool:
+    def add(self, stage: str, found: DynamicResult | Found) -> bool:
         """Add messages, certificates and time of an analysis of a stage; return whether it was completed."""
         self.warnings += [*found.warnings, *found.failures]
         self.quality += found.quality

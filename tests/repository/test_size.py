@@ -22,7 +22,7 @@ LINES = {
     "assessment/report": 7334,
     "assessment/results": 3992,
     "assessment/runtime": 1913,
-    "assessment/studies": 2810,
+    "assessment/studies": 2816,
     "assessment/workflow": 1239,
     "mechanics": 600,
     "mechanics/kernels": 3550,

@@ -3,17 +3,23 @@
 a first pair of members at the time step given, and at a half and a quarter of it where the project has an accuracy
 finer ones until the peak is as accurate, or scatters more than the time steps differ
 all other members at the finest time step, where the pair is not the same motion
+
+Error of a peak from three or more levels of the time step v₀, v₁, v₂… at h, h/2, h/4…; two may agree by chance:
+the pair is farther apart than the levels    the quantity scatters: no time step makes it surer
+differences shrink as those of a method      Richardson's extrapolation, of first order at most
+else                                         the levels converge to nothing that is known: all they differ by
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.analyses.accuracy import LEVELS, NOISE, Accuracy, accuracy_of
+from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, NOISE, Accuracy, accuracy_of, observed_order
 from assessment.analyses.dynamic.ensemble import (
     PAIR,
     Course,
@@ -24,43 +30,141 @@ from assessment.analyses.dynamic.ensemble import (
     scatter_of,
 )
 from assessment.analyses.dynamic.inputs import MotionInputs
-from assessment.analyses.dynamic.refinement import Refinement
 from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, history, history_title
 from assessment.results.quality import joined
-from assessment.results.schema.dynamic import Band, History
+from assessment.results.schema.dynamic import Band
 from assessment.results.schema.part import known
+from assessment.results.schema.studies import ConvergenceRow
 from mechanics.messages import Message, headed, linked, message
 
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
-    from mechanics.types import Array
+
+PEAK = "peak_displacement_m"
 
 
-def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[DynamicResult[History]]:
-    """Return every time history that the project asks for, in the order of their tasks."""
-    accuracy, scatter = accuracy_of(inputs.project), scatter_of(inputs.project)
-    studies = [Study(task, accuracy, scatter) for task in history_tasks(inputs, motions)]
-    for levels in rounds(accuracy):
+def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[DynamicResult]:
+    """Return every time history that the project asks for, state by state."""
+    accuracy, scatter, states = accuracy_of(inputs.project), scatter_of(inputs.project), inputs.project.states
+    tables = zip(inputs.project.history, motions, strict=True)
+    tasks = [task for table, motion in tables for task in inputs.tasks(table, [motion])]
+    tasks.sort(key=lambda task: states.index(task.state))
+    studies = [Study(task, accuracy, scatter) for task in tasks]
+    rounds = [[0]]  # halvings of the time step that are run together
+    if accuracy.tolerance is not None:
+        rounds = [list(range(LEVELS)), *([level] for level in range(LEVELS, accuracy.halvings + 1))]
+    for levels in rounds:
         wanted = [study for study in studies if not study.finished]
         _run(inputs, [(study, level, n) for study in wanted for level in levels for n in study.pair])
     _run(inputs, [(study, study.finest, n) for study in studies for n in study.others])
     return [study.result() for study in studies]
 
 
-def history_tasks(inputs: MotionInputs, motions: list[BaseMotion]) -> list[Shaking]:
-    """Return the tasks of all time histories, state by state."""
-    by_table = [
-        inputs.tasks(table, [motion]) for table, motion in zip(inputs.project.history, motions, strict=True)
-    ]
-    states = inputs.project.states
-    return sorted((task for tasks in by_table for task in tasks), key=lambda task: states.index(task.state))
+def _run(inputs: MotionInputs, wanted: Sequence[tuple[Study, int, int]]) -> None:
+    """Run members of studies side by side."""
+    tasks = [(study.at(level, member),) for study, level, member in wanted]
+    for (study, level, member), found in zip(wanted, inputs.each("history", history, tasks), strict=True):
+        study.members.setdefault(level, {})[member] = found
 
 
-def rounds(accuracy: Accuracy) -> list[list[int]]:
-    """Return the halvings of the time step that are run together: three levels first, then one at a time."""
-    if accuracy.tolerance is None:
-        return [[0]]
-    return [list(range(LEVELS)), *([level] for level in range(LEVELS, accuracy.halvings + 1))]
+@dataclass(frozen=True)
+class Refinement:
+    """The peak displacement at time steps h, h/2, h/4…: `values` (m), None for a collapse, and `scatter` of each level.
+
+    `least`: a value that is none.
+    """
+
+    values: tuple[float | None, ...]
+    scatter: tuple[float, ...]
+    least: float
+
+    @property
+    def collapsed(self) -> bool:
+        """Whether the last levels all collapse: there is neither a value nor an error."""
+        return all(value is None for value in self.values[-LEVELS:])
+
+    @property
+    def scatters(self) -> float | None:
+        """Distance of a perturbed pair if it exceeds that of the levels; else None."""
+        known, apart = self._known, max(self.scatter[-LEVELS:])
+        return apart if known and apart > max(known) - min(known) else None
+
+    @property
+    def order(self) -> float | None:
+        """The order observed in the last three levels; None if their differences do not shrink as with a method."""
+        return observed_order(self.values)
+
+    @property
+    def error(self) -> float | None:
+        """Estimated error of the finest level; None if not known."""
+        if not self._known:
+            return None
+        _, b, c = self._known
+        if self.order is None:
+            return max(self._known) - min(self._known)
+        return abs(c - b) / (min(2.0**self.order, FIRST_ORDER) - 1.0)
+
+    @property
+    def unsure(self) -> float | None:
+        """Scatter or error, relative to the value of the finest level."""
+        amount = self.error if self.scatters is None else self.scatters
+        return None if amount is None else amount / max(abs(self.values[-1] or 0.0), self.least)
+
+    @property
+    def _known(self) -> list[float]:
+        """The values of the last levels, if there are enough."""
+        known = [value for value in self.values[-LEVELS:] if value is not None]
+        return known if len(known) == LEVELS else []
+
+    def within(self, tolerance: float) -> bool:
+        """Whether scatter or error is within the tolerance."""
+        if len(self.values) < LEVELS:
+            return False
+        return self.collapsed or (self.unsure is not None and self.unsure <= tolerance)
+
+    def finished(self, tolerance: float) -> bool:
+        """Whether no finer level is needed."""
+        return len(self.values) >= LEVELS and (self.within(tolerance) or self.scatters is not None)
+
+    def row(self, state: str, record: str, tolerance: float) -> ConvergenceRow:
+        """Return the row of the results: order, error or scatter, the same relative to the value, and the levels."""
+        levels = {PEAK: list(self.values)}
+        found = ConvergenceRow(state=state, record=record, met=self.within(tolerance), levels=levels)
+        if self.scatters is not None:
+            return found.replace(relative_scatter=self.unsure, peak_displacement_scatter_m=self.scatters)
+        if self.collapsed:
+            return found
+        return found.replace(
+            order=self.order, relative_error=self.unsure, peak_displacement_error_m=self.error
+        )
+
+    def missed(self, title: Message, tolerance: float) -> list[Message]:
+        """Return a warning if the tolerance is not met."""
+        if self.within(tolerance):
+            return []
+        if len(self.values) < LEVELS:
+            text = message("discretisation error not known")
+        elif self.unsure is None:
+            text = message("error of {key} not known: not every time step reaches it", key=PEAK)
+        elif self.scatters is not None:
+            text = message(
+                "{key} scatters by {error:.2g} % between records that differ by 1 %, more than between time steps, "
+                "tolerance {tolerance:.2g} %; the range tells how sure it is",
+                key=PEAK,
+                error=100.0 * self.unsure,
+                tolerance=100.0 * tolerance,
+            )
+        else:
+            text = message(
+                "estimated error of {key} {error:.2g} % by time steps down to 1/{times} of those given, "
+                "tolerance {tolerance:.2g} %; take a smaller {keys}",
+                key=PEAK,
+                error=100.0 * self.unsure,
+                times=2 ** (len(self.values) - 1),
+                tolerance=100.0 * tolerance,
+                keys="time_step_s",
+            )
+        return [headed(title, text)]
 
 
 @dataclass
@@ -70,7 +174,7 @@ class Study:
     task: Shaking
     accuracy: Accuracy
     scatter: Scatter
-    members: dict[int, dict[int, DynamicResult[History]]] = field(default_factory=dict)
+    members: dict[int, dict[int, DynamicResult]] = field(default_factory=dict)
 
     @property
     def pair(self) -> range:
@@ -81,13 +185,9 @@ class Study:
     def others(self) -> range:
         """The members that are still to be run at the finest time step."""
         first = self.members[self.finest]
-        if (
-            not self._starts
-            or _failures(first)
-            or enough(_courses(first), self.scatter, self.task.model.size)
-        ):
-            return range(0)
-        return range(len(first), self.scatter.members)
+        same = enough(_courses(first), self.scatter, self.task.model.size)
+        done = not self._starts or _failures(first) or same
+        return range(0) if done else range(len(first), self.scatter.members)
 
     @property
     def finest(self) -> int:
@@ -100,27 +200,25 @@ class Study:
     @property
     def finished(self) -> bool:
         """Whether no finer time step is needed."""
+        tolerance = self.accuracy.tolerance
         if not self.members:
             return False
-        tolerance, deepest = self.accuracy.tolerance, max(self.members)
-        if tolerance is None or not self._starts or self.finest < deepest:
+        if tolerance is None or not self._starts or self.finest < max(self.members):
             return True
         return self.refinement.finished(tolerance)
 
     @property
     def refinement(self) -> Refinement:
         """The error of the peak from its time steps; the scatter of members that are the same motion is 0."""
-        values, apart = [], []
+        values, apart, size = [], [], self.task.model.size
         for level in range(self.finest + 1):
             one, *more = (self.members[level][n] for n in self.pair)
             values.append(peak(one))
             courses = _courses(self.members[level])[:PAIR]
-            same = len(courses) < PAIR or agree(
-                courses[0], courses[1], self.scatter.tolerance, self.task.model.size
-            )
+            same = len(courses) < PAIR or agree(courses[0], courses[1], self.scatter.tolerance, size)
             other = peak(more[0]) if more else None
             apart.append(0.0 if same or other is None or values[-1] is None else abs(other - values[-1]))
-        return Refinement(tuple(values), tuple(apart), NOISE * self.task.model.size)
+        return Refinement(tuple(values), tuple(apart), NOISE * size)
 
     def at(self, level: int, member: int) -> Shaking:
         """Return the task of a member at a halved time step; `level`: how often it is halved."""
@@ -129,19 +227,18 @@ class Study:
             motion = motion.at_half_step()
         return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
 
-    def result(self) -> DynamicResult[History]:
+    def result(self) -> DynamicResult:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
-        state, record = self.task.state, self.task.motion.name
-        title = history_title(self.task)
+        title, tolerance = history_title(self.task), self.accuracy.tolerance
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
-        tolerance = self.accuracy.tolerance
         if tolerance is None or not self._starts or found.numbers.collapsed is None:
             return found
         if self.finest < max(self.members):
             reason = linked(_failures(self.members[self.finest + 1]))
             found.warnings.append(headed(title, message("a finer time step fails: {reason}", reason=reason)))
-        found.convergence = self.refinement.row(state, record, tolerance).replace(halvings=self.finest)
+        row = self.refinement.row(self.task.state, self.task.motion.name, tolerance)
+        found.convergence = row.replace(halvings=self.finest)
         found.warnings += self.refinement.missed(title, tolerance)
         return found
 
@@ -150,14 +247,7 @@ class Study:
         return not isinstance(self.task.start, str)
 
 
-def _run(inputs: MotionInputs, wanted: Sequence[tuple[Study, int, int]]) -> None:
-    """Run members of studies side by side."""
-    tasks = [(study.at(level, member),) for study, level, member in wanted]
-    for (study, level, member), found in zip(wanted, inputs.each("history", history, tasks, 1), strict=True):
-        study.members.setdefault(level, {})[member] = found
-
-
-def together(title: Message, members: Sequence[DynamicResult[History]]) -> DynamicResult[History]:
+def together(title: Message, members: Sequence[DynamicResult]) -> DynamicResult:
     """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
     A collapse is worse than any peak, an earlier collapse worse than a later one.
@@ -165,7 +255,7 @@ def together(title: Message, members: Sequence[DynamicResult[History]]) -> Dynam
     finished = [each for each in members if each.numbers.collapsed is not None]
     if not finished or len(members) == 1:
         return members[0]
-    worst = max(finished, key=_suffering)
+    worst = max(finished, key=lambda each: (_of(each, inf), -(each.numbers.time_of_collapse_s or 0.0)))
     low, middle, high = lowest_median_highest([peak(each) for each in finished])
     fallen = sum(bool(each.numbers.collapsed) for each in finished)
     found = worst.numbers.replace(
@@ -178,67 +268,55 @@ def together(title: Message, members: Sequence[DynamicResult[History]]) -> Dynam
     rows = [row for each in members for row in each.quality]
     warnings = list(worst.warnings)
     if len(finished) > PAIR:
-        found = found.replace(band=band(finished, np.array(known(found.curve).time_s)))
-        warnings.append(headed(title, _scattered(len(finished), fallen, low, middle, high)))
-    return DynamicResult(
-        worst.state,
-        worst.stage,
-        found,
-        [joined(worst.state, rows[0].stage, rows)],
-        warnings,
-        [text for each in members for text in each.failures],
+        found = found.replace(band=_band(finished, known(found.curve).time_s))
+        if fallen:
+            text = message(
+                "{fallen} of {count} records within 1 % of the one given end in collapse, which counts",
+                fallen=fallen,
+                count=len(finished),
+            )
+        else:
+            text = message(
+                "under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
+                "median {middle:.4g} m; the largest counts",
+                count=len(finished),
+                low=known(low),
+                high=known(high),
+                middle=known(middle),
+            )
+        warnings.append(headed(title, text))
+    quality, failures = (
+        joined(worst.state, rows[0].stage, rows),
+        [x for each in members for x in each.failures],
     )
+    return DynamicResult(worst.state, worst.stage, found, [quality], warnings, failures)
 
 
-def band(members: Sequence[DynamicResult[History]], time: Array) -> Band:
-    """Return the least and largest control displacement of all members, m, at times (k,) s.
-
-    A member that collapsed keeps its last displacement.
-    """
+def _band(members: Sequence[DynamicResult], time: Sequence[float]) -> Band:
+    """Return the least and largest control displacement of all members, m; one that collapsed keeps its last."""
     each = [np.interp(time, one.time, one.displacement) for one in map(_course, members)]
     return Band(low_m=np.min(each, axis=0).tolist(), high_m=np.max(each, axis=0).tolist())
 
 
-def peak(result: DynamicResult[History]) -> float | None:
+def peak(result: DynamicResult) -> float | None:
     """Return the peak displacement of a history, m; None for a collapse."""
     return None if result.numbers.collapsed else result.numbers.peak_displacement_m
 
 
-def _suffering(member: DynamicResult[History]) -> tuple[bool, float]:
-    """Return what members are ordered by, the worst last: collapses after all peaks, the earliest last."""
-    numbers = member.numbers
-    if numbers.collapsed:
-        return True, -known(numbers.time_of_collapse_s)
-    return False, known(numbers.peak_displacement_m)
+def _of(result: DynamicResult, collapse: float) -> float:
+    """Return the peak of a history, m, or what stands for a collapse."""
+    found = peak(result)
+    return collapse if found is None else found
 
 
-def _scattered(
-    count: int, fallen: int, low: float | None, middle: float | None, high: float | None
-) -> Message:
-    if fallen:
-        return message(
-            "{fallen} of {count} records within 1 % of the one given end in collapse, which counts",
-            fallen=fallen,
-            count=count,
-        )
-    return message(
-        "under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
-        "median {middle:.4g} m; the largest counts",
-        count=count,
-        low=known(low),
-        high=known(high),
-        middle=known(middle),
-    )
-
-
-def _course(member: DynamicResult[History]) -> Course:
+def _course(member: DynamicResult) -> Course:
     curve = known(member.numbers.curve)
     return Course(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
 
 
-def _courses(members: dict[int, DynamicResult[History]]) -> list[Course]:
+def _courses(members: dict[int, DynamicResult]) -> list[Course]:
     return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 
-def _failures(members: dict[int, DynamicResult[History]]) -> list[Message]:
+def _failures(members: dict[int, DynamicResult]) -> list[Message]:
     return [text for each in members.values() for text in each.failures]

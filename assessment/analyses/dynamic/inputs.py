@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.dynamic.response import Setting
-from assessment.analyses.dynamic.time_history import DynamicResult, Found, Shaking, Start
+from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, Start
 from assessment.project.schema import ORIGINAL
 from mechanics.messages import Message, linked, message
 
@@ -46,43 +46,29 @@ class MotionInputs:
     workers: Workers
 
     def tasks(
-        self, table: StatesTable, motions: Iterable[BaseMotion], integrated: MotionTable | None = None
+        self, table: StatesTable, motions: Sequence[BaseMotion], integrated: MotionTable | None = None
     ) -> list[Shaking]:
         """Return the motions from every state that the table asks for, `integrated` as the table says or otherwise."""
-        control = self.project.control_point(table.control)
-        return [
-            Shaking(
-                resting.model,
-                motion,
-                Setting(
-                    integrated or _own(table),
-                    control,
+        control, sliding = self.project.control_point(table.control), self.project.contacts.sliding
+        found = []
+        for state in self.project.states:
+            if table.states is None or state in table.states:
+                resting, ultimate = (
+                    self.starts[state, table.contacts],
                     self.ultimates.get((state, control.name)),
-                    self.project.contacts.sliding,
-                ),
-                state,
-                resting.start,
-            )
-            for state in self.project.states
-            if table.states is None or state in table.states
-            for resting in [self.starts[state, table.contacts]]
-            for motion in motions
-        ]
+                )
+                setting = Setting(integrated or _own(table), control, ultimate, sliding)
+                found += [Shaking(resting.model, each, setting, state, resting.start) for each in motions]
+        return found
 
     def each(
-        self,
-        stage: str,
-        function: Callable[..., DynamicResult[Found]],
-        tasks: Sequence[tuple[Shaking, *tuple[Any, ...]]],
-        runs: int,
-        *more: object,
-    ) -> list[DynamicResult[Found]]:
-        """Return function(*task, *more) for every task, in order; `runs`: motions of one task, about."""
-        samples = [shaking.motion.record.acceleration.size for shaking, *_ in tasks]
-        work = runs * sum(len(task[0].model.contacts) * n for task, n in zip(tasks, samples, strict=True))
-        titles = [f"{shaking.state}, {shaking.motion.name}" for shaking, *_ in tasks]
-        arguments = [(*task, *more) for task in tasks]
-        return self.workers.each(stage, function, arguments, titles, work > WORTHWHILE, samples)
+        self, stage: str, function: Callable[[Shaking], DynamicResult], tasks: Sequence[tuple[Shaking]]
+    ) -> list[DynamicResult]:
+        """Return function(task) for every task, in order."""
+        samples = [shaking.motion.record.acceleration.size for (shaking,) in tasks]
+        work = sum(len(shaking.model.contacts) * n for (shaking,), n in zip(tasks, samples, strict=True))
+        titles = [f"{shaking.state}, {shaking.motion.name}" for (shaking,) in tasks]
+        return self.workers.each(stage, function, tasks, titles, work > WORTHWHILE, samples)
 
 
 def _own(table: MotionTable) -> MotionTable:

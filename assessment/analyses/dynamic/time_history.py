@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from assessment.results.configurations.frames import snapshots
 from assessment.results.configurations.ties import while_shaken
 from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
 from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import Part, known
+from assessment.results.schema.part import known
 from assessment.results.schema.studies import ConvergenceRow
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.messages import Message, headed, message
@@ -27,7 +27,6 @@ from mechanics.types import Array
 if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
 
-Found = TypeVar("Found", bound=Part)
 Start = State | Message
 """The state at rest that a motion begins from, or why it could not be reached."""
 
@@ -37,16 +36,16 @@ MOST_POINTS = 2000  # of a curve kept for figures
 
 
 @dataclass
-class DynamicResult(Generic[Found]):
-    """Result of one motion (History), or one search (Search), from one state.
+class DynamicResult:
+    """One time history from one state.
 
-    `numbers`: the part of the results; `quality`, `convergence`: its rows of these tables; `failures`: analyses that
-    could not be completed; `seconds`: computing time.
+    `numbers`: the part of the results; `quality`, `convergence`: its rows of these tables; `failures`: why it could not
+    be completed; `seconds`: computing time.
     """
 
     state: str
     stage: str
-    numbers: Found
+    numbers: History
     quality: list[QualityRow] = field(default_factory=list)
     warnings: list[Message] = field(default_factory=list)
     failures: list[Message] = field(default_factory=list)
@@ -65,7 +64,7 @@ class Shaking:
     start: Start
 
 
-def history(shaking: Shaking) -> DynamicResult[History]:
+def history(shaking: Shaking) -> DynamicResult:
     """Return one time history; displacements are horizontal, of the control point, from the state's own rest, m.
 
     Times count from the first sample of the record's file, the window's start included. The largest displacement from

@@ -22,7 +22,7 @@ from assessment.studies.campaign.scans import (
     own_setting,
     reach_of,
 )
-from assessment.studies.campaign.summary import paired_loss, record_levels, within_records
+from assessment.studies.campaign.summary import fitted, paired_loss, record_levels, within_records
 from assessment.studies.variants import Study
 from mechanics.messages import Message, headed, message
 
@@ -155,18 +155,10 @@ def _fragility(
     fit = over_records(levels) if len(fallen) > 1 and len(levels) == len(signs) else None
     if fit is None:
         return None
-    low, high = fit.probable
     return Fragility(
-        median_g=fit.median,
         dispersion=fit.beta,
         records=len({record for record, _ in signs}),
         censored=sum(each.withstood for each in levels),
-        beta_record=fit.beta_record,
-        beta_ensemble=fit.beta_ensemble,
-        level_16_g=low,
-        level_84_g=high,
-        median_range=fit.median_range,
-        beta_range=fit.beta_range,
-        band=[list(each) for each in fit.band],
         measures=measures.fits(levels, ratios) if measures else [],
+        **fitted(fit),
     )

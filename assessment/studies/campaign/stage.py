@@ -137,7 +137,9 @@ def campaign(
         state: fragility_of(state, own, scans, table, measures, ratios) for state, own in by_state.items()
     }
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
-    beta = within_records(fit.beta_ensemble for fit in fits.values())
+    # the structure as drawn is before every movement, and counts once
+    distinct = {tuple(each.key for each, _ in own): fits[state] for state, own in by_state.items()}
+    beta = within_records(fit.beta_ensemble for fit in distinct.values())
     found = Campaign(
         measure=table.measure,
         period_s=table.period_s,

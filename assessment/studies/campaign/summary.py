@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -57,8 +57,9 @@ def fragility_of(
             replace(x, level=x.level * each.ratio) for (each, _), x in zip(known, levels, strict=True)
         ]
         fit = over_records(by_measure)
-    scanned = fit if fit and not table.levels_g else None
-    low, high = fit.probable if fit and fit.beta < math.inf else (None, None)
+    numbers = fitted(fit)
+    if table.levels_g:
+        numbers |= {"beta_record": None, "beta_ensemble": None}
     return CampaignFragility(
         settlement=state.settlement,
         share=state.share,
@@ -66,19 +67,30 @@ def fragility_of(
         combinations=len(own),
         failed=len(own) - len(known),
         withstood=sum(row.lowest_collapse_g is None for _, row in known),
-        median_g=fit.median if fit else None,
-        median_range=fit.median_range if fit else None,
         beta=fit.beta if fit else None,
-        beta_range=fit.beta_range if fit else None,
-        band=[list(each) for each in fit.band] if fit else [],
-        beta_record=scanned.beta_record if scanned else None,
-        beta_ensemble=scanned.beta_ensemble if scanned else None,
-        level_16_g=low,
-        level_84_g=high,
-        measures=measures.fits(levels, ratios) if scanned else [],
+        measures=measures.fits(levels, ratios) if fit and not table.levels_g else [],
         rule=rule.rule if rule else None,
         pga_collapse_g=rule.pga if rule and rule.rule else None,
+        **numbers,
     )
+
+
+def fitted(fit: Dispersion | None) -> dict[str, Any]:
+    """Return the keys that the fragilities of [incremental] and [campaign] share; null without a fit."""
+    names = (
+        "median_g",
+        "median_range",
+        "beta_range",
+        "beta_record",
+        "beta_ensemble",
+        "level_16_g",
+        "level_84_g",
+    )
+    if fit is None:
+        return dict.fromkeys(names) | {"band": []}
+    low, high = fit.probable if fit.beta < math.inf else (None, None)
+    told = (fit.median, fit.median_range, fit.beta_range, fit.beta_record, fit.beta_ensemble, low, high)
+    return dict(zip(names, told, strict=True)) | {"band": [list(each) for each in fit.band]}
 
 
 def record_levels(parts: Sequence[tuple[str, Scanned]]) -> list[RecordLevel]:

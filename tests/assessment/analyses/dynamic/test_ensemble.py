@@ -71,9 +71,9 @@ class Alone:
     def tasks(self, table, motions):
         return list(self.own)
 
-    def each(self, stage, function, tasks, runs, *more):
+    def each(self, stage, function, tasks):
         self.runs += [task.motion.amplitude for task, *_ in tasks]
-        return [function(*task, *more) for task in tasks]
+        return [function(*task) for task in tasks]
 
 
 class Asked:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.analyses.dynamic.refinement import Refinement
+from assessment.analyses.dynamic.histories import Refinement
 
 
 def levels(*values, scatter=0.0):
