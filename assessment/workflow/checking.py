@@ -11,13 +11,15 @@ from assessment.analyses.static.paths import pressed_in, stand
 from assessment.project.motions import (
     BaseMotion,
     campaign_motions,
+    check_record_set,
+    doubtful_records,
+    doubtful_units,
     history_motions,
     incremental_motions,
     records_of,
 )
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project
-from assessment.project.record_set import check_record_set, doubtful_records, doubtful_units
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.model import ProjectModel, build_model
 from assessment.results.schema import Results

@@ -68,9 +68,7 @@ def point(name: str, x: float, z: float) -> dict[str, Any]:
 
 def outward(movement: float, increment: float) -> dict[str, Any]:
     """Return the paper's [[settlements]]: the right support goes outward and down by a `movement` (m) each."""
-    return {
-        "name": f"appoggio destro {1e3 * movement:.4g} mm",
-        "support": "destro",
+    return sinking(movement) | {
         "displacement_m": [movement, -movement],
         "increment_m": increment,
         "to_collapse": True,

@@ -22,9 +22,8 @@ from assessment.analyses.dynamic.fragility import (
 from assessment.analyses.dynamic.record_set import Measures, Target, compatibility, scaled_to
 from assessment.analyses.dynamic.scan import Reach, Scan
 from assessment.ntc.demand.spectrum import ElasticSpectrum
-from assessment.project.motions import BaseMotion
+from assessment.project.motions import BaseMotion, check_record_set, doubtful_records
 from assessment.project.project import load_project
-from assessment.project.record_set import check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
