@@ -8,16 +8,7 @@ from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
 from assessment.analyses.static.lateral import with_control
 from assessment.analyses.static.paths import pressed_in, stand
-from assessment.project.motions import (
-    BaseMotion,
-    campaign_motions,
-    check_record_set,
-    doubtful_records,
-    doubtful_units,
-    history_motions,
-    incremental_motions,
-    records_of,
-)
+from assessment.project import motions as base
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
@@ -32,9 +23,9 @@ from mechanics.records import Record
 class Motions:
     """The base motions of [[history]], [incremental] and the files of [campaign]; `records`: every file, as it is."""
 
-    history: list[BaseMotion]
-    incremental: list[BaseMotion]
-    campaign: list[BaseMotion]
+    history: list[base.BaseMotion]
+    incremental: list[base.BaseMotion]
+    campaign: list[base.BaseMotion]
     records: list[Record]
 
     @property
@@ -44,7 +35,7 @@ class Motions:
         told = {motion.name for motion in self.campaign}
         others = [record for record in self.records if record.name not in told]
         notes = (note for motion in every for note in motion.notes)
-        return [*notes, *doubtful_records(self.campaign), *doubtful_units(others)]
+        return [*notes, *base.doubtful_records(self.campaign), *base.doubtful_units(others)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +58,12 @@ class Checked:
 def read_motions(project: Project) -> Motions:
     """Read every record that the project names. Raises ProjectError or ValueError naming file, line or key."""
     found = Motions(
-        history_motions(project), incremental_motions(project), campaign_motions(project), records_of(project)
+        base.history_motions(project),
+        base.incremental_motions(project),
+        base.campaign_motions(project),
+        base.records_of(project),
     )
-    check_record_set(project, found.campaign)
+    base.check_record_set(project, found.campaign)
     return found
 
 
