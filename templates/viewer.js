@@ -32,6 +32,15 @@
     const [c, s] = [Math.cos(turn), Math.sin(turn)], [ax, az] = [x - cx, z - cz];
     return [x + magnified * (dx + c * ax - s * az - ax), z + magnified * (dz + s * ax + c * az - az)];
   };
+  const magnified = (point, index) => {
+    // A point of joint `index` where its blocks are drawn: halfway between where either of the two would carry it.
+    const moved = pairs[index].map((block) => {
+      const [dx, dz, turn] = motion(block), [cx, cz] = data.blocks[block].centroid;
+      const [c, s] = [Math.cos(turn), Math.sin(turn)], [ax, az] = [point[0] - cx - dx, point[1] - cz - dz];
+      return [dx + ax - c * ax - s * az, dz + az + s * ax - c * az];
+    });
+    return point.map((x, k) => x + ((times - 1) * (moved[0][k] + moved[1][k])) / 2);
+  };
   const line = (points) => points.map(([x, z]) => `${x.toFixed(5)},${(-z).toFixed(5)}`).join(" ");
 
   const jointAt = (index) => {
@@ -39,10 +48,11 @@
     const { unit } = path.frames.joints, at = unit.length * (frame * pairs.length + index);
     const of = (k) => { const n = joints[at + k]; return n === -32768 ? NaN : n === 32767 ? Infinity : n * unit[k]; };
     const ends = [[of(0), of(1)], [of(2), of(3)]], opening = [of(11), of(12)], slip = of(13);
-    if (Number.isNaN(of(14))) return { ends, opening, slip };
+    const shown = ends.map((end) => magnified(end, index));
+    if (Number.isNaN(of(14))) return { ends: shown, opening, slip };
     const [N, T] = [of(6), of(7)], [dx, dz] = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
     const length = Math.hypot(dx, dz) || 1, t = [dx / length, dz / length], n = [-t[1], t[0]];
-    return { ends, opening, slip, N, T, point: [of(4), of(5)], F: [0, 1].map((i) => N * n[i] + T * t[i]),
+    return { ends: shown, opening, slip, N, T, point: magnified([of(4), of(5)], index), F: [0, 1].map((i) => N * n[i] + T * t[i]),
       eccentricity: of(8), contact: of(9), pressure: of(10), condition: data.conditions[Math.round(of(14))] };
   };
 

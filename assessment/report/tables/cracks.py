@@ -90,7 +90,9 @@ def surveyed(results: Results, state: str) -> list[Surveyed]:
         away = shapely.distance(shapely.linestrings(joints)[:, None], shapely.points(points)[None, :])
         k = int(np.argmin(away.mean(axis=1)))
         middle = points[len(points) // 2]
-        share = float(shapely.line_locate_point(shapely.linestrings(joints[k]), shapely.Point(middle), True))
+        share = float(
+            shapely.line_locate_point(shapely.linestrings(joints[k]), shapely.Point(middle), normalized=True)
+        )
         opening = float(max(0.0, (1.0 - share) * gaps[k, 0] + share * gaps[k, 1]))
         calculated = 1000.0 * (float(slips[k]) if kind == "slip" else opening)
         off = value is None and away[k].mean() > reach
@@ -116,7 +118,8 @@ def survey_table(results: Results) -> Table:
     columns = columns_of(Surveyed)[:-2]
     rows = [asdict(each) for state in results.states for each in surveyed(results, state)]
     kept = [name for name in columns if any(row[name] not in (None, "") for row in rows)]
-    return Table("survey", [{key: row[key] for key in kept} for row in rows], tuple(kept))
+    shown = [{key: row[key] for key in kept if key != "joint" or row[key] is not None} for row in rows]
+    return Table("survey", shown, tuple(kept))
 
 
 def cracks_of(results: Results, state: str) -> list[Crack]:

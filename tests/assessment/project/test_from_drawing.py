@@ -48,14 +48,15 @@ def test_a_clean_drawing_becomes_a_project_that_check_accepts(unit, declared, tm
     assert ("though $INSUNITS says m" in out) == (declared == "m" and unit != "m")
     project = load_project(tmp_path / "p")
     assert project.geometry.unit == unit
-    assert {name for name, layer in project.layers.items() if layer.ignore} == {
-        "SQUADRATURA", "NORD", "FESSURE", "ASSI"
-    }  # fmt: skip
+    ignored = {name for name, layer in project.layers.items() if layer.ignore}
+    assert ignored == {"SQUADRATURA", "NORD", "ASSI"}
     assert len(project.supports) == 4
     assert project.settlements[0].support == project.supports[-1]
     model = build_model(project)
     assert [w for w in model.warnings if "$INSUNITS" not in w] == []
     assert sum(block.support is not None for block in model.assembly.blocks) == 4
+    [crack] = model.cracks
+    assert crack == pytest.approx(np.array([(0.0, 1.0), (0.5, 2.0)])) and "surveyed cracks" in out
     assert (tmp_path / "p" / "rilievo.dxf").read_bytes() == (tmp_path / "rilievo.dxf").read_bytes()
     for key in ("geometry.depth_m = 1.0", "material.friction = 0.6", "[assessment.site]"):
         assert key in out
@@ -147,3 +148,23 @@ def test_what_is_no_drawing_of_blocks_is_refused_and_nothing_written(make, said,
 def test_one_origin_is_asked_for(tmp_path, capsys):
     assert main(["new", str(tmp_path / "p"), "--drawing", "g.dxf", "--template", "wall"]) == 2
     assert "--template, --drawing or --example: more than one given; choose one" in capsys.readouterr().err
+
+
+def test_a_wall_with_openings_is_cut_into_blocks(tmp_path, capsys):
+    """A door touches the outline of its wall from within; the ground below stays a support."""
+    document, space = drawing(unit="m")
+    for layer, (x0, z0, x1, z1) in (
+        ("MURO", (0.0, 0.0, 6.0, 4.0)),
+        ("MURO", (2.4, 0.0, 3.6, 2.1)),
+        ("MURO", (4.4, 1.2, 5.2, 2.4)),
+        ("FONDAZIONE", (-0.5, -0.6, 2.4, 0.0)),
+        ("FONDAZIONE", (3.6, -0.6, 6.5, 0.0)),
+    ):
+        outline(space, [(x0, z0), (x1, z0), (x1, z1), (x0, z1)], layer)
+    document.saveas(tmp_path / "muro.dxf")
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "muro.dxf")]) == 0
+    assert "[layers.MURO.bond]" in capsys.readouterr().out
+    model = build_model(load_project(tmp_path / "p"))
+    walled = [block for block in model.assembly.blocks if block.support is None]
+    assert sum(block.area for block in walled) == pytest.approx(24.0 - 2.52 - 0.96)
+    assert len(walled) > 60

@@ -204,6 +204,14 @@ def test_magnified_displacements_and_hidden_thrust(page):
     drawn = outlines(typed(analysed()))
     start = drawn.points[drawn.owner == 6]
     assert ring(page, 6) - start == pytest.approx(5 * (true - start), abs=1e-4)
+    joint = next(k for k, each in enumerate(analysed()["geometry"]["joints"]) if 6 in each["blocks"])
+    text = page.ask(
+        f"document.querySelector('#viewer-shape [data-joint=\"{joint}\"]').getAttribute('points')"
+    )
+    ends = np.array([[float(x) for x in point.split(",")] for point in text.split()]) * (1.0, -1.0)
+    others = [ring(page, block) for block in analysed()["geometry"]["joints"][joint]["blocks"]]
+    away = [np.linalg.norm(each - end, axis=1).min() for end in ends for each in others]
+    assert sum(away) < 0.05 * np.ptp(start)  # the joint lies where the faces of its blocks are drawn
     assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 11
     page.ask("document.getElementById('viewer-forces').click()")
     assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 0

@@ -8,10 +8,11 @@ from matplotlib.text import Text
 
 from assessment.report.chapters.remarks import cracks as crack_sentences
 from assessment.report.chapters.remarks import damping
+from assessment.report.chapters.remarks import survey as survey_sentences
 from assessment.report.figures.drawings.deformed import LARGEST_PT, NUMBER, draw_cracks, room
 from assessment.report.figures.drawings.parts import Labels
 from assessment.report.figures.style import sheet
-from assessment.report.tables.cracks import SEEN, cracks
+from assessment.report.tables.cracks import SEEN, cracks, survey_table
 from assessment.report.tables.structure import PRINTED
 from assessment.report.text.language import words_of
 from mechanics.pictures import STYLE
@@ -144,3 +145,27 @@ def test_the_damping_is_that_of_the_circular():
     assert "8 % e del 10 %" in damping(typed(results), words)
     results["echo"]["assessment"]["circular"] = 2009
     assert "5 %" in damping(typed(results), words) and "617/2009" in damping(typed(results), words)
+
+
+def test_surveyed_cracks_stand_beside_those_of_the_nearest_joint():
+    """Along the joint that opens, through a block, and a width that was measured; each drawn with its mark."""
+    block, motion = about(results_example(), 0, 0, 0.01)
+    back = about(results_example(), 0, 0, -0.01)[1]
+    opening = [with_motion(block, each) for each in (motion, back)]
+    found = next(each for each in opening if any(row["joint"] == 0 for row in cracks(typed(each)).rows))
+    [row] = [row for row in cracks(typed(found)).rows if row["joint"] == 0]
+    joint = found["geometry"]["joints"][0]["ends_m"]
+    stone = found["geometry"]["blocks"][3]["centroid_m"]
+    found["geometry"]["cracks_m"] = [joint, [stone, [stone[0], stone[1] + 0.01]]]
+    measured = {"name": "impost", "kind": "crack", "point_m": joint[1], "opening_mm": 3.0}
+    found["echo"]["measurement"] = [measured]
+    rows = {row["mark"]: row for row in survey_table(typed(found)).rows}
+    assert rows["F1"]["joint"] == rows["M1"]["joint"] == 0 and "joint" not in rows["F2"]
+    assert rows["F1"]["calculated_mm"] == pytest.approx(500.0 * row["opening_m"], rel=0.01)  # at its middle
+    assert rows["M1"]["measured_mm"] == 3.0 and rows["F1"]["measured_mm"] is None
+    [told] = survey_sentences(typed(found), words_of(typed(found)))
+    assert "2 of 3" in told and "F2" in told
+    with mpl.rc_context(STYLE):
+        figure = draw_cracks(typed(found), words_of(typed(found)), SETTLED, 10)
+    written = {text.get_text() for text in figure.findobj(Text)}
+    assert {"F1", "F2", "M1"} <= written
