@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 883,
     "assessment/ntc": 2750,
     "assessment/project": 5501,
-    "assessment/report": 7334,
+    "assessment/report": 7337,
     "assessment/results": 3992,
     "assessment/runtime": 1913,
     "assessment/studies": 2816,
