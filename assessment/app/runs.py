@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from assessment.app.editing import OWN
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files.lock import holder
 from assessment.runtime.journal import NAME as JOURNAL
@@ -20,10 +19,13 @@ TOLD = 2000  # letters of what a command that failed has said
 
 
 class Runs:
-    """The run in the output folder of a project, whoever has started it."""
+    """The run in the output folder of a project, whoever has started it; `log`: where a command says what is wrong.
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.output, self.log = folder, folder / "output", folder / OWN / "log"
+    The log is not in the project, whose disk may be full.
+    """
+
+    def __init__(self, folder: Path, log: Path) -> None:
+        self.folder, self.output, self.log = folder, folder / "output", log
         self.process: subprocess.Popen[Any] | None = None
         self.seen: tuple[tuple[int, int] | None, Recorded] = (None, Recorded())
 
@@ -34,7 +36,6 @@ class Runs:
             raise ProjectError(
                 f"{self.output}: {running.text if running else 'a command'} is at work; wait or stop it"
             )
-        self.log.parent.mkdir(exist_ok=True)
         # no Ctrl-C of this terminal
         new: dict[str, Any] = {"creationflags": 0x208} if os.name == "nt" else {"start_new_session": True}
         with self.log.open("wb") as log:

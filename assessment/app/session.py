@@ -32,9 +32,10 @@ REPORTS = ("report.html", "report.pdf", "report.docx")
 class Opened:
     """A project folder that is open: its file and versions, its runs and results."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.runs, self.history = folder, Runs(folder), History(folder)
+    def __init__(self, folder: Path, staging: Path) -> None:
         self.tag = digest_of(str(folder).encode())  # by which the page knows which project it shows
+        self.folder, self.history = folder, History(folder)
+        self.runs = Runs(folder, staging / f"{self.tag}.log")
         self._known: tuple[Any, dict[str, Any]] = (None, {})
         self._stored: tuple[int, dict[str, Any]] = (0, {})
 
@@ -109,7 +110,7 @@ class Session:
             folder = folder.absolute().parent if folder.name in SOURCES else folder.absolute()
             if not any((folder / name).is_file() for name in SOURCES):
                 survey_project(folder)  # raises, and says why
-        self.root.opened = Opened(folder) if folder else None
+        self.root.opened = Opened(folder, Path(self.staging.name)) if folder else None
 
     def held(self, tag: str | None) -> Session:
         """Return the session with its project held fast, whatever is opened meanwhile.

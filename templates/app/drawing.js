@@ -11,7 +11,7 @@ export const svg = (tag, attributes = {}, ...children) => {
 };
 const TOOLS = ["select", "lasso", "control", "chain", "crack", "measure"];
 const view = { x: 0, y: 0, w: 1, h: 1 }, layer = { joints: false, numbers: false };
-let held = null, fitted = null, shapes = [], parts = null, press = null, trail = [], at = null, drag = null, times = 1;
+let held = null, given_up = 0, fitted = null, shapes = [], parts = null, press = null, trail = [], at = null, drag = null, times = 1;
 const root = () => $("drawing");
 const blocks = () => store.model?.blocks ?? [];
 const path = (points, open) => `M${points.map(([x, z]) => `${x},${-z}`).join("L")}${open ? "" : "Z"}`;
@@ -243,8 +243,9 @@ const chase = async () => {  // one question at a time, for where the pointer is
 const lead = (target) => { drag.target = target; chase(); };
 export const straight = async (support, wanted) => {
   $("caption").textContent = w("computing");
-  const { model } = store;
+  const { model } = store, before = given_up;
   let answer = await attempt(() => live({ support }, wanted, { whole: true }));
+  if (before !== given_up) return null;
   if (answer && model !== store.model) {  // the way of another structure
     note(w("elsewhere", { lost: `${support}: ${wanted.slice(0, 2).join("; ")} m` }));
     answer = null;
@@ -314,7 +315,7 @@ const key = (event) => {
   const way = WAYS[event.key], by = event.shiftKey ? 1e-4 : 1e-3;
   if (drag?.keys && way) lead([drag.target[0] + by * way[0], drag.target[1] + by * way[1], drag.target[2]]);
   else if (drag?.keys && event.key === "Enter") release();
-  else if (event.key === "Escape") { drag = press = null; trail = []; drawTrail(); home(); choose(null); }
+  else if (event.key === "Escape") { given_up++; drag = press = null; trail = []; drawTrail(); home(); choose(null); }
   else if (way) walk(way);
   else if (event.key === "Enter" && at !== null) choose(event.altKey ? { blocks: [at] } : { layer: blocks()[at].layer });
   else if (event.key.toLowerCase() === "m" && blocks()[at]?.support && ready()) {

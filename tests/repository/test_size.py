@@ -14,7 +14,7 @@ LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 241,
     "assessment/analyses": 5240,
-    "assessment/app": 1389,
+    "assessment/app": 1391,
     "assessment/benchmark": 2040,
     "assessment/cli": 883,
     "assessment/ntc": 2750,

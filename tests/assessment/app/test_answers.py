@@ -426,6 +426,7 @@ def test_what_a_run_refuses_is_said(session):
     run = ask(session, "state")["run"]
     assert run["exit_code"] == 2
     assert "geometry.dxf" in run["said"]
+    assert not (session.folder / ".assesto").exists()  # on a full disk nothing would be said there
 
 
 def test_a_run_of_a_terminal_is_seen_and_stopped_and_goes_on(session):

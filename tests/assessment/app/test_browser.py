@@ -101,6 +101,7 @@ def fill(page, at, text):
 
 
 def centre(page, block):
+    page.wait_for_selector("body[data-model=shown]")  # else it may be drawn anew meanwhile
     box = page.locator(f"[data-block='{block}']").bounding_box()
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
@@ -191,6 +192,8 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     page.wait_for_selector("body[data-run=running] progress")
     page.click("#stop")
     page.wait_for_selector("#run-state[data-running=false][data-code='3']")
+    page.click("[data-step=report]")
+    fill(page, "report.client", "Comune di Prova")
     page.click("[data-step=push]")
     fill(page, "pushover.increment_m", "0,02")
     page.wait_for_selector("#run:not([disabled])")
@@ -201,18 +204,18 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     frame.locator("#viewer-shape polygon.block").first.wait_for()
     assert "α" in page.inner_text("#summary")
 
-    # the title page, and what is stale then
+    # the title page; another print is begun, and what is stale is told
     page.click("[data-step=report]")
-    fill(page, "report.client", "Comune di Prova")
-    page.click("#print")
-    page.wait_for_selector("#print[disabled]")
-    page.wait_for_selector("#print:not([disabled])")
     with page.expect_download() as kept:
         page.click("#panel a:has-text('results.json')")
     assert (
         json.loads(kept.value.path().read_text(encoding="utf-8"))["echo"]["report"]["client"]
         == "Comune di Prova"
     )
+    page.click("#print")
+    page.wait_for_selector("#print[disabled]")
+    page.click("#stop")
+    page.wait_for_selector("#print:not([disabled])")
     page.click("[data-step=materials]")
     fill(page, "material.friction", "0,5")
     page.click("[data-step=results]")
@@ -237,6 +240,21 @@ def test_with_the_keyboard_alone(page, home):
     assert (movement["support"], movement["displacement_m"]) == ("sinistro", [0.0001, -0.003])
     page.keyboard.press("Escape")
     changed(page, lambda: page.keyboard.press("Control+z"))
+    assert len(file_of(home, "keys")["settlements"]) == 1
+
+    # Escape while the way is computed: nothing is written
+    def give_up(route):
+        if '"whole":true' in route.request.post_data:
+            page.keyboard.press("Escape")
+        route.continue_()
+
+    page.wait_for_selector("body[data-model=shown]")
+    page.route("**/live", give_up)
+    for key in ("ArrowLeft", "m", "ArrowDown"):
+        page.keyboard.press(key)
+    with page.expect_response("**/live"):
+        page.keyboard.press("Enter")
+    page.wait_for_timeout(300)
     assert len(file_of(home, "keys")["settlements"]) == 1
 
 
