@@ -151,7 +151,9 @@ class Live:
                 follow.to(target[:2], target[2])
             else:
                 follow.aim(target[:2], target[2])
-            while more and (whole or steps == 0 or (steps + 1) / steps * (time.perf_counter() - began) < BUDGET):
+            while more and (
+                whole or steps == 0 or (steps + 1) / steps * (time.perf_counter() - began) < BUDGET
+            ):
                 more, steps = follow.advance(), steps + 1
         except MechanicsError as error:
             raise ProjectError(str(error)) from None
