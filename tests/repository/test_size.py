@@ -14,8 +14,8 @@ LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 241,
     "assessment/analyses": 5240,
-    "assessment/app": 1391,
-    "assessment/benchmark": 2040,
+    "assessment/app": 1393,
+    "assessment/benchmark": 2093,
     "assessment/cli": 883,
     "assessment/ntc": 2750,
     "assessment/project": 5501,
