@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.ntc.limit_states import INDEXED
-from assessment.report.chapters.synthesis import lead
+from assessment.report.chapters.lead import lead
 from assessment.report.text.language import Words, plain_text
 from assessment.results.echo import turns
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines

@@ -150,14 +150,14 @@ def write(
 
     folder.mkdir(parents=True, exist_ok=True)
     opinion = folder / NAME
-    before = opinion.read_bytes() if opinion.is_file() else b""
+    before = _version(opinion)
     gone = _files(folder) if (folder / "results.json").exists() else []
     with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
         try:
             warnings = _make(results, folder, new, report, jobs, attachments, tell)
-            if opinion.is_file() and (now := opinion.read_bytes()) != before:
-                write_atomically(new / NAME, now)
+            if _version(opinion) not in (None, before):
+                write_atomically(new / NAME, opinion.read_bytes())
                 warnings.append(message("judgement.md was changed while the report was made: print it again"))
             put_in_place(new, folder, _files(new), gone)
         except KilledError as error:
@@ -215,3 +215,11 @@ def _make(
         write_atomically(new / "results.json", as_bytes(results))
         done = [result_of(work) for work in begun]
     return [*opinion.warnings, *(done[0] if report else [])]
+
+
+def _version(path: Path) -> tuple[int, int] | None:
+    """Return time (ns) and size of a file, which change with it; None where there is none."""
+    if not path.is_file():
+        return None
+    now = path.stat()
+    return now.st_mtime_ns, now.st_size

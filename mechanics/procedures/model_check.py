@@ -99,22 +99,33 @@ def _worst(
     depth = np.where(faces, -inside, 0.0)
     beyond = np.where(contacts.ties, 0.0, abs(t) - contacts.friction * n)
     if gap.max(initial=0.0) > LIMIT.closed * size:
+        first, second, most = _where(contacts, gap)
         return message(
             "blocks {first} and {second} press on each other across a gap of {size:.2g} m",
-            **_where(contacts, gap),
+            first=first,
+            second=second,
+            size=most,
         )
     if depth.max(initial=0.0) > deep * size:
+        first, second, most = _where(contacts, depth)
         return message(
-            "blocks {first} and {second} lie in each other by {size:.2g} m", **_where(contacts, depth)
+            "blocks {first} and {second} lie in each other by {size:.2g} m",
+            first=first,
+            second=second,
+            size=most,
         )
     if beyond.max(initial=0.0) > system.least_force:
+        first, second, most = _where(contacts, beyond)
         return message(
-            "friction of blocks {first} and {second} exceeds μN by {size:.2g} kN", **_where(contacts, beyond)
+            "friction of blocks {first} and {second} exceeds μN by {size:.2g} kN",
+            first=first,
+            second=second,
+            size=most,
         )
     return None
 
 
-def _where(contacts: Contacts, size: Array) -> dict[str, float]:
+def _where(contacts: Contacts, size: Array) -> tuple[int, int, float]:
     """Return the blocks of the contact with the largest of sizes (j,), and that."""
     k = int(np.argmax(size))
-    return {"first": int(contacts.a[k]), "second": int(contacts.b[k]), "size": float(size[k])}
+    return int(contacts.a[k]), int(contacts.b[k]), float(size[k])

@@ -8,8 +8,8 @@ from operator import itemgetter
 import numpy as np
 from markupsafe import Markup
 
+from assessment.report.chapters.lead import lead
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
-from assessment.report.chapters.synthesis import lead
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars

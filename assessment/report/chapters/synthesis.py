@@ -14,120 +14,16 @@ from assessment.report.tables.synthesis import (
     ORIGINAL,
     governing_view,
     index_limit,
-    index_of,
     least_row,
-    rows_of,
-    settled,
-    worst_settled,
 )
 from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import COARSE, heading, indexed, label, told, written
+from assessment.report.text.quantities import heading, told, written
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.results.schema.summary import SummaryRow
 
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
-QUALITY_ANNEX = "D"  # of the report: where warnings are listed
-
-
-def lead(results: Results, words: Words) -> list[Markup]:
-    """Return the answer in sentences, with which report, page and terminal begin.
-
-    The index of each kind of state, its loss, and whether it is verified.
-    """
-    if not results.model.self_weight_stable:
-        return [words("judgement.unstable")]
-    worst = worst_settled(results) or ORIGINAL
-    sentences = [_of_state(results, worst, words)]
-    sentences += [
-        _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
-    ]
-    sentences += _open(results, words)
-    sentences += _dynamic(results, worst, words)
-    return [each for each in sentences if each]
-
-
-def _of_state(results: Results, name: str, words: Words) -> Markup:
-    """Return a sentence on the original or the worst settled state: its index, and what it was before."""
-    row, limit = least_row(results, name), index_limit(results)
-    if any(not each.reached for each in rows_of(results, name)):
-        return words("synthesis.collapses", state=name)
-    if row is None:
-        return Markup("") if rows_of(results, name) else words("synthesis.nothing")
-    check = index_of(row, limit)
-    quantity = "zeta_E" if check else "alpha_u" if row.alpha_0 is None else "alpha_0"
-    value = check.zeta_E if check else getattr(row, quantity)
-    loss = check.loss if check else row.alpha_loss
-    outcome = _outcome(results, name, words) if check else ""
-    place = {
-        "symbol": indexed(label(quantity, words)),
-        "value": written(quantity, value, words),
-        "where": ", ".join([*([limit] if check and limit else []), direction_name(row.direction or "")]),
-        "outcome": outcome,
-    }
-    if name == ORIGINAL:
-        return words("synthesis.original", **place)
-    key = "current" if len(settled(results)) == 1 else "worst"
-    said = words(f"synthesis.{key}", state=name, count=len(settled(results)), **place)
-    if loss is not None and value is not None and loss < 1.0:
-        before = written(quantity, value / (1.0 - loss), words)
-        change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=words.per_cent(abs(loss)))
-        said += words("synthesis.before", before=before, change=change)
-    return said + Markup.escape(f". {outcome}" if outcome else ".")
-
-
-def _outcome(results: Results, name: str, words: Words) -> str:
-    """Return whether a state is verified in every direction, as a sentence."""
-    verified = [row.verified for row in rows_of(results, name)]
-    kind = "not_verified" if False in verified else "undetermined" if None in verified else "verified"
-    return words.plain(f"synthesis.{kind}")
-
-
-def _strengthened(results: Results, name: str, words: Words) -> Markup:
-    """Return a sentence on what an intervention gives back, in the direction that is weakest after it."""
-    row, limit = least_row(results, name), index_limit(results)
-    check = index_of(row, limit) if row else None
-    if row is None or check is None or check.zeta_E is None or check.gain is None or check.gain <= -1.0:
-        return Markup("")
-    return words(
-        "synthesis.strengthened",
-        state=name,
-        before=words.ratio(check.zeta_E / (1.0 + check.gain)),
-        after=words.ratio(check.zeta_E),
-        gain=words.per_cent(check.gain),
-        where=f"{limit}, {direction_name(row.direction or '')}",
-        outcome=_outcome(results, name, words),
-    )
-
-
-def _open(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the states and directions without an index, in one sentence."""
-    limit = index_limit(results)
-    where = [
-        words("synthesis.open_at", state=row.state, direction=row.direction or "")
-        for row in results.summary.rows
-        if row.checks and limit and row.reached and index_of(row, limit) is None
-    ]
-    if where:
-        yield words("synthesis.open", where=Markup("; ").join(where), annex=QUALITY_ANNEX)
-
-
-def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
-    """Yield the dynamic capacity beside the static one on the same reference, and what the motions lose of it."""
-    row = least_row(results, name) or next(iter(rows_of(results, name)), None)
-    if row is not None and (dynamic := row.dynamic_pga_g) is not None:
-        static = row.static_nominal_pga_g
-        kind = "dynamic" if static is None else "dynamic_static"
-        yield words(f"synthesis.{kind}", dynamic=dynamic, static=static)
-    whole = [each for each in (results.campaign.loss if results.campaign else []) if each.share == 1.0]
-    found = [results.states[name].incremental.loss] if name in results.states else []
-    found += [each for each in whole if each.settlement == name]
-    loss = next(filter(None, found), None)
-    if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
-        low, high = (words.number(100.0 * (bound or 0.0), COARSE) for bound in loss.dynamic_range)
-        kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
-        yield words(f"synthesis.{kind}", loss=words.number(100.0 * loss.dynamic, COARSE), low=low, high=high)
 
 
 def synthesis_grid(results: Results, words: Words) -> Grid | None:

@@ -260,9 +260,11 @@ def _worked(
             met = -(normal * du + moment * dphi)
             unsure = 0.5 * STANDARD_GRAVITY * h * h * normal
             spent[STEPPING] += min(max(met, -unsure), unsure)
-            # a slide that stops within the step: friction is −sμN until then, and its impulse is not known until when
+            # of a slide that turns back, or comes to rest and may turn, the friction is not that of the whole step
             _, _, v0 = relative(start[k], a[k], b[k], v)
             _, _, v1 = relative(at[q], a[k], b[k], speed)
-            if v0 * v1 < 0.0 or abs(v1) < STILL * abs(v0):
-                turned += h * abs(v0) * (limit + (t if v0 > 0.0 else -t))
+            if v0 * v1 < 0.0:
+                turned += abs(t * h * v0 * v1 / (v0 - v1))
+            elif abs(v1) < STILL * abs(v0):
+                turned += h * abs(v0) * (limit - abs(t))
     return contact, turned

@@ -13,7 +13,7 @@ from scipy.special import ndtr
 from assessment.cli.summary import dynamic_lines
 from assessment.report.chapters.grids import grid
 from assessment.report.chapters.judgement import draft_judgement
-from assessment.report.chapters.synthesis import lead
+from assessment.report.chapters.lead import lead
 from assessment.report.document import render_html
 from assessment.report.figures.index import pictures
 from assessment.report.figures.motions import (

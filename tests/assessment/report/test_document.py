@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import Markup
 
+from assessment.report.chapters.lead import lead
 from assessment.report.chapters.remarks import joint_law
-from assessment.report.chapters.synthesis import basis, lead, synthesis_grid
+from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS

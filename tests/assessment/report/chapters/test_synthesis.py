@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from markupsafe import Markup
 
-from assessment.report.chapters.synthesis import basis, governing_mechanism, lead, synthesis_grid
+from assessment.report.chapters.lead import lead
+from assessment.report.chapters.synthesis import basis, governing_mechanism, synthesis_grid
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms
 from assessment.report.tables.synthesis import index_limit, worst_settled
