@@ -39,7 +39,7 @@ STEEL = 2.1e8  # kN/m²: modulus of elasticity
 YIELDS = (1e5, 1.5e6)  # kN/m²: from wrought iron of poor quality to prestressing bars
 BARS = (2e-5, 0.02)  # m²: sections, of a bar of 5 mm to one of 160 mm
 Told = tuple[str, Message]
-"""A key, and what is told of it."""
+"""A key and its warning."""
 
 UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of weight or mass, in kN/m³
 

@@ -98,34 +98,20 @@ def _worst(
     gap = np.where(faces & (n > system.least_force), apart, 0.0)
     depth = np.where(faces, -inside, 0.0)
     beyond = np.where(contacts.ties, 0.0, abs(t) - contacts.friction * n)
-    if gap.max(initial=0.0) > LIMIT.closed * size:
-        first, second, most = _where(contacts, gap)
+    if (most := gap.max(initial=0.0)) > LIMIT.closed * size:
+        pair = _blocks(contacts, gap)
+        return message("{pair} press on each other across a gap of {size:.2g} m", pair=pair, size=float(most))
+    if (most := depth.max(initial=0.0)) > deep * size:
         return message(
-            "blocks {first} and {second} press on each other across a gap of {size:.2g} m",
-            first=first,
-            second=second,
-            size=most,
+            "{pair} lie in each other by {size:.2g} m", pair=_blocks(contacts, depth), size=float(most)
         )
-    if depth.max(initial=0.0) > deep * size:
-        first, second, most = _where(contacts, depth)
-        return message(
-            "blocks {first} and {second} lie in each other by {size:.2g} m",
-            first=first,
-            second=second,
-            size=most,
-        )
-    if beyond.max(initial=0.0) > system.least_force:
-        first, second, most = _where(contacts, beyond)
-        return message(
-            "friction of blocks {first} and {second} exceeds μN by {size:.2g} kN",
-            first=first,
-            second=second,
-            size=most,
-        )
+    if (most := beyond.max(initial=0.0)) > system.least_force:
+        pair = _blocks(contacts, beyond)
+        return message("friction between {pair} exceeds μN by {size:.2g} kN", pair=pair, size=float(most))
     return None
 
 
-def _where(contacts: Contacts, size: Array) -> tuple[int, int, float]:
-    """Return the blocks of the contact with the largest of sizes (j,), and that."""
+def _blocks(contacts: Contacts, size: Array) -> Message:
+    """Return the blocks of the contact with the largest of sizes (j,)."""
     k = int(np.argmax(size))
-    return int(contacts.a[k]), int(contacts.b[k]), float(size[k])
+    return message("blocks {first} and {second}", first=int(contacts.a[k]), second=int(contacts.b[k]))

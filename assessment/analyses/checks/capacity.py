@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind", bound=parts.Check)
 BLOCKS = "pushover with rigid contacts, d* of the blocks over Γ*"  # where α0 and d_0 of the curve come from
 OTHER_LAW = "pushover with rigid contacts, times α0 of the other law of friction over its own"
-TOLD = 0.02  # relative difference of a ratio by the two laws of friction from which it is told
+TOLD = 0.02  # relative difference of ζ_E between the two laws of friction that is reported
 CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
 
 

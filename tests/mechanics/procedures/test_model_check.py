@@ -54,7 +54,7 @@ def test_friction_beyond_its_bound_is_told(point: Equilibrium) -> None:
     forces[:, 2] = 1.01 * point.contacts.friction * forces[:, 0]
     told = departure(placed(point, np.zeros_like(point.state.positions), forces))
     assert "exceeds μN" in str(told)
-    with pytest.raises(ConvergenceError, match=r"point 1 of the path is not valid: friction of blocks"):
+    with pytest.raises(ConvergenceError, match=r"point 1 of the path is not valid: friction between blocks"):
         check_path([point, replace(point, forces=forces)])
 
 
