@@ -28,7 +28,7 @@ LINES = {
     "mechanics/kernels": 3550,
     "mechanics/model": 3382,
     "mechanics/pictures": 431,
-    "mechanics/procedures": 3223,
+    "mechanics/procedures": 3209,
     "mechanics/records": 1200,
     "mechanics/solvers": 1150,
     "mechanics/steps": 1755,
