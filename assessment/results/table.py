@@ -81,11 +81,7 @@ def brought_together(static: float | None, dynamic: float | None) -> Row:
 
 def compared(found: Capacities, quantity: str) -> float | None:
     """Return the quantity that capacities are compared by: a_g (g), α_0 or α_u."""
-    of: dict[str, float | None] = {
-        "a_g_g": found.a_g_g,
-        "alpha_0": found.alpha_0,
-        "alpha_u": found.alpha_u,
-    }
+    of: dict[str, float | None] = {"a_g_g": found.a_g_g, "alpha_0": found.alpha_0, "alpha_u": found.alpha_u}
     return of[quantity]
 
 

@@ -134,9 +134,7 @@ def snapshots(
     # a motion knows no forces before its first step
     found = _pictured(model, [positions[k] for k in kept], carried, Met(model))
     return Snapshots(
-        time_s=np.round(time[kept], 6).tolist(),
-        displacement_m=displacement[kept].tolist(),
-        **found.parts,
+        time_s=np.round(time[kept], 6).tolist(), displacement_m=displacement[kept].tolist(), **found.parts
     )
 
 
