@@ -33,7 +33,7 @@ class State(Part):
     """`states.NAME`: the structure as drawn ("original"), or after a settlement or a strengthening of that name."""
 
     configuration: Configuration = key(
-        "x, z, ω of each block against the drawing; zeros where the state was not reached", "m, rad"
+        "x, z, ω of each block against the drawing; zeros where the state was not reached"
     )
     settlement: Settlement | None = key("the movement that leads to it; null: as drawn, or strengthened")
     strengthening: Strengthening | None = optional("what strengthens it after a movement; missing: nothing")
@@ -73,7 +73,7 @@ class Results(Part):
     convergence: Convergence = key("estimated errors")
     quality: Quality = key("certificates and warnings")
     messages: dict[str, Worded] | None = optional("what its sentences are made of, by sentence")
-    timing_s: dict[str, float] = key("computing time by analysis", "s")
+    timing_s: dict[str, float] = key("computing time by analysis")
     software: Software = key("versions")
 
 

@@ -17,8 +17,8 @@ CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC"
 class CapacityCurve(Part):
     """`capacity.+x.curve`: capacity of the equivalent oscillator."""
 
-    d_star_m: list[float] = key("displacement d*", "m")
-    a_star_g: list[float] = key("acceleration a*, divided by the confidence factor", "g")
+    d_star_m: list[float] = key("displacement d*")
+    a_star_g: list[float] = key("acceleration a*, divided by the confidence factor")
 
 
 class Check(Part):
@@ -26,66 +26,50 @@ class Check(Part):
 
     method: Literal["linear", "elastic", "nonlinear"] = key("which check")
     d_star_m: float | None = key(
-        "displacement that counts; null: the check has none", "m", "d*", shown="mm", null="none"
+        "displacement that counts; null: the check has none", "d*", shown="mm", null="none"
     )
-    a_star_g: float | None = key(
-        "acceleration that counts; null: not defined", "g", "a*", null="not_determined"
-    )
-    T_s: float | None = key("period that counts; null: not defined", "s", "T", null="not_determined")
-    a_g_g: float | None = key(
-        "capacity a_g; null: not defined, `notes` say why", "g", "a_g", null="not_determined", ground="rock"
-    )
-    demand_a_g_g: float = key(
-        "demand a_g", "g", ("a_g di domanda", "a_g demanded"), null="not_determined", ground="rock"
-    )
+    a_star_g: float | None = key("acceleration that counts; null: not defined", "a*", null="not_determined")
+    T_s: float | None = key("period that counts; null: not defined", "T", null="not_determined")
+    a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "a_g", ground="rock")
+    demand_a_g_g: float = key("demand a_g", "a_g di domanda|a_g demanded", ground="rock")
     demand_a_star_g: float | None = optional(
-        "of a linear check: a_g S/q, or a_Z/q at height", "g", ("a_D di domanda", "a_D demanded")
+        "of a linear check: a_g S/q, or a_Z/q at height", "a_D di domanda|a_D demanded"
     )
-    alpha_0: float | None = optional("of a linear check: multiplier that activates the first mechanism", "–")
-    e_star: float | None = optional("of a linear check: share of the mass that takes part, e*", "–")
+    alpha_0: float | None = optional("of a linear check: multiplier that activates the first mechanism")
+    e_star: float | None = optional("of a linear check: share of the mass that takes part, e*")
     pga_g: float | None = optional(
-        "capacity at the surface, S a_g", "g", "PGA", null="not_determined", ground="surface"
+        "capacity at the surface, S a_g", "PGA", null="not_determined", ground="surface"
     )
     demand_pga_g: float | None = optional(
-        "demand at the surface, S a_g",
-        "g",
-        ("PGA di domanda", "PGA demanded"),
-        null="not_determined",
-        ground="surface",
+        "demand at the surface, S a_g", "PGA di domanda|PGA demanded", null="not_determined", ground="surface"
     )
-    S: float | None = optional("from `reference` to the surface, of the capacity", "–", "S")
-    demand_S: float | None = optional("the same, of the demand", "–")
+    S: float | None = optional("from `reference` to the surface, of the capacity", "S")
+    demand_S: float | None = optional("the same, of the demand")
     reference: str | None = optional(
         "of a_g, borne and demanded: rock (category A, without S), or surface for a record"
     )
     zeta_E: float | None = key(
         "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD",
-        "–",
         "ζ_E",
-        null="not_determined",
         ratio=True,
     )
-    verified: bool | None = key(
-        "whether the ratio is 1 or more", label=("Esito", "Outcome"), null="not_determined"
-    )
-    damping: float | None = key("damping ratio of the demand", "–")
+    verified: bool | None = key("whether the ratio is 1 or more", "Esito|Outcome", null="not_determined")
+    damping: float | None = key("damping ratio of the demand")
     return_period_years: float | None = key(
-        "of the capacity; null: the hazard of the site is not known", "years", "T_R", null="not_determined"
+        "of the capacity; null: the hazard of the site is not known", "T_R", null="not_determined"
     )
     return_period_stated: str | None = optional('"> 2475" or "< 30" beyond the hazard')
-    governing: str = key("what gave a_g", label=("Condizione determinante", "Governing condition"))
+    governing: str = key("what gave a_g", "Condizione determinante|Governing condition")
     notes: list[Sentence] = key("what to know about it")
     trace: list[Line] = key("its calculation")
-    a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble", "g")
-    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
+    a_g_g_range: list[float | None] | None = optional("least and largest of an ensemble")
+    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
 
 
 class ScaledCheck(Check):
     """`capacity.+x.scalings`: SLV by a way of following the demand up to the capacity."""
 
-    used: bool = key(
-        "whether the checks took it; its trace is then theirs", label=("Valore adottato", "Used")
-    )
+    used: bool = key("whether the checks took it; its trace is then theirs", "Valore adottato|Used")
 
 
 class _OfLimitState(Part):
@@ -119,17 +103,17 @@ class Count(Part):
     """`capacity.+x.mechanism`: the mechanism that the capacity is of."""
 
     hinges: int = key("joints that turn")
-    sliding_joints: int = key("joints that slide", label=("Giunti in scorrimento", "Sliding joints"))
+    sliding_joints: int = key("joints that slide", "Giunti in scorrimento|Sliding joints")
 
 
 class VerticalCheck(Part):
     """`capacity.+x.vertical`: the linear check at SLV with 0.3 of the vertical component (NTC 2018, §7.2.2)."""
 
-    a_v_g: float = key("vertical acceleration S_ve(0)", "g", "a_v")
-    alpha_0: float = key("multiplier that activates the first mechanism under the lighter weights", "–")
-    a_0_star_g: float = key("a_0* of it", "g", "a_0*")
-    demand_a_star_g: float = key("what it is compared with", "g")
-    ratio: float = key("their ratio", "–", ("Rapporto", "Ratio"), null="not_determined", ratio=True)
+    a_v_g: float = key("vertical acceleration S_ve(0)", "a_v")
+    alpha_0: float = key("multiplier that activates the first mechanism under the lighter weights")
+    a_0_star_g: float = key("a_0* of it", "a_0*")
+    demand_a_star_g: float = key("what it is compared with")
+    ratio: float = key("their ratio", "Rapporto|Ratio", ratio=True)
     verified: bool = key("whether it is 1 or more")
     trace: list[Line] = key("its calculation")
 
@@ -139,16 +123,17 @@ class Capacity(_Checked):
 
     run: Run | None = optional("which run it is of; missing: not told")
     sliding: Sliding | None = optional(
-        "law of friction of its α_0: that of the curve, or the other one where its α_0 is lower and none was asked for"
+        "law of friction of its α_0: that of the curve, or the other one where its α_0 is lower and none was "
+        "asked for"
     )
     other_law: OtherLaw | None = optional("by the other law of friction, where α_0 differs by 1 % or more")
-    mechanism: Count = key("the mechanism", label=("Meccanismo", "Mechanism"))
-    alpha_0: float | None = optional("multiplier of the rigid mechanism", "–")
-    e_star: float = key("share of the mass that takes part, e*", "–")
-    gamma_star: float = key("participation factor Γ*", "–")
-    T_0_s: float | None = key("period of the elastic branch; null: the curve is rigid", "s", "T_0")
+    mechanism: Count = key("the mechanism", "Meccanismo|Mechanism")
+    alpha_0: float | None = optional("multiplier of the rigid mechanism")
+    e_star: float = key("share of the mass that takes part, e*")
+    gamma_star: float = key("participation factor Γ*")
+    T_0_s: float | None = key("period of the elastic branch; null: the curve is rigid", "T_0")
     model: str = key("fitted curve: trilinear, bilinear, none")
-    d_0_star_m: float | None = key("displacement where the capacity vanishes, d_0*", "m", "d_0*", shown="mm")
+    d_0_star_m: float | None = key("displacement where the capacity vanishes, d_0*", "d_0*", shown="mm")
     notes: list[Sentence] = key("what to know about the fitted curve")
     curve: CapacityCurve = key("capacity curve")
     trace: list[Line] = key("calculation of the curve")
@@ -176,7 +161,7 @@ class Governing(Part):
 
     direction: Direction = key("direction of the push")
     limit_state: str = key("which check")
-    ratio: float = key("a_g S borne per a_g S demanded", "–")
+    ratio: float = key("a_g S borne per a_g S demanded")
 
 
 class SafetyIndex(Part):
@@ -184,41 +169,39 @@ class SafetyIndex(Part):
 
     direction: Direction = key("direction of the push")
     limit_state: str = key("which check")
-    zeta_E: float = key("the index", "–")
+    zeta_E: float = key("the index")
 
 
 class Spectrum(Part):
     """`spectra.SLV`, …: the demand at a limit state."""
 
-    kind: Literal["ground", "floor", "record"] = key("whose spectrum", label=("Spettro", "Spectrum"))
-    a_g_g: float = key("a_g, or the peak of a record", "g")
-    S: float = key("S = S_S S_T; 1 for a record", "–")
-    pga_g: float | None = optional("S a_g, at the surface", "g")
+    kind: Literal["ground", "floor", "record"] = key("whose spectrum", "Spettro|Spectrum")
+    a_g_g: float = key("a_g, or the peak of a record")
+    S: float = key("S = S_S S_T; 1 for a record")
+    pga_g: float | None = optional("S a_g, at the surface")
     reference: str | None = optional("of a_g: rock, or surface for a record")
-    T_s: list[float] = key("periods", "s")
-    S_e_g: list[float] = key("accelerations at 5 % damping", "g", "S_e")
-    S_De_m: list[float] = key("displacements at 5 % damping", "m", "S_De", shown="mm")
-    damping: float = key("damping ratio of the check", "–")
-    damped_S_e_g: list[float] = key("accelerations at that damping", "g")
-    damped_S_De_m: list[float] = key("displacements at that damping", "m")
-    F0: float | None = optional("F_0 of the site", "–", "F_0")
-    Tc_star_s: float | None = optional("T_C* of the site", "s", "T_C*")
-    soil: str | None = optional("soil category", label=("Suolo", "Ground"))
-    topography: str | None = optional("topographic category", label=("Topografia", "Topography"))
-    T_B_s: float | None = optional("start of the plateau", "s", "T_B")
-    T_C_s: float | None = optional("end of the plateau", "s", "T_C")
-    T_D_s: float | None = optional("start of constant displacement", "s", "T_D")
-    return_period_years: float | None = optional(
-        "return period of the demand, where a grid gives the hazard", "years"
-    )
+    T_s: list[float] = key("periods")
+    S_e_g: list[float] = key("accelerations at 5 % damping", "S_e")
+    S_De_m: list[float] = key("displacements at 5 % damping", "S_De", shown="mm")
+    damping: float = key("damping ratio of the check")
+    damped_S_e_g: list[float] = key("accelerations at that damping")
+    damped_S_De_m: list[float] = key("displacements at that damping")
+    F0: float | None = optional("F_0 of the site", "F_0")
+    Tc_star_s: float | None = optional("T_C* of the site", "T_C*")
+    soil: str | None = optional("soil category", "Suolo|Ground")
+    topography: str | None = optional("topographic category", "Topografia|Topography")
+    T_B_s: float | None = optional("start of the plateau", "T_B")
+    T_C_s: float | None = optional("end of the plateau", "T_C")
+    T_D_s: float | None = optional("start of constant displacement", "T_D")
+    return_period_years: float | None = optional("return period of the demand, where a grid gives the hazard")
     trace: list[Line] | None = optional("its calculation")
 
 
 class GivenMacroBlock(Part):
     """`mechanisms[].macro_blocks[]`: a macro-block of a mechanism of the user's."""
 
-    about_m: Point = key("centre of rotation: x, z", "m")
-    rotation: float = key("virtual rotation, anticlockwise", "rad")
+    about_m: Point = key("centre of rotation: x, z")
+    rotation: float = key("virtual rotation, anticlockwise", unit="rad")
     blocks: list[int] = key("numbers of its blocks")
 
 
@@ -227,31 +210,23 @@ class GivenMechanism(_Checked):
 
     name: str = key("name in the project file")
     state: str = key("state that it starts from")
-    refused: Sentence | None = optional(
-        "why it cannot move as given", label=("Rifiutato perché", "Refused because")
-    )
+    refused: Sentence | None = optional("why it cannot move as given", "Rifiutato perché|Refused because")
     direction: Direction | None = optional("direction of the loads that start it")
-    alpha_0: float | None = optional("multiplier by virtual work", "–")
+    alpha_0: float | None = optional("multiplier by virtual work")
     alpha_0_limit: float | None = optional(
-        "α_0 of its state in that direction; null: not known",
-        "–",
-        ("α_0 analisi limite", "α_0 limit analysis"),
+        "α_0 of its state in that direction; null: not known", "α_0 analisi limite|α_0 limit analysis"
     )
-    e_star: float | None = optional("share of the mass that takes part", "–")
-    gamma_star: float | None = optional("participation factor Γ* of its control point", "–")
-    control_m: Point | None = optional("the point whose displacement is followed, in its state: x, z", "m")
-    a_0_star_g: float | None = optional("acceleration that starts it, divided by the confidence factor", "g")
-    d_0_m: float | None = optional(
-        "displacement of that point where α = 0; null: not found, `notes` say why", "m"
-    )
-    d_0_star_m: float | None = optional("the same of the equivalent oscillator", "m")
+    e_star: float | None = optional("share of the mass that takes part")
+    gamma_star: float | None = optional("participation factor Γ* of its control point")
+    control_m: Point | None = optional("the point whose displacement is followed, in its state: x, z")
+    a_0_star_g: float | None = optional("acceleration that starts it, divided by the confidence factor")
+    d_0_m: float | None = optional("displacement of that point where α = 0; null: not found, `notes` say why")
+    d_0_star_m: float | None = optional("the same of the equivalent oscillator")
     curve: CapacityCurve | None = optional("capacity curve of its finite motion; null: not found")
-    moving_weight_kN: float | None = optional("seismic weight that moves", "kN")
-    macro_blocks: list[GivenMacroBlock] | None = optional(
-        "its macro-blocks", label=("Macroblocchi", "Macro-blocks")
-    )
-    displacements: Configuration | None = optional("x, z, ω of each block, the largest being 1 m", "m, rad")
-    penetration: float | None = optional("deepest penetration per largest displacement", "–")
+    moving_weight_kN: float | None = optional("seismic weight that moves")
+    macro_blocks: list[GivenMacroBlock] | None = optional("its macro-blocks", "Macroblocchi|Macro-blocks")
+    displacements: Configuration | None = optional("x, z, ω of each block, the largest being 1 m")
+    penetration: float | None = optional("deepest penetration per largest displacement")
     sliding_joints: list[int] | None = optional("numbers of the joints that slide")
     met: list[Face] | None = optional("pairs of faces that touch in its state and not as drawn")
     notes: list[Sentence] | None = optional("what to know about it")
@@ -266,50 +241,36 @@ class GivenMechanism(_Checked):
 class ComparisonRow(Part):
     """`comparison[]`: a settled state beside the original one."""
 
-    state: str = key("the settled state", label=("Stato", "State"))
-    direction: Direction | None = key(
-        "direction of the push; null: no pushover", label=("Direzione", "Direction")
-    )
+    state: str = key("the settled state", "Stato|State")
+    direction: Direction | None = key("direction of the push; null: no pushover", "Direzione|Direction")
     limit_state: str | None = key(
-        "the farthest one checked, of which the static capacity is", label=("Stato limite", "Limit state")
+        "the farthest one checked, of which the static capacity is", "Stato limite|Limit state"
     )
     static_pga_g: float | None = key(
         "capacity of the state as PGA at the surface, S a_g, with F_C",
-        "g",
-        ("PGA statica", "PGA, static"),
+        "PGA statica|PGA, static",
         null="not_determined",
         ground="surface",
     )
     static_reduction: float | None = key(
-        "1 − PGA(settled)/PGA(original) of it",
-        "–",
-        ("Riduzione statica", "Reduction, static"),
-        shown="%",
-        change=True,
-        null="not_determined",
+        "1 − PGA(settled)/PGA(original) of it", "Riduzione statica|Reduction, static", change=True
     )
     dynamic_pga_g: float | None = key(
-        "PGA at collapse of the state", "g", ("PGA dinamica", "PGA, dynamic"), ground="surface"
+        "PGA at collapse of the state", "PGA dinamica|PGA, dynamic", ground="surface"
     )
     dynamic_reduction: float | None = key(
-        "1 − PGA(settled)/PGA(original)",
-        "–",
-        ("Riduzione dinamica", "Reduction, dynamic"),
-        shown="%",
-        change=True,
-        null="not_determined",
+        "1 − PGA(settled)/PGA(original)", "Riduzione dinamica|Reduction, dynamic", change=True
     )
     static_reference: str | None = optional("of the static capacity: surface")
     dynamic_reference: str | None = optional("of the dynamic capacity: surface")
     static_surface_pga_g: float | None = optional(
         "static capacity with F_C = 1, as the dynamic one has none",
-        "g",
-        ("PGA statica, F_C = 1", "PGA static, F_C = 1"),
+        "PGA statica, F_C = 1|PGA static, F_C = 1",
         null="not_determined",
         ground="surface",
     )
     dynamic_to_static: float | None = optional(
-        "dynamic capacity over that", "–", ("Dinamica / statica", "Dynamic / static")
+        "dynamic capacity over that", "Dinamica / statica|Dynamic / static"
     )
 
 
@@ -319,24 +280,21 @@ class StrengtheningRow(Part):
     state: str = key("the strengthened state")
     of: str = key("the state before")
     direction: Direction | None = key("direction of the push; null: no pushover")
-    alpha_0_before: float | None = optional("α_0, rigid joints, before", "–")
-    alpha_0: float | None = optional("α_0 afterwards", "–")
-    d_0_before_m: float | None = optional("displacement capacity d_0 before", "m")
-    d_0_m: float | None = optional("d_0 afterwards", "m")
-    alpha_u_before: float | None = optional("α_u, elastic joints, before", "–")
-    alpha_u: float | None = optional("α_u afterwards", "–")
+    alpha_0_before: float | None = optional("α_0, rigid joints, before")
+    alpha_0: float | None = optional("α_0 afterwards")
+    d_0_before_m: float | None = optional("displacement capacity d_0 before")
+    d_0_m: float | None = optional("d_0 afterwards")
+    alpha_u_before: float | None = optional("α_u, elastic joints, before")
+    alpha_u: float | None = optional("α_u afterwards")
     limit_state: str | None = optional("limit state of a_g and ζ_E: SLV where it was checked")
-    a_g_before_g: float | None = optional("capacity a_g before", "g")
-    a_g_g: float | None = optional("capacity a_g afterwards", "g")
-    zeta_E_before: float | None = optional("ratio to the demand before", "–")
-    zeta_E: float | None = optional("ratio to the demand afterwards", "–")
-    dynamic_pga_before_g: float | None = optional("PGA at collapse before", "g")
-    dynamic_pga_g: float | None = optional("PGA at collapse afterwards", "g")
+    a_g_before_g: float | None = optional("capacity a_g before")
+    a_g_g: float | None = optional("capacity a_g afterwards")
+    zeta_E_before: float | None = optional("ratio to the demand before")
+    zeta_E: float | None = optional("ratio to the demand afterwards")
+    dynamic_pga_before_g: float | None = optional("PGA at collapse before")
+    dynamic_pga_g: float | None = optional("PGA at collapse afterwards")
     gain: float | None = key(
         "after/before − 1: of a_g, else of α_0, α_u or the PGA at collapse",
-        "–",
-        ("Incremento", "Increase"),
-        shown="%",
+        "Incremento|Increase",
         change=True,
-        null="not_determined",
     )

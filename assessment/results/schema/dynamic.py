@@ -15,46 +15,45 @@ class Motion(Part):
     """`motions[]`: a record as it shakes the base, thinned for figures."""
 
     name: str = key("name of the record")
-    pga_g: float = key("largest acceleration in the window, scale included", "g")
-    scale: float = key("factor on the record", "–")
-    window_s: Point = key("start and end in the file", "s")
-    time_s: list[float] = key("times in the file", "s", ("Tempo", "Time"))
+    pga_g: float = key("largest acceleration in the window, scale included")
+    scale: float = key("factor on the record")
+    window_s: Point = key("start and end in the file")
+    time_s: list[float] = key("times in the file", "Tempo|Time")
     acceleration_g: list[float] = key(
-        "accelerations, positive along x", "g", ("Accelerazione", "Acceleration"), ground="surface"
+        "accelerations, positive along x", "Accelerazione|Acceleration", ground="surface"
     )
-    T_s: list[float] = key("periods of the spectrum", "s")
-    S_a_g: list[float] = key("accelerations at 5 % damping", "g", "S_a", ground="surface")
-    S_d_m: list[float] = key("displacements at 5 % damping", "m")
+    T_s: list[float] = key("periods of the spectrum")
+    S_a_g: list[float] = key("accelerations at 5 % damping", "S_a", ground="surface")
+    S_d_m: list[float] = key("displacements at 5 % damping")
     vertical: bool = key("whether a vertical record shakes too")
 
 
 class Course(Part):
     """`curve`: horizontal displacement of the control point from the state's own rest, thinned."""
 
-    time_s: list[float] = key("times in the record's file", "s")
-    displacement_m: list[float] = key("displacement along x", "m")
+    time_s: list[float] = key("times in the record's file")
+    displacement_m: list[float] = key("displacement along x")
 
 
 class Band(Part):
     """`band`: between what displacements all members of an ensemble are, at the times of `curve`."""
 
-    low_m: list[float] = key("least displacement", "m")
-    high_m: list[float] = key("largest displacement", "m")
+    low_m: list[float] = key("least displacement")
+    high_m: list[float] = key("largest displacement")
 
 
 class Snapshots(Part):
     """`snapshots`: where the blocks are at some times; joints as in `frames` of a static path."""
 
-    time_s: list[float] = key("times in the record's file", "s")
-    displacement_m: list[float] = key("of the control point along x", "m")
-    configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
-    force_kN: list[list[Point] | None] = key("N and T of each joint; null: not known", "kN")
-    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
+    time_s: list[float] = key("times in the record's file")
+    displacement_m: list[float] = key("of the control point along x")
+    configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
+    force_kN: list[list[Point] | None] = key("N and T of each joint; null: not known")
+    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle")
     met: list[Face] = key("none: joints of the drawing only")
     tie_kN: list[list[float] | None] | None = optional(
-        "tension of each tie of the state, those that are set there last; null: rigid joints do not determine it; "
-        "missing: no tie",
-        "kN",
+        "tension of each tie of the state, those that are set there last; null: rigid joints do not determine "
+        "it; missing: no tie"
     )
 
 
@@ -62,75 +61,68 @@ class ShakenTie(Part):
     """`ties[]` of a history: the tension of a tie while the base moves."""
 
     tie: str = key("name of the tie")
-    greatest_kN: float | None = key("greatest tension; null: rigid joints do not determine it", "kN")
-    time_s: float | None = key("when that is, in the record's file; null: likewise", "s")
+    greatest_kN: float | None = key("greatest tension; null: rigid joints do not determine it")
+    time_s: float | None = key("when that is, in the record's file; null: likewise")
     yields: bool = key("whether it reaches the yield force")
 
 
 class AnimationFrames(Part):
     """`frames` of a history: configurations at equal times, for the GIF."""
 
-    time_s: list[float] = key("times in the record's file", "s")
-    configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
+    time_s: list[float] = key("times in the record's file")
+    configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
 
 
 class Energy(Part):
     """`energy`: the balance of a motion from its beginning to its end."""
 
-    kinetic_kNm: float = key("change of the kinetic energy", "kNm", ("Cinetica", "Kinetic"))
-    potential_kNm: float = key(
-        "change of the potential energy of the weights", "kNm", ("Potenz.", "Potential")
-    )
-    elastic_kNm: float = key("change of what the joints store", "kNm", ("Elastica", "Elastic"))
-    input_kNm: float = key("work of the base's motion", "kNm", ("Immessa", "Input"))
-    friction_kNm: float = key(
-        "dissipated by friction, crushing and ties that yield", "kNm", ("Attrito", "Friction")
-    )
-    impact_kNm: float = key("dissipated at impacts", "kNm", ("Urti", "Impacts"))
-    viscous_kNm: float = key("dissipated by viscous damping", "kNm", ("Viscosa", "Viscous"))
-    integrator_kNm: float = key("taken by the integrator itself", "kNm", ("Integraz.", "Integration"))
-    residual_kNm: float = key("what does not balance", "kNm", ("Residuo", "Open"))
+    kinetic_kNm: float = key("change of the kinetic energy", "Cinetica|Kinetic")
+    potential_kNm: float = key("change of the potential energy of the weights", "Potenz.|Potential")
+    elastic_kNm: float = key("change of what the joints store", "Elastica|Elastic")
+    input_kNm: float = key("work of the base's motion", "Immessa|Input")
+    friction_kNm: float = key("dissipated by friction, crushing and ties that yield", "Attrito|Friction")
+    impact_kNm: float = key("dissipated at impacts", "Urti|Impacts")
+    viscous_kNm: float = key("dissipated by viscous damping", "Viscosa|Viscous")
+    integrator_kNm: float = key("taken by the integrator itself", "Integraz.|Integration")
+    residual_kNm: float = key("what does not balance", "Residuo|Open")
 
 
 class History(Part):
     """`history[]`: one record from the state at rest; without a start only the reason is there."""
 
-    record: str = key("name of the record", label=("Accelerogramma", "Record"))
-    pga_g: float = key("its largest acceleration in the window, scale included", "g")
-    scale: float = key("factor on the record", "–")
-    time_step_s: float = key("time step", "s")
-    contacts: str = key("rigid or elastic", label=("Contatti", "Contacts"))
-    integrator: str | None = key("integrator used", label=("Integrazione", "Integration"))
-    amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it", "–")
-    control: str = key("control point", label=("Controllo", "Control"))
+    record: str = key("name of the record", "Accelerogramma|Record")
+    pga_g: float = key("its largest acceleration in the window, scale included")
+    scale: float = key("factor on the record")
+    time_step_s: float = key("time step")
+    contacts: str = key("rigid or elastic", "Contatti|Contacts")
+    integrator: str | None = key("integrator used", "Integrazione|Integration")
+    amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it")
+    control: str = key("control point", "Controllo|Control")
     peak_displacement_m: float | None = key(
-        "largest displacement of the control point, either way", "m", ("Picco", "Peak"), shown="mm"
+        "largest displacement of the control point, either way", "Picco|Peak", shown="mm"
     )
     residual_displacement_m: float | None = key(
-        "displacement at the end; null: collapse", "m", ("Alla fine", "At the end"), shown="mm"
+        "displacement at the end; null: collapse", "Alla fine|At the end", shown="mm"
     )
-    collapsed: bool | None = key(
-        "whether it ends in collapse; null: not computed", label=("Collasso", "Collapse")
-    )
+    collapsed: bool | None = key("whether it ends in collapse; null: not computed", "Collasso|Collapse")
     time_of_collapse_s: float | None = key(
-        "when, in the record's file; null: it stands", "s", ("t di collasso", "t of collapse")
+        "when, in the record's file; null: it stands", "t di collasso|t of collapse"
     )
     reason: Sentence | None = key("of the collapse, or why it was not computed")
-    sustained_displacement_m: float | None = optional("largest one from which the structure came back", "m")
-    time_of_peak_s: float | None = optional("when that is", "s")
+    sustained_displacement_m: float | None = optional("largest one from which the structure came back")
+    time_of_peak_s: float | None = optional("when that is")
     free_motion_from_s: float | None = optional(
-        "when the record ends, where motion goes on; null: it does not", "s"
+        "when the record ends, where motion goes on; null: it does not"
     )
     curve: Course | None = optional("displacement in time")
     snapshots: Snapshots | None = optional("some of its configurations")
-    peak_configuration: Configuration | None = optional("at `time_of_peak_s`", "m, rad")
-    final_configuration: Configuration | None = optional("at the end", "m, rad")
+    peak_configuration: Configuration | None = optional("at `time_of_peak_s`")
+    final_configuration: Configuration | None = optional("at the end")
     energy: Energy | None = optional("its energies")
     integrator_chosen: str | None = optional("why that integrator")
     integrator_share: float | None = optional(
         "what the integrator took, over the energy turned over",
-        "–",
-        ("Quota integraz.", "Integrator’s share"),
+        "Quota integraz.|Integrator’s share",
         shown="%",
     )
     steps: int | None = optional("time steps")
@@ -140,15 +132,13 @@ class History(Part):
     iterations: int | None = optional("their iterations")
     halvings: int | None = optional("halvings of the time step where a step was not solved")
     notes: list[Sentence] | None = optional("what to know about it")
-    seconds: float | None = optional("computing time", "s")
+    seconds: float | None = optional("computing time", unit="s")
     frames: AnimationFrames | None = optional("for the animation")
     ties: list[ShakenTie] | None = optional("tension of the ties of the state; missing: no tie")
-    members: int | None = optional("members of the ensemble that were run", label=("Membri", "Members"))
-    members_collapsed: int | None = optional(
-        "members that collapse", label=("Di cui collassano", "Of which collapse")
-    )
-    peak_displacement_m_range: Range | None = optional("of the members' peaks; null: a collapse", "m")
-    peak_displacement_median_m: float | None = optional("median of the members; null: a collapse", "m")
+    members: int | None = optional("members of the ensemble that were run", "Membri|Members")
+    members_collapsed: int | None = optional("members that collapse", "Di cui collassano|Of which collapse")
+    peak_displacement_m_range: Range | None = optional("of the members' peaks; null: a collapse")
+    peak_displacement_median_m: float | None = optional("median of the members; null: a collapse")
     band: Band | None = optional("where all members are")
 
 
@@ -156,23 +146,23 @@ class MemberCurve(Course):
     """`curves[]`: horizontal displacement of the control point in a motion, from rest, thinned."""
 
     member: int = key("its number, 1: the record itself")
-    factor: float = key("on the level, 1 of the record itself", "–")
+    factor: float = key("on the level, 1 of the record itself")
 
 
 class Level(Part):
     """`points[]` of a record: what its motions come to at one PGA."""
 
-    pga_g: float = key("level", "g")
-    peak_displacement_m: float | None = key("largest peak; null: a collapse", "m")
-    peak_displacement_m_range: Range = key("least and largest peak; null: a collapse", "m")
-    residual_displacement_m: float | None = key("largest at the end; null: a collapse", "m")
+    pga_g: float = key("level")
+    peak_displacement_m: float | None = key("largest peak; null: a collapse")
+    peak_displacement_m_range: Range = key("least and largest peak; null: a collapse")
+    residual_displacement_m: float | None = key("largest at the end; null: a collapse")
     members: int = key("motions that were run: one, of stripes up to `scatter`")
     members_collapsed: int = key("motions that collapse")
     collapsed: bool = key("whether any collapses")
-    time_of_collapse_s: float | None = key("of the first to collapse", "s")
+    time_of_collapse_s: float | None = key("of the first to collapse")
     reason: Sentence | None = key("of its collapse")
     integrator_share: float | None = key(
-        "what the integrator took, over the energy turned over: the largest of the motions", "–"
+        "what the integrator took, over the energy turned over: the largest of the motions"
     )
     curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
 
@@ -198,32 +188,27 @@ class Scanned(Part):
 
     pga_collapse_g: float | None = key(
         "what counts: P = 16 % in the lowest bracket, or of the probit where that is lower; null: no collapse",
-        "g",
-        ("PGA al collasso", "PGA at collapse"),
+        "PGA al collasso|PGA at collapse",
         ground="surface",
     )
     pga_safe_g: float | None = key(
         "largest level run below at which it stands; null: not completed",
-        "g",
-        ("PGA sopportata", "Withstood"),
+        "PGA sopportata|Withstood",
         ground="surface",
     )
     lowest_collapse_g: float | None = key(
-        "lowest level run that collapses; null: none",
-        "g",
-        ("Collasso più basso", "Lowest collapse"),
-        ground="surface",
+        "lowest level run that collapses; null: none", "Collasso più basso|Lowest collapse", ground="surface"
     )
-    level_16_g: float | None = key("P = 16 %", "g", ("Livello 16 %", "Level of 16 %"), ground="surface")
-    level_50_g: float | None = key("P = 50 %", "g", ("Livello 50 %", "Level of 50 %"), ground="surface")
-    level_84_g: float | None = key("P = 84 %", "g", ("Livello 84 %", "Level of 84 %"), ground="surface")
-    beta: float | None = key("of the probit; 0: no level above a collapse stands", "–")
-    widest_gap_g: Range | None = key("the two levels widest apart, from 0.7 of the lowest collapse on", "g")
-    time_step_s: float | None = key("time step of the levels; null: not completed", "s")
-    resurrections_g: list[float] = key("levels above the lowest collapse at which the structure stands", "g")
-    runs: int = key("motions computed", label=("Analisi", "Runs"))
+    level_16_g: float | None = key("P = 16 %", "Livello 16 %|Level of 16 %", ground="surface")
+    level_50_g: float | None = key("P = 50 %", "Livello 50 %|Level of 50 %", ground="surface")
+    level_84_g: float | None = key("P = 84 %", "Livello 84 %|Level of 84 %", ground="surface")
+    beta: float | None = key("of the probit; 0: no level above a collapse stands")
+    widest_gap_g: Range | None = key("the two levels widest apart, from 0.7 of the lowest collapse on")
+    time_step_s: float | None = key("time step of the levels; null: not completed")
+    resurrections_g: list[float] = key("levels above the lowest collapse at which the structure stands")
+    runs: int = key("motions computed", "Analisi|Runs")
     points: list[Level] = key("every level that was run")
-    reason: Sentence | None = key("why there is no answer", label=("Motivo", "Reason"))
+    reason: Sentence | None = key("why there is no answer", "Motivo|Reason")
     notes: list[Sentence] = key("warnings of the motions, each with how many of them have it")
     counts: Counts | None = key("what the motions cost; null: none was run")
 
@@ -241,44 +226,42 @@ class Search(Scanned):
     """`incremental.records[]`: the PGA at collapse of one record; the numbers are those of the worse sign."""
 
     record: str = key("name of the record")
-    record_pga_g: float = key(
-        "its own PGA", "g", ("PGA dell’accelerogramma", "PGA of the record"), ground="surface"
-    )
+    record_pga_g: float = key("its own PGA", "PGA dell’accelerogramma|PGA of the record", ground="surface")
     sign: int | None = key("the sign that counts: 1, as in the file, or −1; null: not known")
     pga_collapse_g_range: Range | None = optional(
-        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", "g"
+        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached"
     )
     signs: list[SignScan] = key("both signs of the record")
-    seconds: float | None = optional("computing time", "s")
+    seconds: float | None = optional("computing time", unit="s")
 
 
 class MeasureFit(Part):
     """`measures[]`: the level at collapse by a measure of intensity; the smaller β, the more efficient the measure."""
 
-    measure: str = key("PGA, PGV, Sa(T) or AvgSa", label=("Misura", "Measure"))
+    measure: str = key("PGA, PGV, Sa(T) or AvgSa", "Misura|Measure")
     unit: str = key("g or m/s")
-    period_s: float | None = key("T of Sa(T); null: none", "s")
-    median: float | None = key("median, in `unit`", "g or m/s")
-    beta: float | None = key("standard deviation of its logarithm", "–")
+    period_s: float | None = key("T of Sa(T); null: none")
+    median: float | None = key("median, in `unit`", unit="g or m/s")
+    beta: float | None = key("standard deviation of its logarithm")
 
 
 class Fragility(Part):
     """`fragility`: lognormal distribution of the PGA at collapse."""
 
-    median_g: float = key("median", "g")
+    median_g: float = key("median")
     dispersion: float = key(
-        "standard deviation of ln PGA, β: of records and within them", "–", ("Dispersione β", "Dispersion β")
+        "standard deviation of ln PGA, β: of records and within them", "Dispersione β|Dispersion β"
     )
-    records: int = key("records that it is of", label=("Accelerogrammi", "Records"))
+    records: int = key("records that it is of", "Accelerogrammi|Records")
     censored: int = key("observations (record and sign) without collapse: lower bounds")
-    beta_record: float | None = key("β of the 50 % levels of the records", "–")
-    beta_ensemble: float | None = key("β of the levels of one record, the root of the mean square", "–")
-    level_16_g: float | None = key("level of which 16 % collapse", "g")
-    level_84_g: float | None = key("level of which 84 % collapse", "g")
-    median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "g")
-    beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", "–")
+    beta_record: float | None = key("β of the 50 % levels of the records")
+    beta_ensemble: float | None = key("β of the levels of one record, the root of the mean square")
+    level_16_g: float | None = key("level of which 16 % collapse")
+    level_84_g: float | None = key("level of which 84 % collapse")
+    median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
+    beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records")
     band: list[Bound] | None = optional(
-        "probability, and the 95 % bounds of the level that has it; empty: few records", "–, g"
+        "probability, and the 95 % bounds of the level that has it; empty: few records", unit="–, g"
     )
     measures: list[MeasureFit] = key("the same levels by other measures of the records")
 
@@ -286,14 +269,12 @@ class Fragility(Part):
 class Loss(Part):
     """1 − level at collapse after / before: the median over records and signs, of the 50 % level of each."""
 
-    dynamic: float | None = key("median of the records, of the 50 % level of each; null: not known", "–")
-    dynamic_range: Range = key(
-        "95 % of the bootstrap, with what each level is known to; null: not known", "–"
-    )
+    dynamic: float | None = key("median of the records, of the 50 % level of each; null: not known")
+    dynamic_range: Range = key("95 % of the bootstrap, with what each level is known to; null: not known")
     distinguishable: bool | None = key(
-        "whether the range leaves zero out; null: no range", label=("Da una perdita nulla", "From no loss")
+        "whether the range leaves zero out; null: no range", "Da una perdita nulla|From no loss"
     )
-    left_out: int = key("combinations that are not known on both sides", label=("Escluse", "Left out"))
+    left_out: int = key("combinations that are not known on both sides", "Escluse|Left out")
 
 
 class Incremental(Part):
@@ -301,18 +282,18 @@ class Incremental(Part):
 
     records: list[Search] | None = optional("the records")
     mean_pga_collapse_g: float | None = optional(
-        "mean of the records; null: one is open", "g", ("Media", "Mean"), ground="surface"
+        "mean of the records; null: one is open", "Media|Mean", ground="surface"
     )
     lowest_pga_collapse_g: float | None = optional(
-        "lowest of the records; null: an open one may be lower", "g", ("Minima", "Lowest"), ground="surface"
+        "lowest of the records; null: an open one may be lower", "Minima|Lowest", ground="surface"
     )
     rule: str | None = optional(
         "what counts: the mean of seven records or more, the lowest of three to six; null: fewer, §7.3.5 gives none"
     )
-    pga_collapse_g: float | None = optional("what counts, without a rule the lowest; null: open", "g")
+    pga_collapse_g: float | None = optional("what counts, without a rule the lowest; null: open")
     directions: dict[str, float | None] | None = optional(
-        "the same of one sign of the records: +x as in the file, −x the other; null: open", "g"
+        "the same of one sign of the records: +x as in the file, −x the other; null: open", unit="g"
     )
     loss: Loss | None = optional("against the original state, of a settled one as in `campaign.loss`")
     fragility: Fragility | None = optional("distribution; null: fewer than two records collapse")
-    pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all levels collapse", "g")
+    pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all levels collapse")

@@ -11,20 +11,19 @@ class Tie(Part):
     """`model.ties[]`: a tie rod as drawn."""
 
     name: str = key("name in the project file")
-    start_m: Point = key("one end: x, z", "m")
-    end_m: Point = key("the other end: x, z", "m")
+    start_m: Point = key("one end: x, z")
+    end_m: Point = key("the other end: x, z")
     blocks: list[int] = key("numbers of the blocks that hold its ends")
     yield_force_kN: float | None = key(
         "tension at which it lengthens without bearing more; null: none",
-        "kN",
-        ("Tiro di snervamento", "Yield force"),
+        "Tiro di snervamento|Yield force",
         null="none",
     )
     stiffness_kN_m: float | None = key(
-        "stiffness of the whole tie; null: rigid", "kN/m", ("Rigidezza", "Stiffness"), null="none"
+        "stiffness of the whole tie; null: rigid", "Rigidezza|Stiffness", null="none"
     )
-    pretension_kN: float = key("tension when it is set", "kN", ("Pretensione", "Pretension"))
-    states: list[str] = key("states in which it is there", label=("Stati", "States"))
+    pretension_kN: float = key("tension when it is set", "Pretensione|Pretension")
+    states: list[str] = key("states in which it is there", "Stati|States")
     set_in: list[str] = key("of these, strengthened ones in which it is set after the movement")
 
 
@@ -39,7 +38,7 @@ class ModelSummary(Part):
         "contact points of the paper's discretisation; analysed with `segments_per_joint` only"
     )
     contact_points: int = key("the same, for scripts that read it by this name")
-    weight_kN: float = key("weight of the movable blocks with their vertical loads", "kN")
+    weight_kN: float = key("weight of the movable blocks with their vertical loads")
     self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
     warnings: list[Sentence] = key("what is odd in the drawing")
     ties: list[Tie] | None = optional("tie rods; missing: none")
@@ -48,42 +47,40 @@ class ModelSummary(Part):
 class Block(Part):
     """`geometry.blocks[]`: a block as drawn; the number of a block is its place in this list, from 0."""
 
-    vertices_m: list[Point] = key("corners, anticlockwise: x, z", "m")
-    centroid_m: Point = key("centroid as drawn: x, z", "m")
-    depth_m: float = key("depth out of plane", "m", ("Spessore", "Depth"))
-    layer: str = key("layer of the drawing", label="Layer")
+    vertices_m: list[Point] = key("corners, anticlockwise: x, z")
+    centroid_m: Point = key("centroid as drawn: x, z")
+    depth_m: float = key("depth out of plane", "Spessore|Depth")
+    layer: str = key("layer of the drawing", "Layer")
     handle: str = key("handle of its polyline in the drawing")
     region: str | None = optional("region of the project that it lies in; null: none")
     support: str | None = key("name of the support that it belongs to; null: it moves")
     vertical_load_kN: float = key(
-        "load at its centroid, downward: G_2 + ψ₂ Q", "kN", ("Carico G_2 + ψ_2 Q", "Load G_2 + ψ_2 Q")
+        "load at its centroid, downward: G_2 + ψ₂ Q", "Carico G_2 + ψ_2 Q|Load G_2 + ψ_2 Q"
     )
-    weight_kN: float = key("own weight with the vertical load", "kN", "W")
+    weight_kN: float = key("own weight with the vertical load", "W")
 
 
 class LayerLoads(Part):
     """`loads[]`: vertical loads of the blocks of a layer, G_1 + G_2 + ψ₂ Q (NTC 2018, §2.5.3)."""
 
     layer: str = key("layer of the drawing")
-    blocks: int = key("its blocks", label=("Blocchi", "Blocks"))
-    own_weight_kN: float = key("G_1, of the stone", "kN", ("Peso proprio G_1", "Own weight G_1"))
-    permanent_load_kN: float = key(
-        "G_2, loads of the project file", "kN", ("Permanenti G_2", "Permanent G_2")
-    )
-    variable_load_kN: float = key("Q, characteristic", "kN", ("Variabili Q", "Variable Q"))
+    blocks: int = key("its blocks", "Blocchi|Blocks")
+    own_weight_kN: float = key("G_1, of the stone", "Peso proprio G_1|Own weight G_1")
+    permanent_load_kN: float = key("G_2, loads of the project file", "Permanenti G_2|Permanent G_2")
+    variable_load_kN: float = key("Q, characteristic", "Variabili Q|Variable Q")
     use_category: str | None = key(
-        "category of Q, NTC 2018 Tab. 2.5.I; null: not given", label=("Categoria", "Category")
+        "category of Q, NTC 2018 Tab. 2.5.I; null: not given", "Categoria|Category"
     )
-    psi_2: float | None = key("its ψ₂; null: no variable load", "–", "ψ_2")
-    combined_kN: float = key("G_1 + G_2 + ψ₂ Q", "kN", "G_1 + G_2 + ψ_2 Q")
-    seismic_weight_kN: float = key("what of it is seismic mass", "kN", "W_s")
+    psi_2: float | None = key("its ψ₂; null: no variable load", "ψ_2")
+    combined_kN: float = key("G_1 + G_2 + ψ₂ Q", "G_1 + G_2 + ψ_2 Q")
+    seismic_weight_kN: float = key("what of it is seismic mass", "W_s")
 
 
 class Control(Part):
     """`geometry.controls[]`: a control point."""
 
     name: str = key("name in the project file")
-    point_m: Point = key("x, z as drawn", "m")
+    point_m: Point = key("x, z as drawn")
     block: int = key("number of the block that it moves with")
 
 
@@ -91,21 +88,19 @@ class Face(Part):
     """A pair of faces that may press on each other."""
 
     blocks: list[int] = key("numbers of the two blocks")
-    middle_m: list[Point] = key("a point of the face of either block, from which slips count: x, z", "m")
-    faces_m: list[list[Point]] = key("start and end of the face of either block, as drawn: x, z", "m")
-    friction: float | None = key(
-        "coefficient of friction; null: it does not slide", "–", ("Attrito", "Friction")
-    )
-    depth_m: float = key("depth out of plane, the lesser of the two", "m")
+    middle_m: list[Point] = key("a point of the face of either block, from which slips count: x, z")
+    faces_m: list[list[Point]] = key("start and end of the face of either block, as drawn: x, z")
+    friction: float | None = key("coefficient of friction; null: it does not slide", "Attrito|Friction")
+    depth_m: float = key("depth out of plane, the lesser of the two")
     compressive_strength_kN_m2: float | None = key(
-        "strength; null: it does not crush", "kN/m²", ("Resistenza", "Strength"), shown="MPa"
+        "strength; null: it does not crush", "Resistenza|Strength", shown="MPa"
     )
 
 
 class Joint(Face):
     """`geometry.joints[]`: a joint of the drawing; its number is its place in this list, from 0."""
 
-    ends_m: list[Point] = key("the two ends of the joint as drawn: x, z", "m")
+    ends_m: list[Point] = key("the two ends of the joint as drawn: x, z")
 
 
 class Geometry(Part):
@@ -115,11 +110,11 @@ class Geometry(Part):
     controls: list[Control] = key("the control points, the default one first")
     joints: list[Joint] = key("the joints")
     origin_m: Point | None = optional(
-        "of a drawing far from (0, 0): where coordinates of hand checks count from", "m"
+        "of a drawing far from (0, 0): where coordinates of hand checks count from"
     )
-    cracks_m: list[list[Point]] | None = optional("surveyed cracks of the drawing, lines: x, z", "m")
-    joint_tolerance_m: float = key("edges closer than this form a joint", "m")
-    gravity_m_s2: float = key("acceleration of gravity", "m/s²")
+    cracks_m: list[list[Point]] | None = optional("surveyed cracks of the drawing, lines: x, z")
+    joint_tolerance_m: float = key("edges closer than this form a joint")
+    gravity_m_s2: float = key("acceleration of gravity")
 
 
 class EchoedReport(Part):
@@ -143,7 +138,7 @@ class Echo(Part):
     """`echo`: the project file as it was read, defaults filled in; the keys of its tables are in `assesto schema`."""
 
     title: str = key("title of the project")
-    accuracy: str | float | None = optional("a name, or a relative tolerance", "–")
+    accuracy: str | float | None = optional("a name, or a relative tolerance")
     scatter: int | None = optional("members of each small ensemble")
     geometry: dict[str, Any] = key("[geometry]")
     material: dict[str, Any] = key("[material]")
@@ -179,19 +174,17 @@ class QualityRow(Part):
     """`quality.by_stage[]`: the worst certificate of the programs that an analysis solved."""
 
     state: str | None = key("state; null: of several")
-    stage: str = key("which analysis", label=("Fase", "Stage"))
-    solves: int = key("programs solved", label=("Problemi", "Programs"))
-    worst_equilibrium_residual: float = key(
-        "largest unbalanced force, per weight", "–", ("Equilibrio", "Equilibrium")
-    )
+    stage: str = key("which analysis", "Fase|Stage")
+    solves: int = key("programs solved", "Problemi|Programs")
+    worst_equilibrium_residual: float = key("largest unbalanced force, per weight", "Equilibrio|Equilibrium")
     worst_penetration_m: float | None = optional(
-        "deepest penetration of two blocks", "m", ("Compenetr.", "Penetration")
+        "deepest penetration of two blocks", "Compenetr.|Penetration"
     )
     worst_complementarity: float = key(
-        "largest product of a contact force and its gap, per weight and step", "–", "Complem."
+        "largest product of a contact force and its gap, per weight and step", "Complem."
     )
     worst_cone_violation: float | None = optional(
-        "largest force outside the friction cone, per weight", "–", ("Attrito", "Friction")
+        "largest force outside the friction cone, per weight", "Attrito|Friction"
     )
     lifting: int | None = optional(
         "points of curves solved with a dilation, where Coulomb's law was not; missing: none"
@@ -202,10 +195,10 @@ class Quality(Part):
     """`quality`: the certificates of all programs, and every warning of the run."""
 
     solves: int = key("programs solved in all")
-    worst_equilibrium_residual: float | None = optional("the worst of all analyses", "–")
-    worst_penetration_m: float | None = optional("the worst of all analyses", "m")
-    worst_complementarity: float | None = optional("the worst of all analyses", "–")
-    worst_cone_violation: float | None = optional("the worst of all analyses", "–")
+    worst_equilibrium_residual: float | None = optional("the worst of all analyses")
+    worst_penetration_m: float | None = optional("the worst of all analyses")
+    worst_complementarity: float | None = optional("the worst of all analyses")
+    worst_cone_violation: float | None = optional("the worst of all analyses")
     warnings: list[Sentence] = key("what the reader has to know")
     by_stage: list[QualityRow] = key("the same of every analysis")
 
@@ -213,14 +206,12 @@ class Quality(Part):
 class Line(Part):
     """A line of a calculation (`trace[]`): symbol = formula(inputs) = result."""
 
-    symbol: str = key("name of the result", label=("Simbolo", "Symbol"))
-    formula: str = key("plain arithmetic in the names of the inputs; empty: a datum", label="Formula")
-    inputs: dict[str, float] = key("the numbers put in", label=("Dati", "Data"))
-    result: float = key("the result", "that of `unit`", ("Risultato", "Result"))
+    symbol: str = key("name of the result", "Simbolo|Symbol")
+    formula: str = key("plain arithmetic in the names of the inputs; empty: a datum", "Formula")
+    inputs: dict[str, float] = key("the numbers put in", "Dati|Data")
+    result: float = key("the result", "Risultato|Result", unit="that of `unit`")
     unit: str = key("unit of the result")
-    paragraph: Sentence = key(
-        "paragraph of the standard, or source of a datum", label=("Riferimento", "Reference")
-    )
+    paragraph: Sentence = key("paragraph of the standard, or source of a datum", "Riferimento|Reference")
 
 
 __all__ = [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Self, TypeVar, get_args
+from typing import Annotated, Any, Self, TypeVar, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -32,8 +32,26 @@ Sentence = Annotated[str, WrapValidator(_kept)]
 """A sentence for people; a message keeps what it is made of."""
 
 
-Label = str | tuple[str, str]
-"""What a quantity is called in headings, α_0 or d_0*: in Italian and English, or in both alike."""
+UNITS = {
+    "_kN_m3": "kN/m³",
+    "_kN_m2": "kN/m²",
+    "_kN_m": "kN/m",
+    "_m_s2": "m/s²",
+    "_kNm": "kNm",
+    "_kN": "kN",
+    "_mm": "mm",
+}
+UNITS |= {
+    "_m": "m",
+    "_m2": "m²",
+    "_g": "g",
+    "_s": "s",
+    "_rad": "rad",
+    "_mrad": "mrad",
+    "_years": "years",
+    "_MPa": "MPa",
+}
+"""Of a quantity by the end of its name."""
 FACTORS = {("m", "mm"): 1000.0, ("–", "%"): 100.0, ("kN/m²", "MPa"): 0.001, ("rad", "mrad"): 1000.0}
 """From the unit of results.json to that of a report."""
 
@@ -97,13 +115,15 @@ class Part(BaseModel):
         """Enter the quantities that the fields describe. Raises ValueError for one that is described twice."""
         for name, field in cls.model_fields.items():
             extra = field.json_schema_extra
-            if not isinstance(extra, dict) or "label" not in extra or name not in cls.__annotations__:
+            if not isinstance(extra, dict) or name not in cls.__annotations__:
+                continue
+            if unit := extra.pop("unit", _unit(name, field.annotation)):
+                extra["unit"] = unit
+            if "label" not in extra:
                 continue
             if name in QUANTITIES:
                 raise ValueError(f"{cls.__name__}.{name}: described in another table too")
-            look: dict[str, Any] = {
-                key: value for key, value in extra.items() if key not in {"label", "unit"}
-            }
+            look: Any = {key: value for key, value in extra.items() if key not in {"label", "unit"}}
             words = not {float, int} & _kinds(field.annotation)
             label: Any = extra["label"]
             QUANTITIES[name] = Quantity(name, str(extra.get("unit", "")), label, words, **look)
@@ -116,19 +136,18 @@ class Part(BaseModel):
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | values)
 
 
-def key(meaning: str, unit: str = "", label: Label = "", *, alias: str | None = None, **look: Any) -> Any:
-    """Describe a key that is always there; `unit` where its name does not tell it, or tells it too.
+def key(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
+    """Describe a key that is always there; its unit is that of its name, – of other numbers, or `unit`.
 
-    `label` and `look`: see Quantity; a quantity that several tables have is labelled in one of them.
+    `label`: what the quantity is called in headings, in Italian and English ("Picco|Peak") or in both alike ("d_0*"); of
+    a quantity that several tables have in one of them. `look`: see Quantity.
     """
-    return Field(description=meaning, alias=alias, json_schema_extra=_extra(unit, label, look))
+    return Field(description=meaning, alias=alias, json_schema_extra=_extra(label, look))
 
 
-def optional(
-    meaning: str, unit: str = "", label: Label = "", *, alias: str | None = None, **look: Any
-) -> Any:
+def optional(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
     """Describe a key that is there only where it was asked for, or where it has a meaning; as `key`."""
-    return Field(default=None, description=meaning, alias=alias, json_schema_extra=_extra(unit, label, look))
+    return Field(default=None, description=meaning, alias=alias, json_schema_extra=_extra(label, look))
 
 
 def present(found: Mapping[Name, Value | None]) -> dict[Name, Value]:
@@ -153,9 +172,25 @@ def first_error(error: ValidationError) -> str:
     return f"{place or 'the whole'}: {wrong}{more}"
 
 
-def _extra(unit: str, label: Label, look: Mapping[str, Any]) -> dict[str, Any] | None:
-    found: dict[str, Any] = {"unit": unit} if unit else {}
-    if label:
-        italian, english = (label, label) if isinstance(label, str) else label
-        found |= {"label": {"it": italian, "en": english}, **look}
-    return found or None
+def _unit(name: str, annotation: Any) -> str:
+    """Return the unit that a name tells; of configurations, and of other numbers."""
+    stem = name.removesuffix("_range")
+    if ends := [end for end in UNITS if stem.endswith(end)]:
+        return UNITS[max(ends, key=len)]
+    if annotation in (Configuration, Configuration | None, list[Configuration]):
+        return "m, rad"
+    return (
+        "–"
+        if float in _kinds(annotation)
+        and dict not in {get_origin(each) for each in (annotation, *get_args(annotation))}
+        else ""
+    )
+
+
+def _extra(label: str, look: Mapping[str, Any]) -> dict[str, Any]:
+    italian, _, english = label.partition("|")
+    told: dict[str, Any] = {"label": {"it": italian, "en": english or italian}} if label else {}
+    if look.get("ground") == "rock" or look.get("ratio") or look.get("change"):
+        told["null"] = "not_determined"
+    told |= {"shown": "%"} if look.get("change") else {}
+    return told | dict(look)

@@ -14,7 +14,7 @@ Sliding = Literal["associative", "coulomb"]
 class Run(Part):
     """`run`: which run of an ensemble everything printed of a state and direction comes from, the governing one."""
 
-    increment_m: float = key("increment of the control point's displacement, or of a movement", "m")
+    increment_m: float = key("increment of the control point's displacement, or of a movement")
     member: int = key(
         "1: the run itself; more: a member with other increments and corners moved by 1e-7 of a block"
     )
@@ -23,74 +23,68 @@ class Run(Part):
 class TieTension(Part):
     """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
 
-    tie: str = key("name of the tie", label=("Catena", "Tie"))
+    tie: str = key("name of the tie", "Catena|Tie")
     rest_kN: float | None = key(
-        "where the path starts; null: rigid joints do not determine it",
-        "kN",
-        ("In quiete", "At rest"),
-        null="none",
+        "where the path starts; null: rigid joints do not determine it", "In quiete|At rest", null="none"
     )
     peak_kN: float | None = key(
         "where α_0 or α_u is reached, or the movement ends; null: not determined",
-        "kN",
-        ("A α_0, α_u", "At α_0, α_u"),
+        "A α_0, α_u|At α_0, α_u",
         null="none",
     )
     greatest_kN: float | None = key(
-        "greatest along the path, where determined; null: nowhere", "kN", ("Massimo", "Greatest"), null="none"
+        "greatest along the path, where determined; null: nowhere", "Massimo|Greatest", null="none"
     )
-    yields: bool = key("whether it reaches the yield force", label=("Snervata", "Yields"))
+    yields: bool = key("whether it reaches the yield force", "Snervata|Yields")
 
 
 class Frames(Part):
     """`frames`: where the blocks are at some points of a path, and what the joints carry there; for pictures."""
 
-    index: list[int] = key("which points of the path", label="ζ_E")
-    configuration: list[Configuration] = key("x, z, ω of each block against the drawing", "m, rad")
+    index: list[int] = key("which points of the path", "ζ_E")
+    configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
     force_kN: list[list[Point] | None] = key(
-        "N and T of each joint, those of the drawing and then `met`; null: not known", "kN"
+        "N and T of each joint, those of the drawing and then `met`; null: not known"
     )
-    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle", "–")
+    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle")
     met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
     tie_kN: list[list[float] | None] | None = optional(
-        "tension of each tie of the state, those that are set there last; null: not known; missing: no tie. With "
-        "rigid joints one of those that are possible, where `ties` has none",
-        "kN",
+        "tension of each tie of the state, those that are set there last; null: not known; missing: no tie. "
+        "With rigid joints one of those that are possible, where `ties` has none"
     )
 
 
 class LocalLoss(Part):
     """`local_loss`: the first joint of a path that bears and whose faces come to slide off each other."""
 
-    displacement_m: float = key("of the control point along the push, or of the movement of a support", "m")
-    joint: int = key("number of the joint", label=("Giunto", "Joint"))
+    displacement_m: float = key("of the control point along the push, or of the movement of a support")
+    joint: int = key("number of the joint", "Giunto|Joint")
     blocks: list[int] = key("numbers of its two blocks")
-    overlap_m: float = key("how far its faces overlap where the path starts", "m")
+    overlap_m: float = key("how far its faces overlap where the path starts")
 
 
 class PushdownPath(Part):
     """`pushdown.rigid`, `.elastic`: a support moves as the settlement asks, and on to collapse where asked for."""
 
-    movement_m: list[float] = key("largest component of the movement along the path", "m")
-    reaction_x_kN: list[float] = key("force of the moved support on the structure", "kN", "R_x")
-    reaction_z_kN: list[float] = key("the same, vertical", "kN", "R_z")
+    movement_m: list[float] = key("largest component of the movement along the path")
+    reaction_x_kN: list[float] = key("force of the moved support on the structure", "R_x")
+    reaction_z_kN: list[float] = key("the same, vertical", "R_z")
     ultimate_movement_m: float | None = key(
         "largest component of the movement at which the structure falls; null: not reached or not looked for",
-        "m",
-        ("Spostamento ultimo impresso", "Ultimate movement"),
+        "Spostamento ultimo impresso|Ultimate movement",
         shown="mm",
     )
     ultimate_movement_m_range: list[float | None] | None = optional(
-        "least and largest of an ensemble; null: none in some", "m"
+        "least and largest of an ensemble; null: none in some"
     )
     run: Run | None = optional("which run it is; missing: not told")
     local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
-    applied_movement_m: float = key("largest component of the movement that the settlement asks for", "m")
+    applied_movement_m: float = key("largest component of the movement that the settlement asks for")
     end: Sentence = key("why the path ends")
-    configuration: Configuration = key("after the whole movement, or where the structure falls", "m, rad")
-    ultimate_configuration: Configuration | None = key("just before collapse; null: not reached", "m, rad")
-    control_displacement_m: list[Point] | None = key("x, z of the first control point along the path", "m")
+    configuration: Configuration = key("after the whole movement, or where the structure falls")
+    ultimate_configuration: Configuration | None = key("just before collapse; null: not reached")
+    control_displacement_m: list[Point] | None = key("x, z of the first control point along the path")
     frames: Frames = key("some of its configurations")
     ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
@@ -100,88 +94,76 @@ class Curve(Part):
 
     displacement_m: list[float] = key(
         "along x: negative in a push towards −x",
-        "m",
-        ("Spostamento del punto di controllo", "Displacement of the control point"),
+        "Spostamento del punto di controllo|Displacement of the control point",
         shown="mm",
     )
-    multiplier: list[float] = key(
-        "horizontal forces per seismic weight, α", "–", ("Moltiplicatore α", "Multiplier α")
-    )
+    multiplier: list[float] = key("horizontal forces per seismic weight, α", "Moltiplicatore α|Multiplier α")
 
 
 class Mechanism(Part):
     """`mechanism`: virtual displacements at the activation (where α_0 is reached)."""
 
     point: int = key("which point of the curve")
-    alpha: float = key("multiplier there", "–", "α")
-    hinges: int = key("joints that turn", label=("Cerniere", "Hinges"))
-    e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "–", "e*")
-    gamma_star: float | None = key("participation factor Γ*; null: not defined", "–", "Γ*")
-    displacements: Configuration = key(
-        "x, z, ω of each block; the control point moves by 1 m along x", "m, rad"
-    )
+    alpha: float = key("multiplier there", "α")
+    hinges: int = key("joints that turn", "Cerniere|Hinges")
+    e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "e*")
+    gamma_star: float | None = key("participation factor Γ*; null: not defined", "Γ*")
+    displacements: Configuration = key("x, z, ω of each block; the control point moves by 1 m along x")
     control_displacement_x: float = key(
-        "that of the control point: 1, −1, or less where it hardly moves", "m"
+        "that of the control point: 1, −1, or less where it hardly moves", unit="m"
     )
-    hinge_points_m: list[Point] = key("x, z of each hinge in its configuration", "m")
+    hinge_points_m: list[Point] = key("x, z of each hinge in its configuration")
     sliding_joints: list[int] = key("numbers of the joints that slide")
-    moving_weight_kN: float = key("weight of the blocks that move", "kN", ("Peso in moto", "Moving weight"))
+    moving_weight_kN: float = key("weight of the blocks that move", "Peso in moto|Moving weight")
 
 
 class OtherLaw(Part):
     """`other_law`: limit analysis where α_0 is reached by the other law of friction, where the two differ."""
 
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
-    alpha_0: float = key("multiplier of the rigid mechanism by that law", "–")
-    alpha_onset: float | None = optional(
-        "what sets the first mechanism in motion by it; missing: the same", "–"
-    )
+    alpha_0: float = key("multiplier of the rigid mechanism by that law")
+    alpha_onset: float | None = optional("what sets the first mechanism in motion by it; missing: the same")
     mechanism: Mechanism | None = optional("its mechanism; of a capacity: that of its curve")
     onset: Mechanism | None = optional("the first mechanism by it; missing: the same")
     zeta_E: dict[str, float] | None = optional(
-        "of a capacity: ratio of each check by that law, where one differs by more than 2 %", "–"
+        "of a capacity: ratio of each check by that law, where one differs by more than 2 %", unit="–"
     )
 
 
 class SecondSolver(Part):
     """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs."""
 
-    alpha_0: float = key("α_0 of the curve, with its law of friction", "–")
+    alpha_0: float = key("α_0 of the curve, with its law of friction")
     alpha_program: float | None = key(
-        "by the program; null: none was found", "–", ("α di questo programma", "α this program")
+        "by the program; null: none was found", "α di questo programma|α this program"
     )
     alpha_linear_program: float | None = key(
         "by a linear program written apart (static theorem, HiGHS); null: no optimum was found",
-        "–",
-        ("α del programma lineare", "α linear program"),
+        "α del programma lineare|α linear program",
     )
     relative_difference: float | None = key(
-        "of the second from the first; null: one is missing", "–", ("Scarto relativo", "Relative difference")
+        "of the second from the first; null: one is missing", "Scarto relativo|Relative difference"
     )
 
 
 class RigidPush(Part):
     """`pushover.+x.rigid`: the capacity curve with rigid joints."""
 
-    alpha_0: float = key("largest multiplier of the curve, α_0", "–", "α_0")
-    alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
+    alpha_0: float = key("largest multiplier of the curve, α_0", "α_0")
+    alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble")
     alpha_onset: float = key(
-        "its first multiplier, of limit analysis in the state's own configuration; above it blocks meet others, or a "
-        "hinge of a settlement closes",
-        "–",
-        ("α, primo moto", "α, first motion"),
+        "its first multiplier, of limit analysis in the state's own configuration; above it blocks meet "
+        "others, or a hinge of a settlement closes",
+        "α, primo moto|α, first motion",
     )
     d_0_m: float | None = key(
-        "displacement capacity, along the push; null: the path was cut short", "m", "d_0", shown="mm"
+        "displacement capacity, along the push; null: the path was cut short", "d_0", shown="mm"
     )
-    d_0_m_range: list[float | None] | None = optional(
-        "least and largest of an ensemble; null: none in some", "m"
-    )
+    d_0_m_range: list[float | None] | None = optional("least and largest of an ensemble; null: none in some")
     other_law: OtherLaw | None = optional("by the other law of friction, where it differs by 1 % or more")
     d_star_m: list[float] | None = key(
-        "d* of the blocks that move, at each point of the curve: ΣPδu/ΣPδ, u how far each has gone since the mechanism "
-        "formed; null: Γ* is not defined",
-        "m",
+        "d* of the blocks that move, at each point of the curve: ΣPδu/ΣPδ, u how far each has gone since the "
+        "mechanism formed; null: Γ* is not defined"
     )
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
@@ -198,14 +180,13 @@ class RigidPush(Part):
     )
     virtual_work_alpha: float | None = key(
         "multiplier by virtual work over all blocks; null: the horizontal load does no work",
-        "–",
-        ("α lavori virtuali", "α virtual work"),
+        "α lavori virtuali|α virtual work",
     )
     second_solver: SecondSolver | None = optional(
         "α of limit analysis by a second program; null: joints crush, the program is not linear"
     )
-    mechanism_configuration: Configuration = key("where the mechanism starts", "m, rad")
-    final_configuration: Configuration = key("at the end of the curve", "m, rad")
+    mechanism_configuration: Configuration = key("where the mechanism starts")
+    final_configuration: Configuration = key("at the end of the curve")
     frames: Frames = key("some of its configurations")
     ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
@@ -213,23 +194,18 @@ class RigidPush(Part):
 class ElasticPush(Part):
     """`pushover.+x.elastic`: the curve with elastic joints."""
 
-    alpha_u: float = key("largest multiplier, α_u", "–", "α_u")
-    alpha_u_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
-    d_u_m: float = key("displacement where it is reached, along the push", "m")
+    alpha_u: float = key("largest multiplier, α_u", "α_u")
+    alpha_u_range: list[float | None] | None = optional("least and largest of an ensemble")
+    d_u_m: float = key("displacement where it is reached, along the push")
     peak: int = key("which point of the curve that is")
     alpha_y: float | None = key(
-        "plateau of the fitted capacity curve; without a check 0.9 α_u; null: d does not grow with α",
-        "–",
-        "α_y",
+        "plateau of the fitted capacity curve; without a check 0.9 α_u; null: d does not grow with α", "α_y"
     )
     d_y_m: float | None = key(
-        "end of its elastic branch, along the push, on the secant at 0.4 α_u; null: as α_y",
-        "m",
-        "d_y",
-        shown="mm",
+        "end of its elastic branch, along the push, on the secant at 0.4 α_u; null: as α_y", "d_y", shown="mm"
     )
     d_star_m: list[float] | None = optional(
-        "d* of the blocks that move, at each point: those of the rigid mechanism; missing: no check", "m"
+        "d* of the blocks that move, at each point: those of the rigid mechanism; missing: no check"
     )
     end: Sentence = key("why the path ends")
     reached_zero: bool = key("whether the curve falls to α = 0")
@@ -237,8 +213,8 @@ class ElasticPush(Part):
     curve: Curve = key("the curve")
     members: list[Curve] | None = optional("curves of the other members of the ensemble")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
-    rest_configuration: Configuration = key("at rest, before the push", "m, rad")
-    peak_configuration: Configuration = key("at the peak", "m, rad")
+    rest_configuration: Configuration = key("at rest, before the push")
+    peak_configuration: Configuration = key("at the peak")
     frames: Frames = key("some of its configurations")
     ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
@@ -247,7 +223,7 @@ class Pushovers(Part):
     """`pushover.+x`, `.-x`: the pushover in a direction; each curve where asked for and found."""
 
     control: str = key("control point that was followed")
-    control_m: Point | None = optional("where it is, as drawn: x, z", "m")
+    control_m: Point | None = optional("where it is, as drawn: x, z")
     run: Run | None = optional("which run its curves are of; missing: not told")
     rigid: RigidPush | None = optional("rigid joints")
     elastic: ElasticPush | None = optional("elastic joints")
@@ -269,10 +245,8 @@ class Strengthening(Part):
 class Settlement(Part):
     """`settlement`: the movement that leads to the state."""
 
-    support: str = key("name of the support that moves", label=("Appoggio", "Support"))
-    displacement_m: Point = key("x, z", "m")
-    rotation_rad: float = key(
-        "about the centroid of the support, anticlockwise", "rad", ("Rotazione", "Rotation")
-    )
-    increment_m: float = key("increment of the largest component", "m")
+    support: str = key("name of the support that moves", "Appoggio|Support")
+    displacement_m: Point = key("x, z")
+    rotation_rad: float = key("about the centroid of the support, anticlockwise", "Rotazione|Rotation")
+    increment_m: float = key("increment of the largest component")
     after: str | None = optional("state in which it begins; missing: as drawn")

@@ -16,55 +16,44 @@ class ConvergenceRow(Part):
     direction: str | None = optional("of a pushover")
     record: str | None = optional("of a motion")
     halvings: int | None = optional(
-        "of the increments or of the time step behind the result", label=("Dimezzamenti", "Halvings")
+        "of the increments or of the time step behind the result", "Dimezzamenti|Halvings"
     )
-    alpha_0_error: float | None = optional("estimated error of α_0", "–", ("Errore di α_0", "Error of α_0"))
-    d_0_error_m: float | None = optional(
-        "estimated error of d_0", "m", ("Errore di d_0", "Error of d_0"), shown="mm"
-    )
-    alpha_u_error: float | None = optional("estimated error of α_u", "–", ("Errore di α_u", "Error of α_u"))
+    alpha_0_error: float | None = optional("estimated error of α_0", "Errore di α_0|Error of α_0")
+    d_0_error_m: float | None = optional("estimated error of d_0", "Errore di d_0|Error of d_0", shown="mm")
+    alpha_u_error: float | None = optional("estimated error of α_u", "Errore di α_u|Error of α_u")
     a_g_error_g: float | None = optional(
-        "estimated error of a_g at the farthest limit state",
-        "g",
-        ("Errore di a_g", "Error of a_g"),
-        null="not_determined",
-        ground="rock",
+        "estimated error of a_g at the farthest limit state", "Errore di a_g|Error of a_g", ground="rock"
     )
     peak_displacement_error_m: float | None = optional(
-        "estimated error of the peak", "m", ("Errore del massimo", "Error of the peak"), shown="mm"
+        "estimated error of the peak", "Errore del massimo|Error of the peak", shown="mm"
     )
     peak_displacement_scatter_m: float | None = optional(
         "how far the peaks of a pair are apart, where that is more than time steps differ",
-        "m",
-        ("Dispersione del massimo", "Scatter of the peak"),
+        "Dispersione del massimo|Scatter of the peak",
         shown="mm",
     )
     pga_collapse_error_g: float | None = optional(
         "estimated error of the PGA at collapse",
-        "g",
-        ("Errore della PGA al collasso", "Error of the PGA at collapse"),
+        "Errore della PGA al collasso|Error of the PGA at collapse",
         ground="surface",
     )
     pga_collapse_scatter_g: float | None = optional(
         "its scatter, where that is more than time steps differ",
-        "g",
-        ("Dispersione della PGA al collasso", "Scatter of the PGA at collapse"),
+        "Dispersione della PGA al collasso|Scatter of the PGA at collapse",
     )
-    order: float | None = optional("order that the last levels show; null: none", "–", ("Ordine", "Order"))
+    order: float | None = optional("order that the last levels show; null: none", "Ordine|Order")
     relative_error: float | None = optional(
-        "the largest error, relative; null: not known", "–", ("Errore massimo", "Largest error"), shown="%"
+        "the largest error, relative; null: not known", "Errore massimo|Largest error", shown="%"
     )
-    relative_scatter: float | None = optional(
-        "the scatter, relative", "–", ("Dispersione", "Scatter"), shown="%"
-    )
-    met: bool = key("whether the tolerance is met", label=("Entro la tolleranza", "Within tolerance"))
+    relative_scatter: float | None = optional("the scatter, relative", "Dispersione|Scatter", shown="%")
+    met: bool = key("whether the tolerance is met", "Entro la tolleranza|Within tolerance")
     levels: dict[str, list[float | None]] = key("what each level gave, by quantity; null: not reached")
 
 
 class Convergence(Part):
     """`convergence`: how far the results are from converged."""
 
-    tolerance: float | None = key("relative; null: no error was estimated", "–")
+    tolerance: float | None = key("relative; null: no error was estimated")
     rows: list[ConvergenceRow] = key("pushovers and histories")
     incremental: list[ConvergenceRow] | None = optional("PGA at collapse")
 
@@ -72,37 +61,30 @@ class Convergence(Part):
 class Capacities(Part):
     """What a study keeps of one state in one direction."""
 
-    collapses: bool = key(
-        "whether the structure falls before the whole movement", label=("Collasso", "Collapse")
-    )
-    alpha_0: float | None = optional("largest multiplier, rigid joints; null: not reached", "–")
-    d_0_m: float | None = optional("displacement capacity; null: not reached", "m")
-    alpha_u: float | None = optional("largest multiplier, elastic joints; null: not reached", "–")
-    a_g_g: float | None = optional("capacity at `limit_state`; null: not defined", "g")
-    zeta_E: float | None = optional("ratio to the demand", "–")
+    collapses: bool = key("whether the structure falls before the whole movement", "Collasso|Collapse")
+    alpha_0: float | None = optional("largest multiplier, rigid joints; null: not reached")
+    d_0_m: float | None = optional("displacement capacity; null: not reached")
+    alpha_u: float | None = optional("largest multiplier, elastic joints; null: not reached")
+    a_g_g: float | None = optional("capacity at `limit_state`; null: not defined")
+    zeta_E: float | None = optional("ratio to the demand")
 
 
 class ScenarioPoint(Capacities):
     """`scenarios.points[]`: a part of a movement."""
 
     state: str = key("settlement that it is a part of")
-    share: float = key("of the whole movement", "–", ("Frazione del cedimento", "Part of the movement"))
-    movement_m: float = key("largest component", "m", ("Movimento", "Movement"), shown="mm")
+    share: float = key("of the whole movement", "Frazione del cedimento|Part of the movement")
+    movement_m: float = key("largest component", "Movimento|Movement", shown="mm")
     direction: Direction = key("direction of the push")
     reduction: float | None = key(
-        "of `quantity` from the original state in the same direction",
-        "–",
-        ("Riduzione", "Reduction"),
-        shown="%",
-        change=True,
-        null="not_determined",
+        "of `quantity` from the original state in the same direction", "Riduzione|Reduction", change=True
     )
 
 
 class Scenarios(Part):
     """`scenarios`: all movements side by side."""
 
-    quantity: str = key("key that they are compared by", label=("Grandezza", "Quantity"))
+    quantity: str = key("key that they are compared by", "Grandezza|Quantity")
     limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
     points: list[ScenarioPoint] = key("every part of every movement")
     worst: ScenarioPoint | None = key("the worst of them; null: none is known")
@@ -113,8 +95,8 @@ class SensitivityRun(Capacities):
     """`sensitivity.runs[]`: a state with one property multiplied."""
 
     state: str = key("state")
-    property: str = key("friction, stiffness, unit_weight or depth", label=("Proprietà", "Property"))
-    factor: float = key("factor on it", "–")
+    property: str = key("friction, stiffness, unit_weight or depth", "Proprietà|Property")
+    factor: float = key("factor on it")
     direction: Direction = key("direction of the push")
 
 

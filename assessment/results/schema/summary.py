@@ -15,11 +15,11 @@ class SummaryCheck(Part):
     check: str = key(
         "its name among the checks: the least at SLO and SLD; `SLV linear` where the nonlinear one has no number"
     )
-    zeta_E: float | None = key("ζ_E at SLV and SLC, the ratio at SLO and SLD; null: not determined", "–")
-    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble", "–")
+    zeta_E: float | None = key("ζ_E at SLV and SLC, the ratio at SLO and SLD; null: not determined")
+    zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
     verified: bool | None = key("whether it is 1 or more")
-    loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original)", "–")
-    gain: float | None = optional("of a strengthened state: ζ_E/ζ_E(before) − 1", "–")
+    loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original)")
+    gain: float | None = optional("of a strengthened state: ζ_E/ζ_E(before) − 1")
 
 
 class SummaryMechanism(Part):
@@ -30,7 +30,7 @@ class SummaryMechanism(Part):
     )
     hinges: int = key("joints that turn")
     sliding_joints: int = key("joints that slide")
-    moving_weight_kN: float = key("weight of the blocks that move", "kN")
+    moving_weight_kN: float = key("weight of the blocks that move")
 
 
 class SummaryRow(Part):
@@ -41,10 +41,10 @@ class SummaryRow(Part):
     reached: bool = key("whether the structure stands after the movement of the state")
     run: Run | None = optional("of the static numbers")
     control: str | None = optional("control point of the push")
-    alpha_0: float | None = optional("multiplier with rigid joints, α_0; null: not found", "–")
-    d_0_m: float | None = optional("displacement capacity d_0; null: not found", "m")
-    alpha_u: float | None = optional("largest multiplier with elastic joints, α_u; null: not found", "–")
-    alpha_loss: float | None = optional("1 − α/α(original), of α_0, with elastic joints alone of α_u", "–")
+    alpha_0: float | None = optional("multiplier with rigid joints, α_0; null: not found")
+    d_0_m: float | None = optional("displacement capacity d_0; null: not found")
+    alpha_u: float | None = optional("largest multiplier with elastic joints, α_u; null: not found")
+    alpha_loss: float | None = optional("1 − α/α(original), of α_0, with elastic joints alone of α_u")
     checks: dict[str, SummaryCheck] = key("by limit state; empty: no assessment")
     governing: str | None = key("limit state of the least ratio; null: none is determined")
     verified: bool | None = key(
@@ -53,19 +53,17 @@ class SummaryRow(Part):
     mechanism: SummaryMechanism | None = optional("mechanism with rigid joints")
     other_law: OtherLaw | None = optional("by the other law of friction, where it differs")
     limit_state: str | None = key("the farthest one checked, of which the static capacity is; null: none")
-    static_pga_g: float | None = key(
-        "PGA borne at that limit state, S a_g, with F_C; null: not determined", "g"
-    )
-    static_nominal_pga_g: float | None = optional("the same with F_C = 1, as `dynamic_pga_g` has none", "g")
-    dynamic_pga_g: float | None = optional("PGA at collapse by [incremental]; null: none found", "g")
+    static_pga_g: float | None = key("PGA borne at that limit state, S a_g, with F_C; null: not determined")
+    static_nominal_pga_g: float | None = optional("the same with F_C = 1, as `dynamic_pga_g` has none")
+    dynamic_pga_g: float | None = optional("PGA at collapse by [incremental]; null: none found")
     dynamic_loss: float | None = optional(
-        "`incremental.loss.dynamic`, of the levels of 50 %; without one 1 − PGA/PGA(original); null: not determined",
-        "–",
-        ("Perdita dinamica, mediana", "Dynamic loss, median"),
+        "`incremental.loss.dynamic`, of the levels of 50 %; without one 1 − PGA/PGA(original); null: not "
+        "determined",
+        "Perdita dinamica, mediana|Dynamic loss, median",
         shown="%",
         digits=2,
     )
-    dynamic_to_static: float | None = optional("`dynamic_pga_g` over `static_nominal_pga_g`", "–")
+    dynamic_to_static: float | None = optional("`dynamic_pga_g` over `static_nominal_pga_g`")
 
 
 class SummaryGoverning(Part):
@@ -74,7 +72,7 @@ class SummaryGoverning(Part):
     state: str = key("state")
     direction: Direction = key("direction of the push")
     limit_state: str = key("limit state")
-    zeta_E: float = key("ζ_E, or the ratio where neither SLV nor SLC was checked", "–")
+    zeta_E: float = key("ζ_E, or the ratio where neither SLV nor SLC was checked")
 
 
 class Summary(Part):
