@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING, Any
 from assessment.ntc.limit_states import INDEXED
 from assessment.report.chapters.lead import lead
 from assessment.report.text.language import Words, plain_text
-from assessment.results.echo import turns
+from assessment.results.asked import turns, undetermined
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines
 from assessment.results.plain import plain
 from assessment.results.schema import Results
-from assessment.results.schema.campaign import Campaign
-from assessment.results.schema.dynamic import History
+from assessment.results.schema.dynamic import Campaign, History
 from assessment.results.table import among_known, gains_by, quoted_limit_state
-from assessment.results.undetermined import undetermined
 
 if TYPE_CHECKING:
     from assessment.runtime.tasks import Outcome

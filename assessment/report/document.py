@@ -24,8 +24,8 @@ from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.text.fonts import embedded_faces, file_faces
 from assessment.report.text.language import Words, joined, words_of
 from assessment.report.text.messages import sentence, translated
+from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import mechanisms
-from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.runtime.files.atomic_files import write_atomically
 

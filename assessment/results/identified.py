@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from assessment.results.schema.identification import (
+from assessment.results.schema.studies import (
     Explanation,
     Identification,
     ReadySettlement,

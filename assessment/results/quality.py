@@ -1,10 +1,11 @@
-"""Rows of certificates: joined for several analyses, and the worst of a run."""
+"""Certificates and calculations of analyses as parts of the results."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from assessment.results.schema.model import Quality, QualityRow
+from assessment.ntc.calculation import Step
+from assessment.results.schema.model import Line, Quality, QualityRow
 
 WORST = ("worst_equilibrium_residual", "worst_penetration_m", "worst_complementarity", "worst_cone_violation")
 
@@ -29,3 +30,18 @@ def _worst(rows: Sequence[QualityRow]) -> dict[str, float]:
     """Return the worst certificates of some rows; motions have no penetration and no cone violation."""
     known = {key: [value for row in rows if (value := getattr(row, key)) is not None] for key in WORST}
     return {key: max(values) for key, values in known.items() if values}
+
+
+def lines(trace: Iterable[Step]) -> list[Line]:
+    """Return the steps of a calculation as lines of results.json, in their order."""
+    return [
+        Line(
+            symbol=step.symbol,
+            formula=step.formula,
+            inputs=dict(step.inputs),
+            result=step.result,
+            unit=step.unit,
+            paragraph=step.paragraph,
+        )
+        for step in trace
+    ]

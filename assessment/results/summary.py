@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from assessment.ntc.limit_states import INDEXED, SURFACE
-from assessment.results.echo import limit_states
+from assessment.results.asked import directions_asked, limit_states
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Capacity, Check, Direction
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
@@ -17,7 +17,6 @@ from assessment.results.schema.summary import (
     SummaryRow,
 )
 from assessment.results.table import quoted_limit_state, reduction, static_pga
-from assessment.results.undetermined import directions_asked
 
 ORIGINAL = "original"
 EMPTY = Summary(reference=SURFACE, governing=None, verified=None, rows=[])

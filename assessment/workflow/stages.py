@@ -23,9 +23,9 @@ from assessment.analyses.static.lateral import second_solver
 from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.schema import ORIGINAL
+from assessment.results.asked import without
 from assessment.results.quality import joined
 from assessment.results.schema.part import known, present
-from assessment.results.undetermined import without
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies.campaign.incremental import incremental
@@ -47,11 +47,10 @@ if TYPE_CHECKING:
     from assessment.project.structure.model import ProjectModel
     from assessment.project.structure.state_models import StateModel
     from assessment.results.schema import Results
-    from assessment.results.schema.campaign import Campaign
     from assessment.results.schema.checks import Direction
-    from assessment.results.schema.identification import Identification
+    from assessment.results.schema.dynamic import Campaign
     from assessment.results.schema.static import Pushovers
-    from assessment.results.schema.studies import Scenarios, Sensitivity
+    from assessment.results.schema.studies import Identification, Scenarios, Sensitivity
     from assessment.runtime.cache import Store
     from mechanics import Assembly
 

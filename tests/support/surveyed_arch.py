@@ -9,7 +9,7 @@ import numpy as np
 
 from assessment.project.project import Project, load_project
 from assessment.project.structure.model import build_model
-from assessment.results.schema.identification import Identification
+from assessment.results.schema.studies import Identification
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification.stage import identification
 from assessment.studies.variants import Study

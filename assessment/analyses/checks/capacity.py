@@ -30,8 +30,8 @@ from assessment.ntc.demand.spectrum import Spectrum
 from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.verification import Check, Method, verify
 from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
-from assessment.results.lines import lines
 from assessment.results.plain import finite
+from assessment.results.quality import lines
 from assessment.results.schema import checks as parts
 from assessment.results.schema import static
 from assessment.results.schema.checks import Capacity, Direction

@@ -22,7 +22,7 @@ from assessment.ntc.demand.return_period import return_period
 from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.limit_states import ROCK, SURFACE
 from assessment.ntc.methods import ACTIVATION_DAMPING, RULES
-from assessment.results.lines import lines
+from assessment.results.quality import lines
 from assessment.results.schema.checks import Spectrum as DemandSpectrum
 from assessment.runtime.errors import ProjectError
 

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from assessment.analyses.checks.demand import demand_return_periods
 from assessment.ntc.confidence import CONFIDENCE_FACTOR, confidence_factor
 from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
-from assessment.results.lines import lines
-from assessment.results.schema.checks import Capacity, Direction, Governing, SafetyIndex
-from assessment.results.schema.indices import Indices, Knowledge
+from assessment.results.quality import lines
+from assessment.results.schema.checks import Capacity, Direction, Governing, Indices, Knowledge, SafetyIndex
 from assessment.results.schema.part import known
 from assessment.results.table import indices
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from assessment.analyses.dynamic.fragility import RecordLevel, over_records
 from assessment.ntc.limit_states import QUOTED
-from assessment.results.schema.campaign import CampaignSpectrum
-from assessment.results.schema.dynamic import MeasureFit
+from assessment.results.schema.dynamic import CampaignSpectrum, MeasureFit
 from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import GRAVITY, Array

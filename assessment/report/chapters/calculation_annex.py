@@ -21,9 +21,9 @@ from assessment.report.text.formula import typeset
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
 from assessment.report.text.quantities import check_name, heading
+from assessment.results.asked import determined_indices
 from assessment.results.schema import Results
 from assessment.results.schema.model import Line as Step
-from assessment.results.undetermined import determined_indices
 
 Steps = Sequence[Step]
 COLUMNS = 4  # of results in one table

@@ -27,6 +27,7 @@ from assessment.report.tables.synthesis import index_limit, index_of, least_row
 from assessment.report.text.input_table import echoed
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import cell, check_name, heading, is_text, written
+from assessment.results.asked import printed
 from assessment.results.configurations.hand_check import (
     BY_HAND,
     figures_of,
@@ -37,7 +38,6 @@ from assessment.results.configurations.hand_check import (
     virtual_work_table,
 )
 from assessment.results.configurations.reactions import balance, reactions
-from assessment.results.echo import printed
 from assessment.results.schema import Results
 from assessment.results.schema.part import present
 from assessment.results.table import Row, Table, cells, reference_of

@@ -16,12 +16,12 @@ from assessment.report.tables.studies import bars
 from assessment.report.text.language import Words
 from assessment.report.text.messages import merged
 from assessment.report.text.quantities import COARSE, check_name
+from assessment.results.asked import determined_indices
 from assessment.results.configurations.hand_check import hand_checks
 from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
 from assessment.results.schema.part import present
 from assessment.results.table import among_known, compared, reference_of
-from assessment.results.undetermined import determined_indices
 
 RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
     "equilibrium_residual": 1e-6,

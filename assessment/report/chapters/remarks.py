@@ -27,6 +27,14 @@ from assessment.report.tables.structure import (
 from assessment.report.text.language import Words
 from assessment.report.text.messages import translated
 from assessment.report.text.quantities import COARSE, told
+from assessment.results.asked import (
+    collisions,
+    coulomb,
+    determined_indices,
+    limit_states,
+    local_limit,
+    segments,
+)
 from assessment.results.configurations.hand_check import (
     BY_HAND,
     block_size,
@@ -34,11 +42,9 @@ from assessment.results.configurations.hand_check import (
     governing_mechanisms,
     mechanisms,
 )
-from assessment.results.echo import collisions, coulomb, limit_states, local_limit, segments
 from assessment.results.identified import UNLIKELY, best_of, fits, settlement_lines, told_of
 from assessment.results.schema import Results
 from assessment.results.schema.static import Contacts, RigidPush
-from assessment.results.undetermined import determined_indices
 
 ORIGINAL = "original"
 ELASTIC_END = "end of the elastic curve"  # what governs a check

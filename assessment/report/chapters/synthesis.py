@@ -13,8 +13,8 @@ from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.report.tables.synthesis import ORIGINAL, governing_view, index_limit, least_row
 from assessment.report.text.language import Words, direction_name
 from assessment.report.text.quantities import heading, told, written
+from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import rigid_push
-from assessment.results.echo import coulomb
 from assessment.results.schema import Results
 from assessment.results.schema.summary import SummaryRow
 

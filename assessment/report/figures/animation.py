@@ -15,7 +15,7 @@ from assessment.report.figures.drawings.parts import moved_ends
 from assessment.report.figures.motions import bounds_of_views, shaken
 from assessment.report.figures.style import sheet
 from assessment.report.text.language import slug, words_of
-from assessment.results.configurations.outlines import outlines
+from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import History
 from assessment.results.schema.part import known

@@ -17,10 +17,17 @@ from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, mo
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
 from assessment.report.text.language import Words
 from assessment.report.text.quantities import COARSE, label
-from assessment.results.configurations.outlines import outlines
+from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results
-from assessment.results.schema.campaign import Campaign, CampaignCombination, CampaignFragility
-from assessment.results.schema.dynamic import History, Incremental, Level, Search
+from assessment.results.schema.dynamic import (
+    Campaign,
+    CampaignCombination,
+    CampaignFragility,
+    History,
+    Incremental,
+    Level,
+    Search,
+)
 from assessment.results.schema.part import known
 from mechanics.pictures import Shape, fill_roles, ghost
 

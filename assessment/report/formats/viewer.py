@@ -18,7 +18,7 @@ from assessment.report.text.language import Words
 from assessment.report.text.quantities import label
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
-from assessment.results.configurations.tie_ends import ties_of
+from assessment.results.configurations.ties import ties_of
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from assessment.ntc.limit_states import CHECKS, LINEAR
 from assessment.report.tables.rows import Curves, Found, capacities, curves, table, whole
 from assessment.report.text.language import Words
+from assessment.results.asked import checks_asked, determined_indices, undetermined
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, present
 from assessment.results.table import Row, Table, cells, reduction
-from assessment.results.undetermined import checks_asked, determined_indices, undetermined
 
 VERIFICATION = (
     "d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified return_period_years"

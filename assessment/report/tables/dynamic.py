@@ -9,8 +9,16 @@ from xml.sax.saxutils import escape
 
 from assessment.report.tables.rows import Curves, Found, curves, table, without
 from assessment.results.schema import Results
-from assessment.results.schema.campaign import Campaign, CampaignCombination
-from assessment.results.schema.dynamic import History, Incremental, Loss, MeasureFit, Range, Scanned
+from assessment.results.schema.dynamic import (
+    Campaign,
+    CampaignCombination,
+    History,
+    Incremental,
+    Loss,
+    MeasureFit,
+    Range,
+    Scanned,
+)
 from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
 HISTORY = "state record pga_g contacts control peak_displacement_m residual_displacement_m collapsed time_of_collapse_s"

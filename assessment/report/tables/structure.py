@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 
 from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table, whole
 from assessment.report.text.language import Words
+from assessment.results.asked import material, taken_to_collapse
 from assessment.results.configurations.hand_check import outline_area
 from assessment.results.configurations.joint_states import joint_states, loaded
-from assessment.results.echo import material, taken_to_collapse
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, StrengtheningRow
 from assessment.results.schema.model import Block

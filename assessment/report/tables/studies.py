@@ -8,14 +8,13 @@ from typing import Any
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
 from assessment.report.text.language import Words
-from assessment.results.echo import taken_to_collapse
+from assessment.results.asked import taken_to_collapse
 from assessment.results.identified import told_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
-from assessment.results.schema.identification import Explanation
 from assessment.results.schema.part import Part
 from assessment.results.schema.static import Contacts
-from assessment.results.schema.studies import Scenarios, Sensitivity, SensitivityRun
+from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity, SensitivityRun
 from assessment.results.table import Row, Table, cells, columns_of, quoted_check
 
 CAPACITY = "collapses alpha_0 alpha_u d_0_m limit_state a_g_g zeta_E"

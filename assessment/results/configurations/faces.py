@@ -1,4 +1,4 @@
-"""Joints in results.json: which faces they are made of, and where these are in a configuration."""
+"""Outlines of the blocks and faces of the joints: where they are as drawn and in a configuration."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from assessment.results.schema import Results
 from assessment.results.schema.model import Face
 from mechanics import Assembly
 from mechanics.model import Contacts, FaceLines, H, face_lines, kinematic_contacts
+from mechanics.pictures import Shape
 from mechanics.types import Array, Index, Mask
 
 
@@ -129,3 +130,13 @@ def shares(places: Array, forces: Array) -> Array:
     found = np.full(len(forces), np.nan)
     found[presses] = np.clip(0.5 + 0.5 * forces[presses, 1] / (normal[presses] * half[presses]), 0.0, 1.0)
     return found
+
+
+def outlines(results: Results) -> Shape:
+    """Return the outlines of the blocks in the drawing position."""
+    blocks = results.geometry.blocks
+    return Shape.of(
+        [block.vertices_m for block in blocks],
+        [block.centroid_m for block in blocks],
+        [block.support is not None for block in blocks],
+    )

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.configurations.outlines import outlines
-from assessment.results.configurations.tie_ends import lengthening, ties_of
-from assessment.results.echo import material
+from assessment.results.asked import material
+from assessment.results.configurations.faces import outlines
+from assessment.results.configurations.ties import lengthening, ties_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import Joint

@@ -9,7 +9,7 @@ import numpy as np
 
 from assessment.results.configurations.hand_check import weights
 from assessment.results.configurations.joint_states import Situation, joint_states, loaded, situations
-from assessment.results.configurations.tie_ends import tie_ends, ties_of
+from assessment.results.configurations.ties import tie_ends, ties_of
 from assessment.results.schema import Results
 from assessment.results.table import Row, Table, sense
 from mechanics.types import Array

@@ -1,19 +1,21 @@
-"""Ties of an assembly: their tension along a path and while the base moves, how they lengthen in a mechanism."""
+"""Ties: which are in a state and where their ends are, their tension along a path, how they lengthen in a mechanism."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from assessment.results.configurations.faces import outlines
 from assessment.results.plain import finite
+from assessment.results.schema import Results
 from assessment.results.schema.dynamic import ShakenTie
+from assessment.results.schema.model import Tie
 from assessment.results.schema.static import TieTension
-
-if TYPE_CHECKING:
-    from mechanics import Assembly, State
-    from mechanics.types import Array, Mask
+from mechanics import Assembly, State
+from mechanics.pictures import field, place
+from mechanics.types import Array, Mask
 
 YIELDS = 1.0 - 1e-6  # of the yield force: the tension of a tie that yields
 NOTICED = 1e-6  # of the largest displacement, or of the model's size: less is none
@@ -125,3 +127,25 @@ def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:
         more = float((moved[1] - moved[0]) @ along / np.hypot(*along))
         found[k] = more if more > least else 0.0
     return found
+
+
+def ties_of(results: Results, state: str) -> list[Tie]:
+    """Return the ties of a state, in the order of its tensions: those that a strengthening sets come last."""
+    there = [tie for tie in results.model.ties or () if state in tie.states]
+    return sorted(there, key=lambda tie: state in tie.set_in)
+
+
+def tie_ends(results: Results, tie: Tie, configuration: ArrayLike) -> Array:
+    """Return both ends (2, 2) m of a tie where the blocks are displaced by a configuration (b, 3)."""
+    at = np.asarray(configuration, dtype=float)
+    return place(np.array([tie.start_m, tie.end_m]), np.array(tie.blocks), outlines(results).centroids, at)
+
+
+def lengthening(results: Results, tie: Tie, configuration: ArrayLike, rate: ArrayLike) -> float:
+    """Return the virtual lengthening of a tie under virtual displacements (b, 3) at a configuration (b, 3)."""
+    drawn = outlines(results)
+    shape = drawn.moved(configuration)
+    ends, owner = tie_ends(results, tie, configuration), np.array(tie.blocks)
+    moved = field(ends, owner, shape.centroids, np.asarray(rate, dtype=float))
+    along = ends[1] - ends[0]
+    return float((moved[1] - moved[0]) @ along / np.hypot(*along))

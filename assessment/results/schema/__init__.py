@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from typing import Any, Final, Literal
 
-from assessment.results.schema.campaign import Campaign
 from assessment.results.schema.checks import (
     Capacity,
     ComparisonRow,
     Direction,
     GivenMechanism,
     Governing,
+    Indices,
+    Knowledge,
     SafetyIndex,
     Spectrum,
     StrengtheningRow,
 )
-from assessment.results.schema.dynamic import History, Incremental, Motion
-from assessment.results.schema.identification import Identification
-from assessment.results.schema.indices import Indices, Knowledge
-from assessment.results.schema.messages import Worded
+from assessment.results.schema.dynamic import Campaign, History, Incremental, Motion
 from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
-from assessment.results.schema.part import Configuration, Part, key, optional
+from assessment.results.schema.part import Configuration, Part, Worded, key, optional
 from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement, Strengthening
-from assessment.results.schema.studies import Convergence, Scenarios, Sensitivity
+from assessment.results.schema.studies import Convergence, Identification, Scenarios, Sensitivity
 from assessment.results.schema.summary import Summary
 
 FORMAT: Final = 3

@@ -194,3 +194,12 @@ def _extra(label: str, look: Mapping[str, Any]) -> dict[str, Any]:
         told["null"] = "not_determined"
     told |= {"shown": "%"} if look.get("change") else {}
     return told | dict(look)
+
+
+class Worded(Part):
+    """`messages.SENTENCE`: the template of a sentence, with what fills it; a report words it in its own language."""
+
+    template: str = key("the English sentence with named fields, {name:format}")
+    fields: dict[str, str | int | float | Worded | list[str | int | float | Worded]] = key(
+        "text, number or sentence of each field, or a list of them"
+    )

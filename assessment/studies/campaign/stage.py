@@ -22,7 +22,7 @@ from assessment.analyses.dynamic.scan import Reach
 from assessment.analyses.dynamic.time_history import Shaking
 from assessment.project.motions import motion_of
 from assessment.project.schema import ORIGINAL
-from assessment.results.schema.campaign import (
+from assessment.results.schema.dynamic import (
     Campaign,
     CampaignCombination,
     CampaignFragility,

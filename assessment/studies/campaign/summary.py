@@ -22,8 +22,7 @@ from assessment.analyses.dynamic.fragility import (
     samples_of_records,
     standard_value,
 )
-from assessment.results.schema.campaign import CampaignFragility, CampaignLoss
-from assessment.results.schema.dynamic import Loss
+from assessment.results.schema.dynamic import CampaignFragility, CampaignLoss, Loss
 from assessment.results.table import reduction
 from assessment.studies.campaign.movements import Moved
 from assessment.studies.campaign.scans import Asked, Scans, observed_in
@@ -31,8 +30,7 @@ from assessment.studies.campaign.scans import Asked, Scans, observed_in
 if TYPE_CHECKING:
     from assessment.analyses.dynamic.record_set import Measures
     from assessment.project.schema import CampaignTable
-    from assessment.results.schema.campaign import CampaignCombination
-    from assessment.results.schema.dynamic import Scanned
+    from assessment.results.schema.dynamic import CampaignCombination, Scanned
 
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
 

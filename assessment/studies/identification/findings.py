@@ -7,7 +7,7 @@ from functools import reduce
 
 import numpy as np
 
-from assessment.results.schema.identification import Explanation, Identification
+from assessment.results.schema.studies import Explanation, Identification
 from assessment.studies.identification.unknowns import Unknowns
 from mechanics.messages import Message, headed, message
 from mechanics.types import Array, Mask

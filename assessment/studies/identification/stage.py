@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from assessment.project.structure.gauges import Gauge, gauges
-from assessment.results.schema.identification import (
+from assessment.results.schema.studies import (
     Explanation,
     Fitted,
     Identification,

@@ -16,8 +16,7 @@ from assessment.project.project import ProjectError, load_project
 from assessment.project.schema.structure import SHORTEST_TIE as SHORTEST
 from assessment.project.structure.model import build_model
 from assessment.project.structure.state_models import tie_lengths
-from assessment.results.configurations.tie_ends import ties_of
-from assessment.results.configurations.ties import determined
+from assessment.results.configurations.ties import determined, ties_of
 from assessment.runtime.tasks import Workers
 from assessment.studies.sensitivity import with_factor
 from assessment.workflow.description import describe

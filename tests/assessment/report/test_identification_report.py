@@ -15,7 +15,7 @@ from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import MEASURED, draw_identification
 from assessment.report.tables.index import tables
 from assessment.report.text.language import Words, words_of
-from assessment.results.configurations.outlines import outlines
+from assessment.results.configurations.faces import outlines
 from assessment.results.identified import fits
 from assessment.runtime.progress import Show
 from assessment.workflow.selection import select

@@ -27,8 +27,7 @@ from assessment.project.project import load_project
 from assessment.project.schema import CampaignTable
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
-from assessment.results.schema.campaign import CampaignCombination, CampaignFragility
-from assessment.results.schema.dynamic import Level
+from assessment.results.schema.dynamic import CampaignCombination, CampaignFragility, Level
 from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.progress import Show

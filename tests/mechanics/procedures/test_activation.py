@@ -18,9 +18,9 @@ from assessment.report.formats.viewer import viewer
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.report.tables.structure import pushover_curves
 from assessment.report.text.language import words_of
+from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import hand_check, weights
 from assessment.results.configurations.joint_states import situations
-from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.plain import plain
 from assessment.results.table import sense

@@ -25,10 +25,9 @@ from assessment.report.figures.style import MM, Sheet, foot, key, sheet
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.curves import alpha_at_d_0
 from assessment.report.text.language import Words
-from assessment.results.configurations.faces import faces_of
+from assessment.results.configurations.faces import faces_of, outlines
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
-from assessment.results.configurations.outlines import outlines
-from assessment.results.configurations.tie_ends import ties_of
+from assessment.results.configurations.ties import ties_of
 from assessment.results.identified import best_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, GivenMechanism

@@ -16,6 +16,7 @@ from ezdxf.filemanagement import new
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.figures.drawings.parts import moved_ends
 from assessment.report.text.language import slug
+from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.configurations.joint_states import (
     JointStates,
@@ -25,7 +26,6 @@ from assessment.results.configurations.joint_states import (
     situations,
     thrust_lines,
 )
-from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results, State
 from assessment.results.schema.part import Configuration, Point
 from assessment.runtime.files.atomic_files import write_atomically

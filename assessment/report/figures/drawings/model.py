@@ -14,7 +14,7 @@ from matplotlib.path import Path
 from assessment.report.figures.drawings.parts import ARROW, draw_ties
 from assessment.report.figures.style import Sheet, foot, key, sheet
 from assessment.report.text.language import Words
-from assessment.results.configurations.outlines import outlines
+from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
 from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill

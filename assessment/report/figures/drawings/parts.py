@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from assessment.report.figures.style import MM, Sheet, key
 from assessment.report.text.language import Words, direction_name
-from assessment.results.configurations.outlines import outlines
-from assessment.results.configurations.tie_ends import ties_of
+from assessment.results.configurations.faces import outlines
+from assessment.results.configurations.ties import ties_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.static import Settlement

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from assessment.report.figures.drawings.parts import draw_ties, moved_ends, push_arrow, tie_handles
 from assessment.report.figures.style import Sheet, foot, key, sheet
 from assessment.report.text.language import Words
+from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.joint_states import JointStates, Situation, joint_states, thrust_lines
-from assessment.results.configurations.outlines import outlines
 from assessment.results.schema import Results
 from mechanics.pictures import HINGE, INK, THRUST, Shape, fill_roles, union
 

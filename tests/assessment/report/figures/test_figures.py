@@ -32,8 +32,8 @@ from assessment.report.figures.style import (
     typeset,
 )
 from assessment.report.text.language import slug, words_of
+from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import macro_blocks
-from assessment.results.configurations.outlines import outlines
 from assessment.runtime.processes.pool import Pool
 from assessment.workflow.stages import run
 from mechanics.pictures import STYLE, Shape, nice

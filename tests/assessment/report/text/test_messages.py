@@ -12,8 +12,7 @@ from assessment.analyses.static.lateral import FRICTION
 from assessment.report.chapters.judgement import all_warnings
 from assessment.report.text.language import Words, words_of
 from assessment.report.text.messages import merged, sentence, templates, translated
-from assessment.results.file import as_bytes, read_results
-from assessment.results.messages import table_of
+from assessment.results.file import as_bytes, read_results, table_of
 from mechanics import UnstableError
 from mechanics.messages import Message, SaidError, headed, linked, message
 from tests import ROOT

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from assessment.report.chapters.remarks import joint_law, pressures
 from assessment.report.tables.structure import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
-from assessment.results.configurations.faces import Met, described, faces_of
+from assessment.results.configurations.faces import Met, described, faces_of, outlines
 from assessment.results.configurations.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
 from assessment.results.configurations.joint_states import (
     Situation,
@@ -17,7 +17,6 @@ from assessment.results.configurations.joint_states import (
     situations,
     thrust_lines,
 )
-from assessment.results.configurations.outlines import outlines
 from assessment.results.configurations.reactions import balance, joint_table, reactions
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction

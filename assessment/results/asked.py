@@ -1,9 +1,13 @@
-"""What is read of the project file in the results: its tables are plain, their keys those of `assesto schema`."""
+"""What the project file asked for, and what of it has no capacity."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
+from assessment.ntc.limit_states import CHECKS
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Direction, Indices
 from assessment.results.schema.model import Block, Echo
 from assessment.results.schema.part import present
 from mechanics.messages import layer_key
@@ -68,3 +72,46 @@ def printed(echo: Echo) -> dict[str, Any]:
         return content
     kept = {key: value for key, value in site.items() if key not in {"nominal_life_years", "use_class"}}
     return {**content, "assessment": {**assessment, "site": kept}}
+
+
+def undetermined(results: Results) -> dict[str, list[Direction]]:
+    """Return by state the directions in which a capacity was asked for and none found; nothing of complete states."""
+    if not results.echo.assessment:
+        return {}
+    asked = directions_asked(results)
+    missing = {name: without(state.capacity, asked) for name, state in results.states.items()}
+    return {name: directions for name, directions in missing.items() if directions}
+
+
+def without(capacities: Iterable[Direction], asked: Iterable[Direction]) -> list[Direction]:
+    """Return the directions asked for that are not among those with a capacity."""
+    known = set(capacities)
+    return [direction for direction in asked if direction not in known]
+
+
+def directions_asked(results: Results) -> list[Direction]:
+    """Return the directions of the pushover: those of the project file, then any other that a state was pushed in."""
+    pushed = [direction for state in results.states.values() for direction in sorted(state.pushover)]
+    return list(dict.fromkeys([*((results.echo.pushover or {}).get("directions") or ()), *pushed]))
+
+
+def checks_asked(results: Results) -> list[str]:
+    """Return the checks of each direction: those that any has; where none has, those of the limit states."""
+    made = {
+        name
+        for state in results.states.values()
+        for capacity in state.capacity.values()
+        for name in capacity.checks
+    }
+    if made:
+        return [name for name in CHECKS if name in made]
+    asked = set(limit_states(results.echo))
+    return [name for name in CHECKS if name.removesuffix(" linear") in asked]
+
+
+def determined_indices(results: Results) -> dict[str, Indices]:
+    """Return the indices of the states that have a capacity in every direction asked for."""
+    missing = undetermined(results)
+    return {
+        name: state.indices for name, state in results.states.items() if state.indices and name not in missing
+    }
