@@ -22,8 +22,7 @@ from assessment.project.project import load_project, survey_project
 from assessment.project.repair import with_repaired_drawing
 from assessment.project.schema import ProjectContent
 from assessment.project.structure.model import build_model, how_to_read
-from assessment.report.text.language import Words
-from assessment.report.text.messages import translated
+from assessment.report.text.language import Words, translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 from assessment.workflow.checking import checked
 from mechanics import Layer, Material

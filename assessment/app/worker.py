@@ -86,7 +86,7 @@ def _work(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which ends this process
     from assessment.app import pictures
     from assessment.project.catalogue.new_project import example_title, examples, new_example, new_project
-    from assessment.report.chapters.judgement_file import read_judgement
+    from assessment.report.chapters.judgement import read_judgement
 
     live = Live()
     questions: dict[str, Callable[..., Any]] = {

@@ -57,9 +57,8 @@ def check(options: argparse.Namespace) -> int:
     from assessment.cli.summary import model_summary, warning_lines
     from assessment.project.motions import described
     from assessment.project.project import load_project
-    from assessment.report.chapters.judgement_file import refuse_unreadable
-    from assessment.report.figures.drawings.faults import draw_faults
-    from assessment.report.figures.drawings.model import draw_model
+    from assessment.report.chapters.judgement import refuse_unreadable
+    from assessment.report.figures.drawings.model import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
     from assessment.workflow.checking import checked

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import base64
+import io
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -12,22 +13,22 @@ from typing import Any
 
 import jinja2
 from markupsafe import Markup
+from PIL import ImageOps
 
 from assessment.report.chapters import grids, judgement, remarks, synthesis
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.judgement import all_warnings
 from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
-from assessment.report.formats.attachments import caption, stored
 from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.text.fonts import embedded_faces, file_faces
-from assessment.report.text.language import Words, joined, words_of
-from assessment.report.text.messages import sentence, translated
+from assessment.report.text.language import Words, joined, sentence, translated, words_of
 from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files.pictures import read_picture
 
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
 ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")
@@ -206,3 +207,35 @@ def references(results: Results) -> list[str]:
     }
     listed = tomllib.loads((files("templates") / "references.toml").read_text(encoding="utf-8"))["reference"]
     return [each["text"] for each in listed if used.get(each.get("when", ""), True)]
+
+
+FOLDER = "attachments"
+LONGEST = 1800  # pixels: 200 per inch on the longer side of a page
+QUALITY = 85  # of JPEG
+
+
+def write_attachments(pictures: Sequence[Path], folder: Path) -> None:
+    """Write the pictures into `folder`/attachments, turned upright; place and device of a photograph are left out."""
+    for number, path in enumerate(pictures, 1):
+        buffer = io.BytesIO()
+        upright = ImageOps.exif_transpose(read_picture(path))
+        upright.thumbnail((LONGEST, LONGEST))
+        if (kind := _kind(path.name)) == "jpg":
+            upright.convert("RGB").save(buffer, "jpeg", quality=QUALITY)
+        else:
+            upright.convert("RGBA" if "A" in upright.getbands() else "RGB").save(buffer, "png", optimize=True)
+        write_atomically(folder / FOLDER / f"{number:02d}.{kind}", buffer.getvalue())
+
+
+def stored(number: int, name: str) -> str:
+    """Return where in the output folder the picture of that number (from 1) stands."""
+    return f"{FOLDER}/{number:02d}.{_kind(name)}"
+
+
+def caption(name: str) -> str:
+    """Return what a picture shows: the name of its file, in words."""
+    return Path(name).stem.replace("_", " ")
+
+
+def _kind(name: str) -> str:
+    return "png" if name.lower().endswith(".png") else "jpg"

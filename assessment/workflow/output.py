@@ -145,7 +145,7 @@ def write(
     `tell`: is given the share that is made, about. Raises KilledError if one of them was ended from outside, OSError
     that names a file; the folder is then unchanged.
     """
-    from assessment.report.chapters.judgement_file import NAME
+    from assessment.report.chapters.judgement import NAME
     from mechanics.messages import message
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -180,11 +180,10 @@ def _make(
     tell: Callable[[float], object],
 ) -> list[str]:
     """Make everything in the folder `new`; return warnings."""
-    from assessment.report.chapters.judgement_file import NAME, judgement
-    from assessment.report.document import write_docx, write_page, write_pdf
+    from assessment.report.chapters.judgement import NAME, judgement
+    from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
     from assessment.report.figures.index import pictures, write_figures, write_images
-    from assessment.report.formats.attachments import write_attachments
     from assessment.report.tables.index import write_tables
     from assessment.report.text.language import words_of
     from assessment.results.file import as_bytes

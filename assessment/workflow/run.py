@@ -47,7 +47,7 @@ def carry_out(
         clear(folder)
         show = Journal(folder, show)
         from assessment.project.structure.model import build_model
-        from assessment.report.chapters.judgement_file import refuse_unreadable
+        from assessment.report.chapters.judgement import refuse_unreadable
         from assessment.runtime.cache import FOLDER, Store
         from assessment.workflow.stages import run
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from assessment.report.text.language import Words
-from assessment.report.text.messages import sentence, translated
+from assessment.report.text.language import Words, sentence, translated
 
 
 def in_italian(text: str) -> str:

@@ -15,8 +15,7 @@ from assessment.report.tables.synthesis import (
     settled,
     worst_settled,
 )
-from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import COARSE, indexed, label, written
+from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
 from assessment.results.schema import Results
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed

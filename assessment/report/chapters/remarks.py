@@ -14,7 +14,7 @@ from assessment.ntc.limit_states import QUOTED
 from assessment.ntc.vertical import THRUSTING_A_G
 from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
-from assessment.report.tables.curves import alpha_at_d_0, excesses
+from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.report.tables.rows import capacities
 from assessment.report.tables.structure import (
     bounded,
@@ -24,9 +24,7 @@ from assessment.report.tables.structure import (
     tensions,
     tie_strength,
 )
-from assessment.report.text.language import Words
-from assessment.report.text.messages import translated
-from assessment.report.text.quantities import COARSE, told
+from assessment.report.text.language import COARSE, Words, told, translated
 from assessment.results.asked import (
     collisions,
     coulomb,

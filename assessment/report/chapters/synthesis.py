@@ -11,8 +11,7 @@ from assessment.report.chapters.grids import Grid
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.report.tables.synthesis import ORIGINAL, governing_view, index_limit, least_row
-from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import heading, told, written
+from assessment.report.text.language import Words, direction_name, heading, told, written
 from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.schema import Results

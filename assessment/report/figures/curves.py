@@ -1,23 +1,24 @@
-"""Curves: pushdown of a state, pushovers of all states by direction."""
+"""Curves: pushdown of a state, pushovers by direction, demand spectra, capacity and demand in spectral coordinates."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from assessment.report.figures.style import COLOURS, DASHES, chart, key, state_style
-from assessment.report.tables.curves import alpha_at_d_0
-from assessment.report.text.language import Words, direction_name
-from assessment.report.text.quantities import label
+from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, state_style
+from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
+from assessment.report.text.language import Words, direction_name, label
 from assessment.results.schema import Results, State
-from assessment.results.schema.checks import Direction
+from assessment.results.schema.checks import Capacity, Check, Direction
+from assessment.results.schema.part import known
 from assessment.results.schema.static import PushdownPath, Pushovers
-from assessment.results.table import sense
+from assessment.results.table import reference_of, sense
 from mechanics.pictures import MARKS
-from mechanics.types import Array
+from mechanics.types import GRAVITY, Array
 
 WIDTHS = {"rigid": 1.4, "elastic": 2.4}
 ONSET, END, YIELD = MARKS
@@ -137,3 +138,136 @@ def _movement_lines(axes: Axes, content: State, words: Words) -> None:
 
 def _mm(metres: Sequence[float]) -> Array:
     return 1000.0 * np.asarray(metres, dtype=float)
+
+
+LONGEST = 4.0  # s: what is drawn of the spectra
+SCALES_APART = 1.8  # panels whose axes would differ by a larger factor have axes of their own
+ELASTIC: dict[str, Any] = {"color": "0.5", "linewidth": 1.4}
+PERIODS = (0.5, 1.0, 2.0, 3.0)  # s: of the grey lines
+
+
+def draw_spectra(
+    results: Results, words: Words, views: Sequence[tuple[str, Direction]], limit: str
+) -> Figure:
+    """Draw a* over d* (m) of states and directions with the spectrum each can bear and the one demanded of it.
+
+    Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
+    latter meets the line of period T of the limit state at d*. The curve with elastic joints is grey.
+    """
+    columns = min(2, len(views))
+    figure, panels = chart(
+        words, columns=columns, rows=-(-len(views) // columns), height_mm=60.0, foot_mm=14.0
+    )
+    spectrum = (results.spectra or {}).get(limit)
+    frames = _frames(results, views, limit)
+    for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=False):
+        capacity = results.states[name].capacity[direction]
+        point = capacity.checks[limit]
+        axes.set(xlim=(0.0, 1000.0 * reach), ylim=(0.0, top), title=words.at(name, direction))
+        axes.set(xlabel=label("d_star_m", words), ylabel=label("a_star_g", words))
+        _periods(axes, words, reach, top)
+        if found := elastic_capacity(results, name, direction):
+            axes.plot(1000.0 * found[0], found[1], **ELASTIC)
+        curve = capacity.curve
+        axes.plot(1000.0 * np.asarray(curve.d_star_m), curve.a_star_g, color="0.0", linewidth=1.9)
+        if spectrum is not None:
+            shown = np.asarray(spectrum.T_s) <= max(LONGEST, 1.2 * (point.T_s or 0.0))
+            for level, dashes in ((point.demand_a_g_g, DASHES[2]), (point.a_g_g, DASHES[0])):
+                factor = (level or np.nan) / spectrum.a_g_g
+                displacement = 1000.0 * factor * np.asarray(spectrum.damped_S_De_m)[shown]
+                acceleration = factor * np.asarray(spectrum.damped_S_e_g)[shown]
+                axes.plot(displacement, acceleration, color="0.0", linewidth=0.9, linestyle=dashes)
+        if point.d_star_m is not None:
+            _limit_point(axes, point, limit)
+    for axes in panels[len(views) :]:
+        axes.set_axis_off()
+    reference = words.plain(f"value.on_{reference_of(results)}")
+    elastic = any(elastic_capacity(results, *view) for view in views)
+    borne = words.plain("figure.borne_spectrum", limit=limit, reference=reference)
+    handles = [key(words.plain("figure.fitted_curve"), linewidth=1.9)]
+    handles += [key(words.plain("figure.elastic_capacity"), **ELASTIC)] if elastic else []
+    handles += [key(borne, linewidth=0.9)]
+    handles += [key(words.plain("figure.demand_spectrum", limit=limit), linewidth=0.9, linestyle=DASHES[2])]
+    figure.legend(handles=handles, loc="lower center", ncols=2)
+    return figure
+
+
+def one_scale(results: Results, views: Sequence[tuple[str, Direction]], limit: str) -> bool:
+    """Return whether the panels have the same axes: none of them would be squeezed into a corner."""
+    return len(set(_frames(results, views, limit))) == 1
+
+
+def draw_demand(results: Results, words: Words) -> Figure:
+    """Draw S_e (g) and S_De (mm) of each limit state over the period, 5 % damping."""
+    figure, panels = chart(words, columns=2, height_mm=48.0, foot_mm=6.0)
+    for axes, name in zip(panels, ("S_e_g", "S_De_m"), strict=True):
+        for dashes, (limit, spectrum) in zip(DASHES, known(results.spectra).items(), strict=False):
+            T = np.asarray(spectrum.T_s, dtype=float)
+            values = np.asarray(getattr(spectrum, name), dtype=float) * (1000.0 if name == "S_De_m" else 1.0)
+            line: dict[str, Any] = {"color": "0.0", "linewidth": 1.2, "linestyle": dashes, "label": limit}
+            axes.plot(T[T <= LONGEST], values[T <= LONGEST], **line)
+        axes.set(xlabel=label("T_s", words), ylabel=label(name, words), xlim=(0.0, LONGEST))
+        axes.set_ylim(bottom=0.0)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=4)
+    return figure
+
+
+def _frames(
+    results: Results, views: Sequence[tuple[str, Direction]], limit: str
+) -> list[tuple[float, float]]:
+    """Return the ends of both axes, m and g, of each panel: those of the largest if they differ little."""
+    capacities = [results.states[name].capacity[direction] for name, direction in views]
+    reaches = [1.25 * max(_reach(each, limit), _needed(each.checks[limit])) for each in capacities]
+    tops = [_top(each, limit) for each in capacities]
+    if all(max(each) <= SCALES_APART * min(each) for each in (reaches, tops)):
+        return [(max(reaches), max(tops))] * len(views)
+    return list(zip(reaches, tops, strict=True))
+
+
+def _reach(capacity: Capacity, limit: str) -> float:
+    points = [*capacity.curve.d_star_m, capacity.checks[limit].d_star_m]
+    return float(max(point for point in points if point is not None))
+
+
+def _needed(point: Check) -> float:
+    """Return the demanded displacement in m, at most twice the capacity: the rest is off the sheet."""
+    if not point.d_star_m or not point.a_g_g or not point.demand_a_g_g:
+        return 0.0
+    return float(point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
+
+
+def _top(capacity: Capacity, limit: str) -> float:
+    point = capacity.checks[limit]
+    secant = _secant(point.d_star_m, point.T_s) if point.d_star_m and point.T_s else 0.0
+    return float(max(3.0 * max(capacity.curve.a_star_g), 1.8 * secant))
+
+
+def _secant(displacement: float, period: float) -> float:
+    """Return the spectral acceleration in g that has this displacement (m) at this period (s)."""
+    return float((2.0 * np.pi / period) ** 2 * displacement / GRAVITY)
+
+
+def _periods(axes: Axes, words: Words, reach: float, top: float) -> None:
+    """Draw the lines of round periods, each named where it leaves the frame."""
+    for period in PERIODS:
+        edge = min(reach, top / _secant(1.0, period))
+        height = _secant(edge, period)
+        axes.plot([0.0, 1000.0 * edge], [0.0, height], color="0.7", linewidth=0.5, zorder=1.2)
+        style: dict[str, Any] = {"color": "0.45", "fontsize": 6.0, "bbox": OVER_LINES, "zorder": 1.5}
+        text, steep = words.comma(f"{period:g} s"), edge < reach
+        axes.annotate(text, (1000.0 * edge, height), (0, -7) if steep else (-3, 0), textcoords="offset points",
+                      ha="center" if steep else "right", va="center", **style)  # fmt: skip
+
+
+def _limit_point(axes: Axes, point: Check, limit: str) -> None:
+    d_star = 1000.0 * known(point.d_star_m)
+    axes.plot(d_star, known(point.a_star_g), marker="s", color="0.0", markersize=4.5, linestyle="none")
+    named: dict[str, Any] = {"textcoords": "offset points", "bbox": OVER_LINES, "zorder": 1.6}
+    axes.annotate(f"d*_{limit}", (d_star, 0.0), (3.0, 7.0), **named)
+    if point.T_s:
+        height = _secant(d_star / 1000.0, point.T_s)
+        axes.plot([0.0, d_star], [0.0, height], color="0.0", linewidth=0.6, linestyle=DASHES[1])
+        axes.plot([d_star, d_star], [0.0, height], color="0.0", linewidth=0.4)
+        circle: dict[str, Any] = {"marker": "o", "color": "0.0", "markerfacecolor": "1.0", "markersize": 5}
+        axes.plot(d_star, height, linestyle="none", **circle)
+        axes.annotate(f"T_{limit}", (d_star, height), (5.0, 6.0), **named)

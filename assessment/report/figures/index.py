@@ -11,7 +11,13 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.report.figures.curves import draw_pushdown, draw_pushover
+from assessment.report.figures.curves import (
+    draw_demand,
+    draw_pushdown,
+    draw_pushover,
+    draw_spectra,
+    one_scale,
+)
 from assessment.report.figures.drawings.deformed import (
     draw_chosen,
     draw_cracks,
@@ -37,7 +43,6 @@ from assessment.report.figures.motions import (
     moved,
     shaken,
 )
-from assessment.report.figures.spectra import draw_demand, draw_spectra, one_scale
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.tables.cracks import cracks_of, surveyed

@@ -15,8 +15,7 @@ from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
-from assessment.report.text.language import Words
-from assessment.report.text.quantities import COARSE, label
+from assessment.report.text.language import COARSE, Words, label
 from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import (

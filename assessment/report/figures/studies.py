@@ -12,8 +12,7 @@ from matplotlib.patches import Patch
 
 from assessment.report.figures.style import chart, key, state_style
 from assessment.report.tables.studies import ROUNDING, Bar, bars
-from assessment.report.text.language import Words
-from assessment.report.text.quantities import label
+from assessment.report.text.language import Words, label
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
 from assessment.results.table import compared, reference_of

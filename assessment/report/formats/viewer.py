@@ -14,8 +14,7 @@ from markupsafe import Markup
 
 from assessment.ntc.limit_states import QUOTED
 from assessment.report.tables.rows import moves, pushes
-from assessment.report.text.language import Words
-from assessment.report.text.quantities import label
+from assessment.report.text.language import Words, label
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
 from assessment.results.configurations.ties import ties_of

@@ -1,20 +1,25 @@
-"""Tables of mechanisms: those of the analysis, by two programs, and together with those that the engineer chose."""
+"""Tables of mechanisms, of the analysis, by two programs and chosen; what is read off curves."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
 
 from assessment.ntc.limit_states import LINEAR
 from assessment.report.tables.capacity import mechanism_text
 from assessment.report.tables.rows import Found, capacities, table, whole
-from assessment.report.text.language import Words
-from assessment.report.text.quantities import WHOLE
+from assessment.report.text.language import WHOLE, Words
 from assessment.results.configurations.hand_check import macro_blocks, rigid_push
 from assessment.results.configurations.hand_check import mechanisms as found_mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
 from assessment.results.schema.part import Configuration, present
-from assessment.results.table import Row, Table, cells
+from assessment.results.schema.static import RigidPush
+from assessment.results.table import Row, Table, cells, sense
+from mechanics.types import Array
 
 MOVES = 1e-6  # of the largest displacement
 RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
@@ -122,3 +127,61 @@ def macro_element(results: Results, displacements: Configuration) -> str:
     ]
     moving = {layer for layer, moved in movable if moved > MOVES * max(size)}
     return WHOLE if moving == {layer for layer, _ in movable} else ", ".join(sorted(moving))
+
+
+ABOVE = 0.2  # of the elastic curve: a larger excess of the fitted curve is reported
+
+
+class Excess(NamedTuple):
+    """Where a fitted curve lies above the elastic one: at the displacement of a limit state; d* in m, a* in g."""
+
+    state: str
+    direction: Direction
+    limit_state: str
+    d_star_m: float
+    fitted_g: float
+    elastic_g: float
+
+
+def alpha_at_d_0(rigid: RigidPush) -> float | None:
+    """Return the multiplier at d_0 where equilibrium is lost before it vanishes; None where it has vanished there."""
+    left, end = rigid.curve.multiplier[-1], abs(rigid.curve.displacement_m[-1])
+    ends = rigid.d_0_m is not None and math.isclose(
+        rigid.d_0_m, end
+    )  # an ensemble may have d_0 of another run
+    return left if rigid.lost and ends and left > 0.0 else None
+
+
+def elastic_capacity(results: Results, state: str, direction: Direction) -> tuple[Array, Array] | None:
+    """Return d* (k,) in m and a* (k,) in g of the curve with elastic joints: d*, α/(e* F_C); None without one."""
+    found = results.states[state]
+    capacity, pushovers = found.capacity.get(direction), found.pushover.get(direction)
+    if capacity is None or pushovers is None or pushovers.elastic is None:
+        return None
+    curve, d_star = pushovers.elastic.curve, pushovers.elastic.d_star_m
+    if d_star is None:
+        d_star = (
+            sense(direction) * capacity.gamma_star * np.asarray(curve.displacement_m, dtype=float)
+        ).tolist()
+    factor = float((results.echo.assessment or {}).get("confidence_factor", 1.0))
+    return np.asarray(d_star), np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
+
+
+def excesses(results: Results) -> Iterator[Excess]:
+    """Yield where a nonlinear check takes an acceleration more than ABOVE higher than the elastic curve has there."""
+    for name, direction, capacity in capacities(results):
+        elastic = elastic_capacity(results, name, direction)
+        for limit, check in capacity.checks.items():
+            if elastic is None or check.method != "nonlinear" or not check.d_star_m or not check.a_star_g:
+                continue
+            at = _on_the_way(*elastic, check.d_star_m)
+            if at is not None and check.a_star_g > (1.0 + ABOVE) * at:
+                yield Excess(name, direction, limit, check.d_star_m, check.a_star_g, at)
+
+
+def _on_the_way(d_star: Array, a_star: Array, place: float) -> float | None:
+    """Return a* where the curve first comes to a displacement; None where it ends before."""
+    first = np.r_[True, d_star[1:] > np.maximum.accumulate(d_star)[:-1]]  # farther than ever before
+    if place > d_star[first][-1] * (1.0 + 1e-9):
+        return None
+    return max(0.0, float(np.interp(place, d_star[first], a_star[first])))

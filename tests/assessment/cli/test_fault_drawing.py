@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
-from assessment.report.figures.drawings.faults import draw_faults
+from assessment.report.figures.drawings.model import draw_faults
 from assessment.report.text.language import Words
 from mechanics.faults import Fault, FaultyDrawingError, Outline
 from tests.support.dxf import drawing, outline

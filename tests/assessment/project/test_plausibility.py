@@ -14,8 +14,7 @@ from assessment.project.plausibility import implausible, implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.tables.structure import layers
-from assessment.report.text.language import Words
-from assessment.report.text.quantities import cell
+from assessment.report.text.language import Words, cell
 from assessment.workflow.description import describe
 from tests import ROOT
 from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block

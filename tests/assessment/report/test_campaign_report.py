@@ -25,8 +25,7 @@ from assessment.report.figures.motions import (
 )
 from assessment.report.tables.dynamic import LOSS, fragility_model, reported_campaign, static_dynamic
 from assessment.report.tables.index import tables as all_tables
-from assessment.report.text.language import LANGUAGES, words_of
-from assessment.report.text.quantities import heading
+from assessment.report.text.language import LANGUAGES, heading, words_of
 from assessment.results.schema import Campaign
 from tests.assessment.report.test_document import read
 from tests.support.judgement.claims import hold

@@ -10,8 +10,7 @@ from PIL import Image
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
 from assessment.report.figures.style import PNG_DPI
-from assessment.report.text.language import words_of
-from assessment.report.text.quantities import cell
+from assessment.report.text.language import cell, words_of
 from assessment.results.configurations.hand_check import (
     figures_of,
     governing_mechanisms,

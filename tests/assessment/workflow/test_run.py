@@ -13,7 +13,7 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.project.project import load_project
-from assessment.report.chapters.judgement_file import NAME
+from assessment.report.chapters.judgement import NAME
 from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.progress import Show

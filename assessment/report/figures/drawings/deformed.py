@@ -23,7 +23,7 @@ from assessment.report.figures.drawings.parts import (
 )
 from assessment.report.figures.style import MM, Sheet, foot, key, sheet
 from assessment.report.tables.cracks import cracks_of, surveyed
-from assessment.report.tables.curves import alpha_at_d_0
+from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.report.text.language import Words
 from assessment.results.configurations.faces import faces_of, outlines
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push

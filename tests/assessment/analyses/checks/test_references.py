@@ -8,8 +8,7 @@ from assessment.ntc.capacity.curve import capacity_curve
 from assessment.ntc.capacity.curve_fit import fit_rigid
 from assessment.ntc.demand.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
-from assessment.report.text.language import Words
-from assessment.report.text.quantities import heading
+from assessment.report.text.language import Words, heading
 from assessment.results.table import brought_together
 
 

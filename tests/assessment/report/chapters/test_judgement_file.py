@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.cli.main import main
-from assessment.report.chapters.judgement_file import NAME, judgement, to_html, without_comments
+from assessment.report.chapters.judgement import NAME, judgement, to_html, without_comments
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
 from assessment.runtime.processes.pool import Pool

@@ -4,10 +4,10 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from assessment.report.figures.curves import ELASTIC, draw_spectra, one_scale
 from assessment.report.figures.index import pictures
-from assessment.report.figures.spectra import ELASTIC, draw_spectra, one_scale
 from assessment.report.figures.style import typeset
-from assessment.report.tables.curves import elastic_capacity
+from assessment.report.tables.mechanisms import elastic_capacity
 from assessment.report.text.language import words_of
 from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example

@@ -6,7 +6,7 @@ from PIL import EpsImagePlugin, Image, ImageFile
 
 from assessment.cli.main import main
 from assessment.project.project import load_project
-from assessment.report.formats.attachments import LONGEST, write_attachments
+from assessment.report.document import LONGEST, write_attachments
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import PROJECT, edit, write_block
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from assessment.report.text.formula import typeset
+from assessment.report.chapters.calculation_annex import typeset
 from assessment.report.text.language import Words
 
 ENGLISH, ITALIAN = Words.of("en"), Words.of("it")

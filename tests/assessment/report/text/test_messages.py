@@ -10,8 +10,7 @@ import pytest
 
 from assessment.analyses.static.lateral import FRICTION
 from assessment.report.chapters.judgement import all_warnings
-from assessment.report.text.language import Words, words_of
-from assessment.report.text.messages import merged, sentence, templates, translated
+from assessment.report.text.language import Words, merged, sentence, templates, translated, words_of
 from assessment.results.file import as_bytes, read_results, table_of
 from mechanics import UnstableError
 from mechanics.messages import Message, SaidError, headed, linked, message

@@ -2,8 +2,7 @@
 
 import pytest
 
-from assessment.report.text.language import LANGUAGES, Words
-from assessment.report.text.quantities import cell, heading, written
+from assessment.report.text.language import LANGUAGES, Words, cell, heading, written
 from assessment.results.schema.part import QUANTITIES, Part, key
 
 ENGLISH = Words.of("en")
