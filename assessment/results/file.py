@@ -112,7 +112,7 @@ def _messages(value: Any) -> Iterator[Message]:
     if isinstance(value, Message):
         yield value
     elif isinstance(value, BaseModel):
-        for name in value.model_fields_set:
+        for name in type(value).model_fields:  # in their order: the same bytes at every run
             yield from _messages(getattr(value, name))
     elif isinstance(value, Mapping):
         for inner in value.values():

@@ -184,7 +184,7 @@ def _make(
     from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
     from assessment.report.figures.animation import write_animations
     from assessment.report.figures.index import pictures, write_figures, write_images
-    from assessment.report.tables.index import write_tables
+    from assessment.report.tables import write_tables
     from assessment.report.text.language import words_of
     from assessment.results.file import as_bytes
 

@@ -25,7 +25,6 @@ from assessment.report.tables.studies import (
     reported_identification,
     reported_studies,
 )
-from assessment.report.tables.synthesis import index_limit, index_of, least_row
 from assessment.report.text.language import Words, cell, check_name, direction_name, heading, is_text, written
 from assessment.results.asked import printed
 from assessment.results.configurations.hand_check import (
@@ -40,6 +39,7 @@ from assessment.results.configurations.hand_check import (
 from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.schema import Results
 from assessment.results.schema.part import present
+from assessment.results.summary import index_limit, index_of, least_row
 from assessment.results.table import Row, Table, cells, reference_of
 
 SIGNIFICANT = {"hand_check": 4, "second_solver": 5}  # digits of tables that show how near two values are

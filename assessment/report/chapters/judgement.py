@@ -1,4 +1,4 @@
-"""A judgement drafted in plain words from the numbers (NTC 2018, §10.2), and the file in which the engineer edits it."""
+"""A judgement drafted in plain words from the numbers (NTC 2018, §10.2), in a file that the engineer edits."""
 
 from __future__ import annotations
 

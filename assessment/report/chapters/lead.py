@@ -6,7 +6,9 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.report.tables.synthesis import (
+from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
+from assessment.results.schema import Results
+from assessment.results.summary import (
     ORIGINAL,
     index_limit,
     index_of,
@@ -15,8 +17,6 @@ from assessment.report.tables.synthesis import (
     settled,
     worst_settled,
 )
-from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
-from assessment.results.schema import Results
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 

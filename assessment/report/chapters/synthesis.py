@@ -10,12 +10,12 @@ from assessment.ntc.demand.return_period import USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
-from assessment.report.tables.synthesis import ORIGINAL, governing_view, index_limit, least_row
 from assessment.report.text.language import Words, direction_name, heading, told, written
 from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.schema import Results
 from assessment.results.schema.summary import SummaryRow
+from assessment.results.summary import ORIGINAL, governing_view, index_limit, least_row
 
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
 

@@ -47,11 +47,11 @@ from assessment.report.figures.studies import draw_scenarios, draw_tornado, vari
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.structure import printed
-from assessment.report.tables.synthesis import governing_view, worst_settled
 from assessment.report.text.language import Words, slug, words_of
 from assessment.results.configurations.joint_states import situations
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
+from assessment.results.summary import governing_view, worst_settled
 from assessment.runtime.processes.pool import Pool, result_of
 
 T = TypeVar("T")

@@ -139,8 +139,8 @@ class Part(BaseModel):
 def key(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
     """Describe a key that is always there; its unit is that of its name, – of other numbers, or `unit`.
 
-    `label`: what the quantity is called in headings, in Italian and English ("Picco|Peak") or in both alike ("d_0*"); of
-    a quantity that several tables have in one of them. `look`: see Quantity.
+    `label`: what the quantity is called in headings, in Italian and English ("Picco|Peak") or in both alike ("d_0*");
+    of a quantity that several tables have in one of them. `look`: see Quantity.
     """
     return Field(description=meaning, alias=alias, json_schema_extra=_extra(label, look))
 

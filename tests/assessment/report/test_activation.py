@@ -23,7 +23,7 @@ from assessment.report.document import render_html
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.thrust import draw_thrust
 from assessment.report.formats.viewer import viewer
-from assessment.report.tables.index import tables
+from assessment.report.tables import tables
 from assessment.report.text.language import direction_name, words_of
 from assessment.results.configurations.hand_check import hand_checks, mechanisms
 from assessment.results.configurations.joint_states import situations

@@ -23,8 +23,8 @@ from assessment.report.figures.motions import (
     fragile_shares,
     moved,
 )
+from assessment.report.tables import tables as all_tables
 from assessment.report.tables.dynamic import LOSS, fragility_model, reported_campaign, static_dynamic
-from assessment.report.tables.index import tables as all_tables
 from assessment.report.text.language import LANGUAGES, heading, words_of
 from assessment.results.schema import Campaign
 from tests.assessment.report.test_document import read

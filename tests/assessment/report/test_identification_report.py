@@ -13,7 +13,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import ready_lines
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import MEASURED, draw_identification
-from assessment.report.tables.index import tables
+from assessment.report.tables import tables
 from assessment.report.text.language import Words, words_of
 from assessment.results.configurations.faces import outlines
 from assessment.results.identified import fits

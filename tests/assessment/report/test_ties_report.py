@@ -18,7 +18,7 @@ from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_ov
 from assessment.report.figures.drawings.deformed_dxf import _drawing
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.formats.viewer import viewer
-from assessment.report.tables.index import tables
+from assessment.report.tables import tables
 from assessment.report.text.language import Words
 from assessment.results.plain import plain
 from assessment.workflow.stages import run

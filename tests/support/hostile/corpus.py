@@ -26,7 +26,7 @@ from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.repair import with_repaired_drawing
 from assessment.project.structure.model import build_model
-from assessment.report.tables.index import inert
+from assessment.report.tables import inert
 from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError
 from assessment.workflow import run as workflow

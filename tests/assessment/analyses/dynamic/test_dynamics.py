@@ -21,7 +21,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.document import render_html
 from assessment.report.figures.animation import animation, write_animations
 from assessment.report.figures.index import pictures, write_figures
-from assessment.report.tables.index import tables
+from assessment.report.tables import tables
 from assessment.report.text.language import words_of
 from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError

@@ -12,8 +12,8 @@ from assessment.report.chapters.lead import lead
 from assessment.report.chapters.synthesis import basis, governing_mechanism, synthesis_grid
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms
-from assessment.report.tables.synthesis import index_limit, worst_settled
 from assessment.report.text.language import Words, direction_name, words_of
+from assessment.results.summary import index_limit, worst_settled
 from tests.support.analysed import analysed
 from tests.support.judgement.random_results import random_results
 from tests.support.results_example import SETTLED, results_example

@@ -9,8 +9,8 @@ import pytest
 from assessment.project.project import json_schema
 from assessment.report.chapters.grids import echoed, grid, ranges_table
 from assessment.report.chapters.remarks import indices as index_sentences
+from assessment.report.tables import write_tables
 from assessment.report.tables.capacity import indices, reported_indices, summary, trace, verification
-from assessment.report.tables.index import write_tables
 from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.structure import blocks, layers
 from assessment.report.tables.studies import Range
