@@ -16,8 +16,7 @@ from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.fragility import Dispersion, RecordLevel, over_records
 from assessment.analyses.dynamic.response import Setting
 from assessment.analyses.dynamic.scan import Reach, scan
-from assessment.project.catalogue.new_project import new_project
-from assessment.project.catalogue.templates import TEMPLATES, template_options
+from assessment.project.catalogue.new_project import TEMPLATES, new_project, template_options
 from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, MotionTable

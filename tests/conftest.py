@@ -18,7 +18,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from assessment.report.figures import index as figures
-from assessment.runtime.processes import pool
+from assessment.runtime import pool
 from tests.support.block_project import write_block
 
 # hundreds of processes begin here: what they import is compiled once, also where the environment keeps no byte code

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from assessment.project.catalogue.templates import TEMPLATES, made, template_options
+from assessment.project.catalogue.new_project import TEMPLATES, made, template_options
 from tools.pictures import write_picture
 
 STONE, SUPPORT = "#d9cdb8", "#8a8a8a"

@@ -15,8 +15,8 @@ from assessment.project.formats.convert import TOML, XLSX
 from assessment.project.formats.convert import convert as to_other_format
 from assessment.project.project import json_schema, survey_project
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import write_atomically
-from assessment.workflow.selection import STAGES
+from assessment.runtime.files import write_atomically
+from assessment.workflow.run import STAGES
 
 Sent = Mapping[str, Any]
 Kind = TypeVar("Kind")

@@ -17,8 +17,8 @@ import uvicorn
 from assessment.app.editing import OWN
 from assessment.app.server import application
 from assessment.app.session import Session
+from assessment.runtime.console import say, tell
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.terminal.console import say, tell
 
 HOST = "127.0.0.1"
 IDLE = 60  # s, after which a connection without questions ends

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.convert import TOML
 from assessment.project.formats.toml import read_toml, updated_toml
+from assessment.project.problems import project_error, schema_problems
 from assessment.project.schema import KeyPath, ProjectContent
 from assessment.project.schema.index import alternatives, annotation_at
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files import write_atomically
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

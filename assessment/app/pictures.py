@@ -15,13 +15,11 @@ from assessment.app.editing import drawing_tag
 from assessment.ntc.demand.hazard_grid import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import write_files
-from assessment.project.consistency import attachment_problems
-from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.toml import commented_toml
+from assessment.project.problems import attachment_problems, project_error, schema_problems
 from assessment.project.project import load_project, survey_project
-from assessment.project.repair import with_repaired_drawing
 from assessment.project.schema import ProjectContent
-from assessment.project.structure.model import build_model, how_to_read
+from assessment.project.structure.model import build_model, how_to_read, with_repaired_drawing
 from assessment.report.text.language import Words, translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 from assessment.workflow.checking import checked

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.lock import holder
 from assessment.runtime.journal import NAME as JOURNAL
-from assessment.runtime.journal import Recorded, progress_of, read_journal
+from assessment.runtime.journal import Recorded, holder, progress_of, read_journal
 
 TOLD = 2000  # letters of what a command that failed has said
 

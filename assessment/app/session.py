@@ -18,7 +18,7 @@ from assessment.app.worker import Worker
 from assessment.project.formats.convert import SOURCES, TOML
 from assessment.project.project import survey_project
 from assessment.runtime.errors import ProjectError, error_text
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files import write_atomically
 
 PLACES = {  # of a dropped file: suffixes, and the folder that it is put into
     "drawing": ((".dxf",), ""),

@@ -13,9 +13,9 @@ from assessment.benchmark.cases import app, friction, motions, skips, statics, w
 from assessment.benchmark.measure import load, machine
 from assessment.benchmark.table import Row, as_csv, table, work_precision
 from assessment.report.figures.style import save_png, save_svg
+from assessment.runtime.console import say
 from assessment.runtime.errors import nearest
-from assessment.runtime.files.atomic_files import write_atomically
-from assessment.runtime.terminal.console import say
+from assessment.runtime.files import write_atomically
 
 SUMMARY = "summary.md"
 STEP_FIELDS = "case blocks joints contacts way step_ms ratio programs_per_step iterations_per_step failed"

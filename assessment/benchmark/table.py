@@ -123,9 +123,8 @@ def work_precision(rows: Sequence[Row], series: str) -> Figure:
         axes.set(xscale="log", yscale="log", title="\n".join(case.split(", ", 1)))
         axes.set(xlabel="processor time, s", ylabel="relative error")
         for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(
-                StrMethodFormatter("{x:g}")
-            )  # powers as formulas are not typeset in figures
+            # powers as formulas are not typeset in figures
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
             axis.set_minor_formatter(NullFormatter())
     for axes in panels[len(cases) :]:
         axes.set_axis_off()

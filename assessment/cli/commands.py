@@ -10,14 +10,39 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING
 
-from assessment.cli.exit_codes import DONE, INCOMPLETE, WRONG_INPUT, tell_error
-from assessment.runtime.terminal.console import say, tell
+from assessment.runtime.console import say, tell, unwritten
+from assessment.runtime.errors import error_text
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
-    from assessment.project.project import Project
+
+DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
+EXIT_CODES = f"""exit codes:
+  {DONE}  done
+  {WRONG_INPUT}  the input is wrong: nothing was overwritten
+  {INCOMPLETE}  an analysis or the output was not completed, or the run was interrupted: what is finished is kept"""
+
+
+def incomplete(error: RuntimeError | MemoryError, unchanged: str) -> str | None:
+    """Return what kept an analysis from being completed, and what is left; None where the error is a bug."""
+    from assessment.runtime.pool import KilledError
+    from mechanics import ConvergenceError
+
+    if isinstance(error, ConvergenceError):
+        return f"{error}; nothing was written"
+    if isinstance(error, KilledError | MemoryError):
+        return f"{'memory ran out' if isinstance(error, MemoryError) else error}; {unchanged}"
+    return None
+
+
+def tell_error(error: ValueError | OSError) -> int:
+    """Print the message of an error, each of its lines as one; return its exit code."""
+    for line in error_text(error).split("\n"):
+        tell(f"error: {line}")
+    return INCOMPLETE if unwritten(error) else WRONG_INPUT
+
 
 TEMPLATES = (
     "block", "wall", "wall-with-openings", "facade", "tympanum", "bell-gable", "arch", "pointed-arch",
@@ -30,21 +55,13 @@ def run(options: argparse.Namespace) -> int:
     from assessment.cli.summary import as_json, summary
     from assessment.project.project import load_project
     from assessment.runtime.progress import progress
-    from assessment.workflow.run import carry_out
-    from assessment.workflow.selection import select
+    from assessment.workflow.run import carry_out, select
 
     project = select(load_project(options.project), options.only)
     folder = _writable(options.out or project.folder / "output")
     with progress() as show:
-        outcome, warnings = carry_out(
-            project,
-            folder,
-            options.jobs,
-            options.fresh,
-            not options.no_report,
-            show,
-            options.scheduler,
-        )
+        how = (options.jobs, options.fresh, not options.no_report, show, options.scheduler)
+        outcome, warnings = carry_out(project, folder, *how)
     say((as_json if options.json else summary)(outcome, folder, warnings))
     return DONE if outcome.complete else INCOMPLETE
 
@@ -57,6 +74,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.cli.summary import model_summary, warning_lines
     from assessment.project.motions import described
     from assessment.project.project import load_project
+    from assessment.project.structure.model import with_repaired_drawing
     from assessment.report.chapters.judgement import refuse_unreadable
     from assessment.report.figures.drawings.model import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
@@ -69,7 +87,13 @@ def check(options: argparse.Namespace) -> int:
     refuse_unreadable(folder)
     drawing = folder / "model.svg"
     if options.repair:
-        project = _repaired(project)
+        project, changes = with_repaired_drawing(project)
+        for change in changes:
+            say(change)
+        name = project.geometry.drawing
+        count = "1 change" if len(changes) == 1 else f"{len(changes)} changes"
+        wrote = f'{count}: {project.path(name)}; to use it write geometry.drawing = "{name}"'
+        say(wrote if changes else f"{name}: nothing that can be repaired")
     try:
         found = checked(project)
     except FaultyDrawingError as faulty:
@@ -90,20 +114,6 @@ def check(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _repaired(project: Project) -> Project:
-    """Write a repaired drawing beside the project's and print every change; return the project with that drawing."""
-    from assessment.project.repair import with_repaired_drawing
-
-    project, changes = with_repaired_drawing(project)
-    for change in changes:
-        say(change)
-    name = project.geometry.drawing
-    count = "1 change" if len(changes) == 1 else f"{len(changes)} changes"
-    wrote = f'{count}: {project.path(name)}; to use it write geometry.drawing = "{name}"'
-    say(wrote if changes else f"{name}: nothing that can be repaired")
-    return project
-
-
 def status(options: argparse.Namespace) -> int:
     """Print where a run is, or how the last one ended. Raises ValueError for a folder that is not there."""
     from assessment.runtime.journal import status as as_text
@@ -117,13 +127,26 @@ def status(options: argparse.Namespace) -> int:
 
 def new(options: argparse.Namespace) -> int:
     """Make a project folder from a template, drawing or example, or list them. Raises ValueError for options."""
-    from assessment.project.catalogue.new_project import new_example, new_project
+    from assessment.project.catalogue.new_project import (
+        example_title,
+        examples,
+        new_example,
+        new_project,
+        template_options,
+    )  # fmt: skip
     from assessment.project.formats.convert import TOML, XLSX
 
     if options.template is not None:
         options.template = "-".join(options.template.lower().replace("_", " ").split())
     if options.list:
-        _list(options.template)
+        for name in [options.template] if options.template else TEMPLATES:
+            say(f"{name}:")
+            for option, (default, unit, description) in template_options(name).items():
+                say(f"  {option:18} {default:>8g} {unit:6} {description}")
+        if options.template is None:
+            say("examples:")
+            for name, folder in examples().items():
+                say(f"  {name:18} {example_title(folder)}")
         return DONE
     given = [each for each in (options.template, options.example, options.drawing) if each is not None]
     if len(given) != 1:
@@ -135,7 +158,14 @@ def new(options: argparse.Namespace) -> int:
         raise ValueError("DIR: missing; give the folder to make: assesto new DIR --template NAME")
     source = XLSX if options.excel else TOML
     if options.template is not None:
-        new_project(options.folder, options.template, _dimensions(options.set), source)
+        dimensions = {}
+        for item in options.set:
+            key, _, value = item.partition("=")
+            try:
+                dimensions[key.strip()] = float(value)
+            except ValueError:
+                raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
+        new_project(options.folder, options.template, dimensions, source)
     elif options.set:
         raise ValueError("--set: of a template only; leave it out, or give --template")
     elif options.example is not None:
@@ -147,33 +177,6 @@ def new(options: argparse.Namespace) -> int:
             say(line)
     say(f"wrote {options.folder}; next: assesto check {options.folder}")
     return DONE
-
-
-def _list(template: str | None) -> None:
-    """Print the dimensions of a template, or of all, and then the examples."""
-    from assessment.project.catalogue.new_project import example_title, examples
-    from assessment.project.catalogue.templates import template_options
-
-    for name in [template] if template else TEMPLATES:
-        say(f"{name}:")
-        for option, (default, unit, description) in template_options(name).items():
-            say(f"  {option:18} {default:>8g} {unit:6} {description}")
-    if template is None:
-        say("examples:")
-        for name, folder in examples().items():
-            say(f"  {name:18} {example_title(folder)}")
-
-
-def _dimensions(given: list[str]) -> dict[str, float]:
-    """Return the dimensions that --set gives, by name. Raises ValueError for what is no KEY=NUMBER."""
-    found = {}
-    for item in given:
-        key, _, value = item.partition("=")
-        try:
-            found[key.strip()] = float(value)
-        except ValueError:
-            raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
-    return found
 
 
 def convert(options: argparse.Namespace) -> int:
@@ -231,10 +234,7 @@ def benchmark(options: argparse.Namespace) -> int:
 def _writable(folder: Path) -> Path:
     """Return the folder if results can be written there: checked before any analysis."""
     existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not existing.is_dir():
-        raise ValueError(f"{existing}: is a file; give another folder with --out DIR")
-    if not os.access(existing, os.W_OK):
-        raise ValueError(
-            f"{existing}: no permission to write; change it or give another folder with --out DIR"
-        )
+    wrong = "is a file;" if not existing.is_dir() else "no permission to write; change it or"
+    if not existing.is_dir() or not os.access(existing, os.W_OK):
+        raise ValueError(f"{existing}: {wrong} give another folder with --out DIR")
     return folder

@@ -6,21 +6,20 @@ import logging
 import os
 import sys
 import warnings
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from assessment.cli import commands
 from assessment.cli.arguments import options_of
-from assessment.cli.exit_codes import INCOMPLETE, WRONG_INPUT, incomplete, tell_error
-from assessment.runtime.files.lock import BusyError
-from assessment.runtime.processes.garbage import collect_rarely
-from assessment.runtime.processes.interruption import interrupted, leave, watch
-from assessment.runtime.terminal.console import prepare, tell
+from assessment.cli.commands import INCOMPLETE, WRONG_INPUT, incomplete, tell_error
+from assessment.runtime.console import prepare, tell
+from assessment.runtime.errors import is_input_error
+from assessment.runtime.journal import BusyError, record_exit
+from assessment.runtime.process import collect_rarely, interrupted, leave, watch
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,18 +37,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     running = options.command is commands.run
     kept = "; finished analyses are kept: run again to go on" if running else ""
     unchanged = f"nothing of an earlier result was changed{kept}"
-    record: Callable[[int], object] = partial(_record, options) if running else (lambda _: None)
+
+    def record(code: int) -> None:
+        """Leave the exit code of a run in the journal of its folder, where `assesto status` finds it."""
+        if running:
+            record_exit(options.out or options.project / "output", code)
+
     if whole:
         watch(f"interrupted: {unchanged}", INCOMPLETE, lambda: record(INCOMPLETE))
         collect_rarely()
-        _silence_libraries()
+        # what libraries warn of and log, with the user's names in it, stays off the terminal, of other processes too
+        logging.getLogger().addHandler(logging.NullHandler())
+        if not sys.warnoptions:
+            warnings.simplefilter("ignore")
+            os.environ.setdefault("PYTHONWARNINGS", "ignore")
     try:
         code = _carry_out(options)
     except BusyError as error:
         return tell_error(error)  # the journal is that of the other run
     except (ValueError, OSError) as error:
-        from assessment.runtime.errors import is_input_error  # late, as all that --help does not need
-
         if not is_input_error(error):
             raise
         code = tell_error(error)
@@ -70,13 +76,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
-def _record(options: argparse.Namespace, code: int) -> None:
-    """Leave the exit code of a run in the journal of its folder, where `assesto status` finds it."""
-    from assessment.runtime.journal import record_exit
-
-    record_exit(options.out or options.project / "output", code)
-
-
 def _carry_out(options: argparse.Namespace) -> int:
     """Return the exit code of a command. Raises KeyboardInterrupt for whatever a library makes of an interruption.
 
@@ -85,9 +84,8 @@ def _carry_out(options: argparse.Namespace) -> int:
     try:
         Path.cwd()
     except OSError:
-        raise ValueError(
-            "the folder that the command is given in is gone; change to another one (cd)"
-        ) from None
+        text = "the folder that the command is given in is gone; change to another one (cd)"
+        raise ValueError(text) from None
     try:
         code: int = options.command(options)
     except Exception as error:
@@ -95,11 +93,3 @@ def _carry_out(options: argparse.Namespace) -> int:
             raise KeyboardInterrupt from error
         raise
     return code
-
-
-def _silence_libraries() -> None:
-    """Keep what libraries warn of and log, with the user's names in it, off the terminal, of other processes too."""
-    logging.getLogger().addHandler(logging.NullHandler())
-    if not sys.warnoptions:
-        warnings.simplefilter("ignore")
-        os.environ.setdefault("PYTHONWARNINGS", "ignore")

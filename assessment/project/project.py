@@ -15,14 +15,13 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
-from assessment.project.consistency import content_problems, matches
-from assessment.project.errors import project_error, schema_problems
 from assessment.project.formats.convert import SOURCES, is_converted
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
+from assessment.project.problems import content_problems, matches, project_error, schema_problems
 from assessment.project.schema import Contacts, ControlTable, Direction, ProjectContent
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import file_digest
+from assessment.runtime.files import file_digest
 
 CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 

@@ -27,8 +27,7 @@ from assessment.report.text.language import Words, joined, sentence, translated,
 from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.schema import Results
-from assessment.runtime.files.atomic_files import write_atomically
-from assessment.runtime.files.pictures import read_picture
+from assessment.runtime.files import read_picture, write_atomically
 
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
 ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")

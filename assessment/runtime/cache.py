@@ -20,7 +20,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files import write_atomically
 
 FOLDER = ".stages"  # in the output folder
 MOST_BYTES = 300_000_000  # of all entries; the least recently used are removed first

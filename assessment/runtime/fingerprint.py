@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 
-from assessment.runtime.files.atomic_files import file_digest
+from assessment.runtime.files import file_digest
 
 if TYPE_CHECKING:
     from mechanics import Assembly

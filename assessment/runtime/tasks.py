@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, packed, returned, unpacked
 from assessment.runtime.fingerprint import fingerprint
-from assessment.runtime.processes.pool import KilledError, Pool, finished, processes
+from assessment.runtime.pool import KilledError, Pool, finished, processes
 from assessment.runtime.progress import SILENCE, Show
 
 if TYPE_CHECKING:
@@ -245,7 +245,7 @@ class Workers:
             # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
             gc.freeze()
             if self.scheduler:
-                from assessment.runtime.processes.cluster import Cluster  # late: few runs have one
+                from assessment.runtime.cluster import Cluster  # late: few runs have one
 
                 self.engine = Cluster(self.scheduler)
             else:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.analyses.static.states import StateResult
     from assessment.project.project import Project
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.results.schema.checks import Capacity
     from mechanics.model import Direction
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.runtime.tasks import Workers
     from mechanics.model import Direction
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.results.schema import State
     from assessment.results.schema.checks import Capacity
     from assessment.results.schema.model import QualityRow

@@ -1,22 +1,165 @@
-"""What a run reads before anything is analysed: model, records, demand; for `assesto check` and the app its verdict."""
+"""What a run reads before anything is analysed: model, records, demand, and the results that need no analysis."""
 
 from __future__ import annotations
 
+import math
+import platform
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from assessment.analyses.accuracy import accuracy_of
 from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
 from assessment.analyses.static.lateral import with_control
 from assessment.analyses.static.paths import pressed_in, stand
+from assessment.ntc.load_factors import psi_2
 from assessment.project import motions as base
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
+from assessment.project.structure.masonry import table_of
 from assessment.project.structure.model import ProjectModel, build_model
-from assessment.results.schema import Results
-from assessment.workflow.description import describe
+from assessment.results.configurations.faces import described
+from assessment.results.plain import finite
+from assessment.results.schema import FORMAT, Results, State
+from assessment.results.schema import model as parts
+from assessment.results.schema.dynamic import Incremental
+from assessment.results.schema.static import Settlement, Strengthening
+from assessment.results.schema.studies import Convergence
+from assessment.results.summary import EMPTY
+from assessment.runtime.fingerprint import installed
+from mechanics.faults import visible
 from mechanics.messages import Message
 from mechanics.records import Record
+from mechanics.types import GRAVITY
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
+
+
+PACKAGES = (
+    "numpy", "scipy", "piqp", "ezdxf", "shapely", "pandas", "matplotlib", "jinja2", "weasyprint", "pydantic",
+)  # fmt: skip
+
+
+def describe(project: Project, model: ProjectModel) -> Results:
+    """Return the results before any analysis: every state is present, and empty.
+
+    Raises OSError for a file of the project that cannot be read.
+    """
+    pushed = (
+        project.pushover or project.history or project.incremental or project.campaign or project.mechanism
+    )
+    states = project.states if pushed else project.unstrengthened[1:]
+    return Results(
+        format=FORMAT, assesto=installed("assesto"), title=project.title, summary=EMPTY,
+        inputs={visible(name): digest for name, digest in project.digests().items()},
+        model=_summary(project, model), geometry=_geometry(project, model), loads=_loads(project, model.assembly),
+        echo=parts.Echo.model_validate(_spelt(project.echoed())),
+        states={name: _empty(project, name, len(model.assembly.blocks)) for name in states},
+        comparison=[], convergence=Convergence(tolerance=accuracy_of(project).tolerance, rows=[]),
+        quality=parts.Quality(solves=0, warnings=[], by_stage=[]), timing_s={},
+        software=parts.Software(
+            version=installed("assesto"), python=platform.python_version(), platform=platform.system(),
+            packages={name: installed(name) for name in PACKAGES},
+        ),
+    )  # fmt: skip
+
+
+def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
+    a = model.assembly
+    points = 4 * int(np.maximum(a.contacts.segments, 1).sum())
+    found = parts.ModelSummary(
+        blocks=len(a.blocks), movable_blocks=int(a.movable.sum()), joints=len(a.joints.a),
+        unknowns=3 * len(a.joints.a),  # N, P and T of each joint
+        paper_contact_points=points, contact_points=points, weight_kN=a.weight, self_weight_stable=True,
+        warnings=list(model.warnings),
+    )  # fmt: skip
+    ties = {name: project.ties_of(name) for name in project.states}
+    drawn = []
+    for tie in project.tie:
+        later = [name for name, (_, later) in ties.items() if tie in later]
+        drawn.append(parts.Tie(
+            name=tie.name, start_m=list(tie.from_m), end_m=list(tie.to_m),
+            blocks=[a.block_at(tie.from_m), a.block_at(tie.to_m)], yield_force_kN=finite(tie.yield_force_kN),
+            stiffness_kN_m=tie.stiffness_kN_m, pretension_kN=tie.pretension_kN,
+            states=[name for name, (there, _) in ties.items() if tie in there or name in later], set_in=later,
+        ))  # fmt: skip
+    return found.replace(ties=drawn) if drawn else found
+
+
+def _empty(project: Project, name: str, blocks: int) -> State:
+    made = project.strengthening_of(name)
+    moved = None if made else project.settlement_of(name)
+    keys = {"support", "displacement_m", "rotation_rad", "increment_m", "after"}
+    found = State(
+        configuration=[[0.0, 0.0, 0.0]] * blocks,
+        settlement=Settlement(**moved.model_dump(mode="json", include=keys, exclude_none=True)) if moved else None,
+        pushdown={}, pushover={}, capacity={}, history=[], incremental=Incremental(),
+    )  # fmt: skip
+    if made is None:
+        return found
+    ties = [tie.name for tie in project.ties_of(name)[1]]
+    return found.replace(strengthening=Strengthening(of=made.of, ties=ties, layers=list(made.layers)))
+
+
+def _spelt(value: Any) -> Any:
+    """Return the content of the project file with infinity as the text "inf": JSON has no infinity."""
+    if isinstance(value, dict):
+        return {key: _spelt(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_spelt(each) for each in value]
+    return "inf" if value == math.inf else value
+
+
+def _loads(project: Project, a: Assembly) -> list[parts.LayerLoads]:
+    """Return the vertical loads of each layer with movable blocks, all its blocks together, as they are combined."""
+    found = []
+    moving = (block for block, moves in zip(a.blocks, a.movable, strict=True) if moves)
+    for layer, region in sorted({(block.layer, block.region) for block in moving}):
+        own = [block for block in a.blocks if (block.layer, block.region) == (layer, region)]
+        given = table_of(project, layer, region)
+        variable, combined = len(own) * given.variable_load_kN, sum(block.weight for block in own)
+        found.append(parts.LayerLoads(
+            layer=f"{layer}, {region}" if region else layer, blocks=len(own),
+            own_weight_kN=combined - sum(block.vertical_load for block in own),
+            permanent_load_kN=len(own) * given.vertical_load_kN, variable_load_kN=variable,
+            use_category=given.use_category, psi_2=psi_2(given.use_category, given.psi_2) if variable else None,
+            combined_kN=combined, seismic_weight_kN=GRAVITY * sum(block.mass for block in own),
+        ))  # fmt: skip
+    return found
+
+
+def _geometry(project: Project, model: ProjectModel) -> parts.Geometry:
+    """Return blocks, control points, joints and surveyed cracks as drawn."""
+    a = model.assembly
+    blocks = [
+        parts.Block(
+            vertices_m=block.polygon.tolist(), centroid_m=block.centroid.tolist(), depth_m=block.depth,
+            layer=block.layer, handle=block.handle, region=block.region or None, support=block.support,
+            vertical_load_kN=block.vertical_load, weight_kN=block.weight,
+        )
+        for block in a.blocks
+    ]  # fmt: skip
+    controls = [
+        parts.Control(name=point.name, point_m=list(point.point_m), block=a.block_at(point.point_m))
+        for point in project.control
+    ]
+    faces = zip(described(a, a.contacts), a.joints.ends, strict=True)
+    joints = [parts.Joint(**dict(face), ends_m=ends.tolist()) for face, ends in faces]
+    found = parts.Geometry(
+        blocks=blocks,
+        controls=controls,
+        joints=joints,
+        joint_tolerance_m=a.joint_tolerance,
+        gravity_m_s2=GRAVITY,
+    )
+    if model.cracks:
+        found = found.replace(cracks_m=[line.tolist() for line in model.cracks])
+    far = a.as_drawn([0.0, 0.0])
+    return found.replace(origin_m=far.tolist()) if far.any() else found
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from assessment.report.formats.pdf import printable
 from assessment.runtime import fingerprint
 from assessment.runtime.cache import FOLDER, Store, unpacked
-from assessment.runtime.files.atomic_files import SCRATCH, file_digest, put_in_place, write_atomically
-from assessment.runtime.processes.pool import KilledError, Pool, processes, result_of
+from assessment.runtime.files import SCRATCH, file_digest, put_in_place, write_atomically
+from assessment.runtime.pool import KilledError, Pool, processes, result_of
 from assessment.runtime.tasks import Outcome
 
 if TYPE_CHECKING:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,11 +25,15 @@ from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.schema import ORIGINAL
 from assessment.results.asked import without
-from assessment.results.quality import joined
+from assessment.results.quality import joined, quality_of
+from assessment.results.schema import Results, State
+from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known, present
+from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.summary import summary_of
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
-from assessment.studies.campaign.incremental import incremental
+from assessment.studies.campaign import incremental as searches
 from assessment.studies.campaign.scans import Scans
 from assessment.studies.campaign.stage import campaign
 from assessment.studies.convergence import Convergence, converge
@@ -38,15 +43,13 @@ from assessment.studies.sensitivity import sensitivity
 from assessment.studies.variants import Statics, Study
 from assessment.workflow.checking import Motions, read_inputs
 from assessment.workflow.comparison import comparison, strengthened
-from assessment.workflow.draft import Draft
-from mechanics.messages import message
+from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
+    from assessment.analyses.dynamic.time_history import DynamicResult
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
-    from assessment.project.structure.model import ProjectModel
-    from assessment.project.structure.state_models import StateModel
-    from assessment.results.schema import Results
+    from assessment.project.structure.model import ProjectModel, StateModel
     from assessment.results.schema.checks import Direction
     from assessment.results.schema.dynamic import Campaign
     from assessment.results.schema.static import Pushovers
@@ -55,6 +58,60 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
     States = Mapping[str, StateModel]
+
+
+@dataclass
+class Draft:
+    """The results of a run while its stages add to them; `finished` returns them.
+
+    `results`: what needs no analysis, then the parts that were found; `warnings`: what the reader has to know;
+    `quality`: certificates of the analyses; `seconds`: their computing time by stage; `errors` and `search_errors`:
+    estimated errors of pushovers and histories, and of the PGA at collapse.
+    """
+
+    results: Results
+    warnings: list[Message] = field(default_factory=list)
+    quality: list[QualityRow] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+    errors: list[ConvergenceRow] = field(default_factory=list)
+    search_errors: list[ConvergenceRow] = field(default_factory=list)
+
+    @property
+    def states(self) -> dict[str, State]:
+        """Every state of the project by name, as far as it was analysed."""
+        return self.results.states
+
+    def put(self, **parts: Any) -> None:
+        """Set parts of the results by their keys. Raises pydantic's ValidationError for one that is not described."""
+        self.results = self.results.replace(**parts)
+
+    def put_state(self, name: str, **parts: Any) -> None:
+        """Set parts of a state by their keys. Raises as `put`."""
+        self.put(states=self.states | {name: self.states[name].replace(**parts)})
+
+    def took(self, stage: str, seconds: float) -> None:
+        """Add the computing time (s) of a stage."""
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
+
+    def add(self, stage: str, found: DynamicResult | searches.Found) -> bool:
+        """Add messages, certificates and time of an analysis of a stage; return whether it was completed."""
+        self.warnings += [*found.warnings, *found.failures]
+        self.quality += found.quality
+        self.took(stage, found.seconds)
+        return not found.failures
+
+    def finished(self) -> Results:
+        """Return the results with warnings, certificates, estimated errors and computing times."""
+        convergence = self.results.convergence.replace(rows=self.errors)
+        if self.search_errors:
+            convergence = convergence.replace(incremental=self.search_errors)
+        return self.results.replace(
+            summary=summary_of(self.results),
+            convergence=convergence,
+            quality=quality_of(self.quality, self.warnings),
+            timing_s=self.seconds,
+        )
+
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s, of the spectra of motions
 FEW = 3  # warnings of a study that are repeated among those of the run
@@ -271,7 +328,7 @@ def _add_dynamics(
             draft.put_state(each.state, history=[*draft.states[each.state].history, each.numbers])
             draft.errors += [each.convergence] if each.convergence else []
     if project.incremental:
-        found = incremental(inputs, motions.incremental, scans)
+        found = searches.incremental(inputs, motions.incremental, scans)
         complete = draft.add("incremental", found) and complete
         draft.search_errors += found.errors
         for state, part in found.states.items():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import assessment
-from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.catalogue.new_project import TEMPLATES
 from mechanics import Material, Record, limit_analysis
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
-from assessment.cli import arguments, commands, exit_codes
+from assessment.cli import arguments, commands
 from assessment.project.schema import KeyPath, MotionTable, ProjectContent, Table
 from assessment.project.schema.index import annotation_at, table_at, tables_of
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
@@ -148,7 +148,7 @@ def test_what_installs_pango_is_what_the_warning_says():
 
 def test_the_exit_codes_are_those_of_the_command_line():
     codes = [int(cells[0]) for cells in rows("code | meaning", RUN)]
-    assert codes == [exit_codes.DONE, exit_codes.WRONG_INPUT, exit_codes.INCOMPLETE]
+    assert codes == [commands.DONE, commands.WRONG_INPUT, commands.INCOMPLETE]
 
 
 def test_the_dependencies_are_those_of_the_package():

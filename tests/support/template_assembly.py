@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from assessment.project.catalogue.templates import made
+from assessment.project.catalogue.new_project import made
 from mechanics import Assembly, Block, Material
 from mechanics.model.tie import Tie
 

@@ -22,7 +22,7 @@ from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.confidence import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
 from assessment.project.schema import ORIGINAL
-from assessment.project.structure.mechanisms import chosen_mechanisms
+from assessment.project.structure.places import chosen_mechanisms
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.ties import lengthenings
 from assessment.results.plain import finite
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.ntc.demand.spectrum import Spectrum
     from assessment.project.project import Project
-    from assessment.project.structure.mechanisms import Chosen
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
+    from assessment.project.structure.places import Chosen
     from assessment.results.schema import State
     from mechanics import Assembly
 

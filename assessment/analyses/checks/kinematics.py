@@ -17,7 +17,7 @@ from assessment.analyses.checks.virtual_work import works
 from mechanics.messages import SaidError, message
 
 if TYPE_CHECKING:
-    from assessment.project.structure.mechanisms import Chosen
+    from assessment.project.structure.places import Chosen
     from mechanics import Assembly
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from assessment.results.configurations.ties import lengthenings
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
-    from assessment.project.structure.mechanisms import Chosen, MacroBlock
+    from assessment.project.structure.places import Chosen, MacroBlock
     from mechanics import Assembly
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import MotionTable, StatesTable
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers
     from mechanics import Assembly

@@ -24,7 +24,7 @@ from mechanics.procedures import Mirror
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import SettlementTable
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.results.schema.model import QualityRow
     from assessment.results.schema.static import PushdownPath
     from mechanics import Assembly, State

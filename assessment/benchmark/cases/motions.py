@@ -335,9 +335,8 @@ Way = tuple[Integrator, int | None]
 EULER: Way = ("implicit-euler", None)
 DEFAULT: Way = ("moreau-jean", HISTORY.resolved.levels)
 SECOND: Way = ("second-order", None)
-NINE, FIVE, FIFTEEN, MANY = (
-    np.linspace(0.99, 1.01, count) for count in (9, 5, 15, 45)
-)  # factors of the amplitude
+# factors of the amplitude
+NINE, FIVE, FIFTEEN, MANY = (np.linspace(0.99, 1.01, count) for count in (9, 5, 15, 45))
 MOVED, FELL = "largest displacement, mm", "time of collapse, s"
 CONFIDENCE = 0.95
 

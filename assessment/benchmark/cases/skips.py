@@ -26,7 +26,7 @@ from assessment.project.schema import HistoryTable
 from assessment.project.structure.model import build_model
 from assessment.results.schema.part import known
 from assessment.runtime.cache import Store
-from assessment.workflow.selection import select
+from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from mechanics import time_history
 from mechanics.procedures import time_history as histories

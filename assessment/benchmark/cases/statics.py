@@ -28,14 +28,10 @@ from mechanics.procedures.pushover import Pushover
 from mechanics.solvers import lp_highs, qp_piqp
 from mechanics.steps.static_system import Sliding
 
-INCREMENTS, FEWER = (
-    (4.0, 2.0, 1.0, 0.5),
-    (4.0, 2.0, 1.0),
-)  # times the template's; the reference: half of the last
-SEGMENTS, SETTLED_SEGMENTS = (
-    (1, 2, 4, 8, 16, 32, 64, np.inf),
-    (1, 4, 16, 64, np.inf),
-)  # infinite: the exact bed
+# times the template's; the reference: half of the last
+INCREMENTS, FEWER = ((4.0, 2.0, 1.0, 0.5), (4.0, 2.0, 1.0))
+# infinite: the exact bed
+SEGMENTS, SETTLED_SEGMENTS = ((1, 2, 4, 8, 16, 32, 64, np.inf), (1, 4, 16, 64, np.inf))
 FINE = -np.inf  # the exact bed, in a quarter of the increments
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 ARCH, TRIUMPHAL = "buttressed-arch", "triumphal-arch"

@@ -30,11 +30,11 @@ from assessment.project.motions import BaseMotion
 from assessment.project.schema import MotionTable
 from assessment.project.structure.model import build_model
 from assessment.runtime.cache import packed
-from assessment.runtime.processes.garbage import collect_rarely
-from assessment.runtime.processes.pool import cores
+from assessment.runtime.pool import cores
+from assessment.runtime.process import collect_rarely
 from assessment.runtime.tasks import From, Workers
 from assessment.studies.campaign.scans import level_found
-from assessment.workflow.selection import select
+from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError, Record
 from mechanics.model.assembly import Behaviour, Direction

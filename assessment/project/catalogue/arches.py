@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import Annotated
+from itertools import chain, pairwise
+from typing import Annotated, Any
 
 import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.content import TWO_SUPPORTS, Made, outward, point, project, pushover, stone
+from assessment.project.catalogue.content import TWO_SUPPORTS, Made, outward, project
 from assessment.project.catalogue.geometry import (
     THINNEST,
     Array,
@@ -22,6 +22,7 @@ from assessment.project.catalogue.geometry import (
     running_bond,
     stack,
     tidied,
+    two_bases,
 )
 
 Span = Annotated[float, "clear span"]
@@ -38,19 +39,11 @@ def arch(
 ) -> Made:
     """Return a voussoir arch on two springer supports."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs)
-    springer = ring.springer(thickness_m, -thickness_m)
-    layout = tidied(BASE_SINISTRA=mirrored([springer]), BASE_DESTRA=[springer], ARCO=ring.blocks())
+    layout = tidied(**two_bases(ring.springer(thickness_m, -thickness_m)), ARCO=ring.blocks())
     crown = max(float(polygon[:, 1].max()) for polygons in layout.values() for polygon in polygons)
-    movement = round(0.01 * span_m, 6)
-    return layout, project(
-        "Arco acuto" if ring.pointed else "Arco",
-        1.0,
-        stone(20.0, 0.6, 1e6),
-        layers=TWO_SUPPORTS,
-        control=[point("chiave", 0.0, crown)],
-        settlements=[outward(movement, round(0.05 * movement, 7))],
-        pushover=pushover(round(0.001 * span_m, 6), "chiave"),
-    )
+    title, control = "Arco acuto" if ring.pointed else "Arco", {"chiave": (0.0, crown)}
+    increment, moved = round(0.001 * span_m, 6), outward(round(0.01 * span_m, 6))
+    return layout, project(title, 1.0, (20.0, 0.6, 1e6), TWO_SUPPORTS, control, increment, [moved])
 
 
 def pointed_arch(
@@ -72,25 +65,15 @@ def buttressed_arch(
     """Return a voussoir arch on two piers, stacks of blocks on a base: the paper's model, 1:10, by default."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=pier_height_m)
     inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m
-    base, pier = base_below(inner, outer, inner), _pier(ring, pier_width_m, blocks_per_pier)
-    layout = tidied(
-        BASE_SINISTRA=mirrored([base]),
-        BASE_DESTRA=[base],
-        PIEDRITTI=mirrored(pier) + pier,
-        ARCO=ring.blocks(),
-    )
+    pier = _pier(ring, pier_width_m, blocks_per_pier)
+    bases = two_bases(base_below(inner, outer, inner))
+    layout = tidied(**bases, PIEDRITTI=mirrored(pier) + pier, ARCO=ring.blocks())
     drawn = (span_m, rise_m, thickness_m, pier_width_m, pier_height_m) == (0.54, 0.24, 0.055, 0.15, 0.55)
-    scale = span_m / 0.54
-    movement = round(0.02 * scale, 3)
-    return layout, project(
-        "Arco su piedritti, modello 1:10" if drawn else "Arco su piedritti",
-        round(0.1 * scale, 2),
-        stone(11.5, 0.6, 1.2e5),
-        layers=TWO_SUPPORTS,
-        control=[point("C1", -outer, pier_height_m), point("C2", outer, pier_height_m)],
-        settlements=[outward(movement, round(0.05 * movement, 7))],
-        pushover=pushover(round(0.0005 * scale, 7), ("C2", "C1")),
-    )
+    title, scale = "Arco su piedritti, modello 1:10" if drawn else "Arco su piedritti", span_m / 0.54
+    control = {"C1": (-outer, pier_height_m), "C2": (outer, pier_height_m)}
+    increment, moved = round(0.0005 * scale, 7), outward(round(0.02 * scale, 3))
+    depth, stone = round(0.1 * scale, 2), (11.5, 0.6, 1.2e5)
+    return layout, project(title, depth, stone, TWO_SUPPORTS, control, increment, [moved])
 
 
 def arcade(
@@ -116,28 +99,19 @@ def arcade(
         top = np.array([(x0, levels[-2]), (x3, levels[-2]), (x3, z0), (x2, z1), (x1, z1), (x0, z0)])
         piers.append([*stack(x0, x3, levels[:-1]), top])
     piers.append(last)
-    names = ["SINISTRA", *(f"CENTRALE_{k}" for k in range(1, bays)), "DESTRA"]
+    names = ["BASE_SINISTRA", *(f"BASE_CENTRALE_{k}" for k in range(1, bays)), "BASE_DESTRA"]
     supports = ["sinistro", *(f"centrale {k}" for k in range(1, bays)), "destro"]
     outer = float(last[0][:, 0].max())
-    bases = {
-        f"BASE_{name}": [base_below(x, x + pier_width_m, 0.5 * span_m)]
-        for name, x in zip(names, -outer + pitch * np.arange(bays + 1), strict=True)
-    }
-    layout = tidied(
-        **bases,
-        PIEDRITTI=[block for pier in piers for block in pier],
-        ARCHI=[block for ring in rings for block in ring.blocks()],
-    )
-    movement = round(0.01 * span_m, 6)
-    return layout, project(
-        f"Arcata di {bays} campate",
-        0.6,
-        stone(20.0, 0.6, 1e6),
-        layers={f"BASE_{name}": {"support": support} for name, support in zip(names, supports, strict=True)},
-        control=[point("C1", -outer, pier_height_m), point("C2", outer, pier_height_m)],
-        settlements=[outward(movement, round(0.05 * movement, 7))],
-        pushover=pushover(round(0.001 * span_m, 6), ("C2", "C1")),
-    )
+    left_ends = -outer + pitch * np.arange(bays + 1)
+    below = [[base_below(x, x + pier_width_m, 0.5 * span_m)] for x in left_ends]
+    bases = dict(zip(names, below, strict=True))
+    masonry, arches = [*chain(*piers)], [*chain(*(ring.blocks() for ring in rings))]
+    layout = tidied(**bases, PIEDRITTI=masonry, ARCHI=arches)
+    tables = {name: {"support": support} for name, support in zip(bases, supports, strict=True)}
+    control = {"C1": (-outer, pier_height_m), "C2": (outer, pier_height_m)}
+    increment, moved = round(0.001 * span_m, 6), outward(round(0.01 * span_m, 6))
+    title, stone = f"Arcata di {bays} campate", (20.0, 0.6, 1e6)
+    return layout, project(title, 0.6, stone, tables, control, increment, [moved])
 
 
 def barrel_vault(
@@ -168,26 +142,18 @@ def barrel_vault(
         f"VOLTA_{k:02d}": [block for block, own in zip(blocks, number, strict=True) if own == k]
         for k in range(1, int(number.max()) + 1)
     }
-    base = base_below(inner, outer, inner)
     layout = tidied(
-        BASE_SINISTRA=mirrored([base]),
-        BASE_DESTRA=[base],
+        **two_bases(base_below(inner, outer, inner)),
         MURI=mirrored(wall[:-1]) + wall[:-1],
         IMPOSTE=mirrored(wall[-1:]) + wall[-1:],
         **layers,
     )
-    loads = {"IMPOSTE": beside} | {f"VOLTA_{own:02d}": area for own, area in zip(number, above, strict=True)}
-    movement = round(0.005 * span_m, 6)
-    return layout, project(
-        "Volta a botte con rinfianco",
-        1.0,
-        stone(18.0, 0.6, 1e6),
-        layers=TWO_SUPPORTS
-        | {name: {"vertical_load_kN": round(fill_kN_m3 * float(area), 6)} for name, area in loads.items()},
-        control=[point("C1", -outer, wall_height_m), point("C2", outer, wall_height_m)],
-        settlements=[outward(movement, round(0.05 * movement, 7))],
-        pushover=pushover(round(0.001 * span_m, 6), ("C2", "C1")),
-    )
+    areas = {"IMPOSTE": beside} | {f"VOLTA_{own:02d}": area for own, area in zip(number, above, strict=True)}
+    loads = {name: {"vertical_load_kN": round(fill_kN_m3 * float(area), 6)} for name, area in areas.items()}
+    control = {"C1": (-outer, wall_height_m), "C2": (outer, wall_height_m)}
+    increment, moved = round(0.001 * span_m, 6), outward(round(0.005 * span_m, 6))
+    title, stone, tables = "Volta a botte con rinfianco", (18.0, 0.6, 1e6), TWO_SUPPORTS | loads
+    return layout, project(title, 1.0, stone, tables, control, increment, [moved])
 
 
 def triumphal_arch(
@@ -229,28 +195,12 @@ def triumphal_arch(
         box(-face, springing_m, face, height_m).difference(under),
     )
     nave, masonry = mirrored(nave) + nave, ring.blocks() + spandrels
-    base = base_below(inner, outer, inner)
-    layout = tidied(
-        BASE_SINISTRA=mirrored([base]),
-        BASE_DESTRA=[base],
-        NAVATA=nave,
-        ARCO=masonry,
-        COPERTURA=_beams(nave + masonry, outer, height_m, beams, beam_side_m),
-    )
-    return layout, project(
-        "Arco trionfale",
-        0.6,
-        stone(16.0, 0.65, 5.33e6),
-        layers={
-            "BASE_SINISTRA": {"depth_m": 5.5, "support": "sinistro"},
-            "BASE_DESTRA": {"depth_m": 5.5, "support": "destro"},
-            "NAVATA": {"depth_m": 5.5},
-            "COPERTURA": {"vertical_load_kN": 9.1},
-        },
-        control=[point("C1", outer, height_m), point("C2", -outer, height_m)],
-        settlements=[outward(0.15, 0.01)],
-        pushover=pushover(0.01, ("C1", "C2")),
-    )
+    roof = _beams(nave + masonry, outer, height_m, beams, beam_side_m)
+    layout = tidied(**two_bases(base_below(inner, outer, inner)), NAVATA=nave, ARCO=masonry, COPERTURA=roof)
+    layers: dict[str, Any] = {name: {"depth_m": 5.5} | own for name, own in TWO_SUPPORTS.items()}
+    layers |= {"NAVATA": {"depth_m": 5.5}, "COPERTURA": {"vertical_load_kN": 9.1}}
+    control, stone = {"C1": (outer, height_m), "C2": (-outer, height_m)}, (16.0, 0.65, 5.33e6)
+    return layout, project("Arco trionfale", 0.6, stone, layers, control, 0.01, [outward(0.15, 0.01)])
 
 
 def _pier(ring: Ring, width: float, blocks: int) -> list[Array]:

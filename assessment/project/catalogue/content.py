@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from assessment.project.catalogue.geometry import Layout
@@ -29,48 +29,54 @@ ASSESSMENT = {
 TWO_SUPPORTS = {"BASE_SINISTRA": {"support": "sinistro"}, "BASE_DESTRA": {"support": "destro"}}
 
 
-def project(title: str, depth: float, material: Mapping[str, float], **tables: Any) -> dict[str, Any]:
-    """Return the content of a project file: `depth` in m, `tables` beside those that all templates have.
+def project(
+    title: str,
+    depth: float,
+    stone: tuple[float, float, float],
+    layers: Mapping[str, Any],
+    control: Mapping[str, tuple[float, float]],
+    increment: float,
+    settlements: Sequence[Mapping[str, Any]] = (),
+    **tables: Any,
+) -> dict[str, Any]:
+    """Return the content of a project file; `depth` (m), `stone`: kN/m³, tangent of friction, kN/m³ of the joints.
 
-    Those of [assessment] are added to what all have, or take its place.
+    `control`: points (m) by name, of two each followed where it goes ahead; `increment` (m) of the pushover. What
+    [assessment] has of its own in `tables` is added to what all templates have.
     """
-    return {
-        "title": title,
-        "geometry": {"drawing": DRAWING, "unit": "m", "depth_m": depth},
-        "material": material,
-        **tables,
-        "assessment": ASSESSMENT | tables.get("assessment", {}),
-        "report": {"language": "it", "client": "", "engineer": "", "location": ""},
-    }
-
-
-def stone(unit_weight: float, friction: float, stiffness: float) -> dict[str, float]:
-    """Return [material]: kN/m³, –, kN/m³."""
-    return {"unit_weight_kN_m3": unit_weight, "friction": friction, "normal_stiffness_kN_m3": stiffness}
-
-
-def pushover(increment: float, control: str | tuple[str, str] | None = None) -> dict[str, Any]:
-    """Return [pushover] with steps of `increment`, m; `control`: the point, or those of +x and -x."""
-    table: dict[str, Any] = {
+    ahead = sorted(control, key=lambda name: -control[name][0])
+    pushover: dict[str, Any] = {
         "contacts": ["rigid", "elastic"],
         "directions": ["+x", "-x"],
         "increment_m": increment,
     }
-    if isinstance(control, tuple):
-        return table | {"control": dict(zip(("+x", "-x"), control, strict=True))}
-    return table if control is None else table | {"control": control}
+    pushover["control"] = dict(zip(("+x", "-x"), ahead, strict=True)) if ahead[1:] else ahead[0]
+    own, keys = tables.pop("assessment", {}), ("unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3")
+    return {
+        "title": title,
+        "geometry": {"drawing": DRAWING, "unit": "m", "depth_m": depth},
+        "material": dict(zip(keys, stone, strict=True)),
+        "layers": layers,
+        **tables,
+        "control": [
+            {"name": name, "point_m": [round(x, 9), round(z, 9)]} for name, (x, z) in control.items()
+        ],
+        **({"settlements": [*settlements]} if settlements else {}),
+        "pushover": pushover,
+        "assessment": ASSESSMENT | own,
+        "report": {"language": "it", "client": "", "engineer": "", "location": ""},
+    }
 
 
-def point(name: str, x: float, z: float) -> dict[str, Any]:
-    """Return a [[control]] at (x, z), m."""
-    return {"name": name, "point_m": [round(x, 9), round(z, 9)]}
+def outward(movement: float, increment: float = 0.0) -> dict[str, Any]:
+    """Return the paper's [[settlements]]: the right support goes outward and down by a `movement` (m) each.
 
-
-def outward(movement: float, increment: float) -> dict[str, Any]:
-    """Return the paper's [[settlements]]: the right support goes outward and down by a `movement` (m) each."""
+    `increment` (m): 0: a twentieth.
+    """
+    step = increment or round(0.05 * movement, 7)
     return sinking(movement) | {
         "displacement_m": [movement, -movement],
-        "increment_m": increment,
+        "increment_m": step,
         "to_collapse": True,
     }
 

@@ -150,7 +150,9 @@ def fitted(cells: Iterable[Array], region: Polygon, thinnest: float = THINNEST) 
     inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
     cut = [each.intersection(region) for each in inside]
     pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
-    while len(pieces) > 1 and (slivers := [piece for piece in pieces if _is_sliver(piece, thinnest)]):
+    while len(pieces) > 1 and (
+        slivers := [piece for piece in pieces if piece.buffer(-0.5 * thinnest).is_empty]
+    ):
         sliver = min(slivers, key=lambda piece: (round(piece.area, 9), _off_axis(piece)))
         others = [piece for piece in pieces if piece is not sliver]
         bond = [(round(other.intersection(sliver).length, 9), -_off_axis(other)) for other in others]
@@ -173,9 +175,9 @@ def base_below(inner: float, outer: float, nearest: float = np.inf) -> Array:
     return rectangle(inner - margin, outer + margin, -0.5 * (outer - inner), 0.0)
 
 
-def _is_sliver(piece: Polygon, thinnest: float) -> bool:
-    """Whether no circle of the least thickness, m, fits in."""
-    return bool(piece.buffer(-0.5 * thinnest).is_empty)
+def two_bases(right: Array) -> Layout:
+    """Return a base (n, 2), m, and its mirror image by their layers."""
+    return {"BASE_SINISTRA": mirrored([right]), "BASE_DESTRA": [right]}
 
 
 def _off_axis(piece: Polygon) -> float:

@@ -1,21 +1,83 @@
-"""A new project folder: from a built-in template, with drawing and explained project file, or from an example."""
+"""A new project folder: from a template, a function of its dimensions, or from an example."""
 
 from __future__ import annotations
 
+import inspect
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import cycle
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
-from assessment.project.catalogue.content import DRAWING
+from assessment.project.catalogue import arches, walls
+from assessment.project.catalogue.content import DRAWING, Made
 from assessment.project.catalogue.geometry import Layout
-from assessment.project.catalogue.templates import made as made_of
 from assessment.project.formats.convert import TOML, convert, source_bytes
 from assessment.project.project import CONTROL, load_project
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.files.atomic_files import left_over, naming, temporary_of
+from assessment.runtime.files import left_over, naming, temporary_of
+
+NUMBER = "number"  # unit of a dimension that counts: a whole number
+UNITS = {"_kN_m3": "kN/m³", "_kN": "kN", "_deg": "°", "_m": "m"}  # by the end of a name
+LARGEST = {NUMBER: 100, "m": 1e3, "kN": 1e6, "kN/m³": 1e3, "°": 89.0}
+LEAST = 1e-3  # m, of a dimension that is not 0 by default
+TEMPLATES: dict[str, Callable[..., Made]] = {
+    "block": walls.block,
+    "wall": walls.wall,
+    "wall-with-openings": walls.wall_with_openings,
+    "facade": walls.facade,
+    "tympanum": walls.tympanum,
+    "bell-gable": walls.bell_gable,
+    "arch": arches.arch,
+    "pointed-arch": arches.pointed_arch,
+    "buttressed-arch": arches.buttressed_arch,
+    "arcade": arches.arcade,
+    "barrel-vault": arches.barrel_vault,
+    "triumphal-arch": arches.triumphal_arch,
+}
+
+
+class Option(NamedTuple):
+    """A dimension of a template."""
+
+    default: float
+    unit: str
+    description: str
+
+
+def template_options(template: str) -> dict[str, Option]:
+    """Return the dimensions of a template by name. Raises ProjectError if it is unknown."""
+    if template not in TEMPLATES:
+        raise ProjectError(f"--template: {template}: no such template; {nearest(template, TEMPLATES)}")
+    found = {}
+    for name, each in inspect.signature(TEMPLATES[template], eval_str=True).parameters.items():
+        unit = next((unit for end, unit in UNITS.items() if name.endswith(end)), NUMBER)
+        unit = NUMBER if isinstance(each.default, int) else unit
+        found[name] = Option(each.default, unit, each.annotation.__metadata__[0])
+    return found
+
+
+def made(template: str, options: Mapping[str, float]) -> Made:
+    """Return polygons by layer, m, and the content of the project file of a template with some dimensions of its own.
+
+    Raises ProjectError where the template or a dimension is unknown or does not fit.
+    """
+    known, values = template_options(template), {}
+    for name, value in options.items():
+        if name not in known:
+            raise ProjectError(f"{template}: {name}: no such option; {nearest(name, known)}")
+        default, unit, _ = known[name]
+        low, high = (1.0 if unit == NUMBER else LEAST if unit == "m" and default else 0.0), LARGEST[unit]
+        if not low <= value <= high or (unit == NUMBER and value != int(value)):
+            what = "a whole number" if unit == NUMBER else f"a number, in {unit},"
+            raise ProjectError(f"{template}: {name}: is {value:g}; must be {what} from {low:g} to {high:g}")
+        values[name] = int(value) if unit == NUMBER else float(value)
+    try:
+        return TEMPLATES[template](**values)
+    except ValueError as error:
+        raise ProjectError(f"{template}: {error}") from None
+
 
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
 RECORD = "records/artificial.csv"
@@ -24,37 +86,34 @@ _PACKAGE = Path(__file__).parents[2]
 
 def template_layout(template: str, options: Mapping[str, float] | None = None) -> Layout:
     """Return the polygons of a template by layer, m. Raises ProjectError for options that do not fit."""
-    return made_of(template, options or {})[0]
+    return made(template, options or {})[0]
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
     """Write drawing, artificial record and project file of a template into a new folder, whole or not at all.
 
     `options` change the template's dimensions (see template_options), `source` is the name of the project file, which
-    tells its form. Raises ProjectError where the template or an option is unknown or does not fit, or the folder
-    holds something already; OSError where it cannot be written.
+    tells its form. Raises ProjectError as `new_folder`, and where the template or an option is unknown, or dimensions
+    that are valid each give no structure; OSError, with the name of the file, if it cannot be written.
     """
-    layout, content = made_of(template, options)
-    write_project(folder, layout, content, source, sound=not options)
-
-
-def write_project(
-    folder: Path, layout: Layout, content: Mapping[str, Any], source: str = TOML, sound: bool = False
-) -> None:
-    """Write drawing, record and commented project file into a new folder, whole or not at all.
-
-    `sound`: it is known to be a structure. Raises ProjectError as `new_folder`, and where it is none; OSError, with the
-    name of the file, if it cannot be written.
-    """
-    with new_folder(folder) as made:
+    layout, content = made(template, options)
+    with new_folder(folder) as fresh:
         with naming(folder / DRAWING):
-            write_drawing(made / DRAWING, layout)
+            write_drawing(fresh / DRAWING, layout)
         with naming(folder / source):
-            (made / source).write_bytes(source_bytes(source, content))
+            (fresh / source).write_bytes(source_bytes(source, content))
         with naming(folder / RECORD):
-            write_record(made)
-        if not sound:
-            _refuse_what_is_no_structure(made)
+            write_record(fresh)
+        if options:
+            from assessment.project.structure.model import build_model  # late: the mechanics take their time
+            from mechanics.errors import DrawingError
+
+            try:
+                build_model(load_project(fresh))
+            except (ProjectError, DrawingError) as error:
+                reason = str(error).split("\n")[0].partition(": ")[2].partition("; ")[0]
+                text = f"--set: the dimensions give no structure: {reason}; give others"
+                raise ProjectError(text) from None
 
 
 @contextmanager
@@ -89,22 +148,10 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files into a new folder, all or none. Raises as `new_folder`, OSError naming the file."""
-    with new_folder(folder) as made:
+    with new_folder(folder) as fresh:
         for name, data in files.items():
             with naming(folder / name):
-                (made / name).write_bytes(data)
-
-
-def _refuse_what_is_no_structure(folder: Path) -> None:
-    """Raise ProjectError where a run would refuse the project: dimensions that are valid each may not go together."""
-    from assessment.project.structure.model import build_model  # late: the mechanics take their time
-    from mechanics.errors import DrawingError
-
-    try:
-        build_model(load_project(folder))
-    except (ProjectError, DrawingError) as error:
-        reason = str(error).split("\n")[0].partition(": ")[2].partition("; ")[0]
-        raise ProjectError(f"--set: the dimensions give no structure: {reason}; give others") from None
+                (fresh / name).write_bytes(data)
 
 
 def write_record(folder: Path) -> None:
@@ -154,12 +201,12 @@ def new_example(folder: Path, name: str, source: str = TOML) -> None:
     name = name.lower().replace("-", "_")
     if name not in known:
         raise ProjectError(f"--example: {name}: no such example; {nearest(name, known)}")
-    with new_folder(folder) as made:
+    with new_folder(folder) as fresh:
         for path in sorted(known[name].rglob("*")):
             within = path.relative_to(known[name])
             if path.is_file() and within.parts[0] != "output":
-                (made / within).parent.mkdir(exist_ok=True)
-                shutil.copyfile(path, made / within)
+                (fresh / within).parent.mkdir(exist_ok=True)
+                shutil.copyfile(path, fresh / within)
         if source != TOML:
-            _, kept = convert(made / TOML, load_project(made).content(defaults=False))
+            _, kept = convert(fresh / TOML, load_project(fresh).content(defaults=False))
             kept.unlink()

@@ -8,7 +8,7 @@ import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.content import TWO_SUPPORTS, Made, point, project, pushover, sinking, stone
+from assessment.project.catalogue.content import TWO_SUPPORTS, Made, project, sinking
 from assessment.project.catalogue.geometry import (
     Array,
     course,
@@ -45,15 +45,10 @@ def block(
         "rotation_rad": -0.02,
         "increment_rad": 0.001,
     }
-    return layout, project(
-        "Blocco oscillante",
-        1.0,
-        stone(18.0, 0.7, 5e8),
-        layers={"BASE": {"support": "base"}},
-        control=[point("in alto a destra", half, height_m), point("in alto a sinistra", -half, height_m)],
-        settlements=[turned | {"to_collapse": True}],
-        pushover=pushover(round(0.01 * width_m, 6), ("in alto a destra", "in alto a sinistra")),
-    )
+    layers, stone = {"BASE": {"support": "base"}}, (18.0, 0.7, 5e8)
+    control, increment = _corners(half, -half, height_m), round(0.01 * width_m, 6)
+    moved = turned | {"to_collapse": True}
+    return layout, project("Blocco oscillante", 1.0, stone, layers, control, increment, [moved])
 
 
 def wall(
@@ -215,15 +210,11 @@ def facade(
             for k, z in enumerate((*floors.tolist(), top), 1)
         ]
         tables["strengthening"] = [{"name": "con catene", "of": "original"}]
-    return layout, project(
-        "Facciata, ribaltamento fuori piano",
-        1.0,
-        stone(18.0, 0.6, 5e5),
-        layers={name: loads[name] for name in layout if name in loads},
-        **tables,
-        control=[point("in alto", t, top)],
-        pushover=pushover(round(0.01 * t, 6), "in alto") | {"directions": ["+x"]},
-    )
+    title, stone, control = "Facciata, ribaltamento fuori piano", (18.0, 0.6, 5e5), {"in alto": (t, top)}
+    own = {name: loads[name] for name in layout if name in loads}
+    content = project(title, 1.0, stone, own, control, round(0.01 * t, 6), **tables)
+    content["pushover"]["directions"] = ["+x"]
+    return layout, content
 
 
 def tympanum(
@@ -243,16 +234,12 @@ def tympanum(
         BASE=[rectangle(-2.0 * half, 2.0 * half, -half, 0.0)],
         **{name: [each] for name, each in zip(names, blocks, strict=True)},
     )
-    depths = {name: {"depth_m": round(float(w), 9)} for name, w in zip(names, widths, strict=True)}
-    return layout, project(
-        "Timpano, ribaltamento fuori piano",
-        width_m,
-        stone(18.0, 0.6, 5e5),
-        layers={"BASE": {"support": "base"}} | depths,
-        control=[point("in alto a destra", half, height_m), point("in alto a sinistra", -half, height_m)],
-        pushover=pushover(round(0.01 * thickness_m, 6), ("in alto a destra", "in alto a sinistra")),
-        assessment=_at(foot_height_m, foot_height_m + height_m),
-    )
+    layers: dict[str, Any] = {"BASE": {"support": "base"}}
+    layers |= {name: {"depth_m": round(float(w), 9)} for name, w in zip(names, widths, strict=True)}
+    control, increment = _corners(half, -half, height_m), round(0.01 * thickness_m, 6)
+    title, stone = "Timpano, ribaltamento fuori piano", (18.0, 0.6, 5e5)
+    at = _at(foot_height_m, foot_height_m + height_m)
+    return layout, project(title, width_m, stone, layers, control, increment, assessment=at)
 
 
 def bell_gable(
@@ -280,15 +267,11 @@ def bell_gable(
         ARCHITRAVE=course(-half, half, pier_height_m, top, blocks=1, shifted=False),
         VELA=fitted(running_bond(-half, half, rows, along), gable),
     )
-    return layout, project(
-        "Vela campanaria, nel piano",
-        thickness_m,
-        stone(18.0, 0.65, 1e6),
-        layers={"BASE": {"support": "base"}, "ARCHITRAVE": {"vertical_load_kN": bells_kN}},
-        control=[point("in alto", 0.0, round(top + gable_height_m, 9))],
-        pushover=pushover(round(0.01 * pier_width_m, 6), "in alto"),
-        assessment=_at(foot_height_m, foot_height_m + top + gable_height_m),
-    )
+    layers = {"BASE": {"support": "base"}, "ARCHITRAVE": {"vertical_load_kN": bells_kN}}
+    control, increment = {"in alto": (0.0, top + gable_height_m)}, round(0.01 * pier_width_m, 6)
+    title, stone = "Vela campanaria, nel piano", (18.0, 0.65, 1e6)
+    at = _at(foot_height_m, foot_height_m + top + gable_height_m)
+    return layout, project(title, thickness_m, stone, layers, control, increment, assessment=at)
 
 
 def _two_bases(split: float, length: float, margin: float, depth: float) -> dict[str, list[Array]]:
@@ -301,15 +284,16 @@ def _two_bases(split: float, length: float, margin: float, depth: float) -> dict
 
 def _wall(title: str, length: float, height: float, block: float, step: float) -> dict[str, Any]:
     """Return the project file of a wall on two bases, of blocks of a length in courses of a height `step`, m."""
-    return project(
-        title,
-        0.3,
-        stone(18.0, 0.65, 1e6),
-        layers=TWO_SUPPORTS,
-        control=[point("in alto a destra", length, height), point("in alto a sinistra", 0.0, height)],
-        settlements=[sinking(round(0.1 * step, 6))],
-        pushover=pushover(round(0.02 * block, 6), ("in alto a destra", "in alto a sinistra")),
+    control, increment, moved = (
+        _corners(length, 0.0, height),
+        round(0.02 * block, 6),
+        sinking(round(0.1 * step, 6)),
     )
+    return project(title, 0.3, (18.0, 0.65, 1e6), TWO_SUPPORTS, control, increment, [moved])
+
+
+def _corners(right: float, left: float, top: float) -> dict[str, tuple[float, float]]:
+    return {"in alto a destra": (right, top), "in alto a sinistra": (left, top)}
 
 
 def _at(height: float, building: float) -> dict[str, Any]:

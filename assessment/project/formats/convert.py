@@ -10,7 +10,7 @@ from assessment.project.formats.toml import commented_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import file_digest, write_atomically
+from assessment.runtime.files import file_digest, write_atomically
 
 TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 
@@ -34,9 +34,8 @@ def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
     if kept.exists() and not is_converted(old):
         raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
     write_atomically(kept, old.read_bytes())
-    write_atomically(
-        new, source_bytes(new.name, content)
-    )  # from here on `old` is_converted: a kill leaves nothing to be mended
+    # from here on `old` is_converted: a kill leaves nothing to be mended
+    write_atomically(new, source_bytes(new.name, content))
     old.unlink()
     return new, kept
 

@@ -123,9 +123,8 @@ def unset_keys(path: KeyPath, given: Mapping[str, Any]) -> dict[str, Any]:
 def _header(path: KeyPath, mark: str = "") -> list[str]:
     if not path:
         return []
-    named = (
-        path[:-1] if len(path) > 1 and table_at(path[:-1]) is table_at(path) else path
-    )  # an entry of a list
+    # an entry of a list
+    named = path[:-1] if len(path) > 1 and table_at(path[:-1]) is table_at(path) else path
     blank, header = toml_header(path)
     return [blank, _beside(mark + header, keys_at(named[:-1]).get(str(named[-1])))]
 

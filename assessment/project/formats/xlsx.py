@@ -52,11 +52,8 @@ IN_USE = {
     "en": "sì: the table is in the project; no: it is left out",
     "it": "sì: la tabella vale; no: è tralasciata",
 }
-_OF = {
-    "support": "layers",
-    "control point": "control",
-    "settlement": "settlements",
-}  # sheets with names to choose from
+# sheets with names to choose from
+_OF = {"support": "layers", "control point": "control", "settlement": "settlements"}
 LAST = 200  # row of a list down to which cells have a drop-down list
 
 

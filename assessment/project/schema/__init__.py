@@ -13,12 +13,13 @@ from assessment.project.schema.assessment import (
     SiteTable,
 )
 from assessment.project.schema.content import ProjectContent, ReportTable
-from assessment.project.schema.identification import IdentificationTable, MeasurementTable
 from assessment.project.schema.motions import (
     VARIED,
     CampaignTable,
     HistoryTable,
+    IdentificationTable,
     IncrementalTable,
+    MeasurementTable,
     MotionTable,
     SensitivityTable,
     StatesTable,

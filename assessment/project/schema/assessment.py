@@ -186,10 +186,8 @@ class KnowledgeTable(Table):
             text = "F_C follows from two things" if given else "F_C follows from nothing"
             yield (), f"{text}; write level, or {', '.join(COMPONENTS)}"
         elif given and len(given) < len(COMPONENTS):
-            yield (
-                (),
-                f"{', '.join(COMPONENTS.keys() - given.keys())} missing; the four components go together",
-            )
+            missing = ", ".join(key for key in COMPONENTS if key not in given)
+            yield (), f"{missing} missing; the four components go together"
         elif wrong := [key for key, value in given.items() if value not in COMPONENTS[key]]:
             choices = ", ".join(f"{each:g}" for each in COMPONENTS[wrong[0]])
             yield wrong[0], f"{given[wrong[0]]:g} is none of {choices}; write one of these"

@@ -10,11 +10,12 @@ from pydantic import Field
 
 from assessment.project.schema import values as kinds
 from assessment.project.schema.assessment import AssessmentTable, MechanismTable
-from assessment.project.schema.identification import IdentificationTable, MeasurementTable
 from assessment.project.schema.motions import (
     CampaignTable,
     HistoryTable,
+    IdentificationTable,
     IncrementalTable,
+    MeasurementTable,
     MotionTable,
     SensitivityTable,
 )

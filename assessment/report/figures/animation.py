@@ -19,8 +19,8 @@ from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import History
 from assessment.results.schema.part import known
-from assessment.runtime.files.atomic_files import naming, write_atomically
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.files import naming, write_atomically
+from assessment.runtime.pool import Pool
 from mechanics.pictures import GHOST, INK, STYLE, SUPPORT, TIE
 
 DOTS_PER_INCH = 110

@@ -52,7 +52,7 @@ from assessment.results.configurations.joint_states import situations
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
 from assessment.results.summary import governing_view, worst_settled
-from assessment.runtime.processes.pool import Pool, result_of
+from assessment.runtime.pool import Pool, result_of
 
 T = TypeVar("T")
 PANELS = 4  # in one figure

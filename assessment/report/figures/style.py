@@ -25,7 +25,7 @@ from PIL import Image
 
 from assessment.report.text.fonts import with_fonts
 from assessment.report.text.language import Words
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files import write_atomically
 from mechanics.pictures import STYLE, nice
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included

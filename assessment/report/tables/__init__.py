@@ -12,7 +12,7 @@ from assessment.results.configurations.hand_check import hand_check, macro_block
 from assessment.results.configurations.reactions import balance, joint_table, reactions
 from assessment.results.schema import Results
 from assessment.results.table import Table
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files import write_atomically
 
 RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
 BESIDE = (reactions, balance, joint_table, macro_block_table, hand_check)  # tables of the configurations

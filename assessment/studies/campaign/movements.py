@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable, SettlementTable
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.results.schema.checks import Direction
     from assessment.results.schema.static import Pushovers
     from assessment.runtime.tasks import Workers

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable
-    from assessment.project.structure.state_models import StateModel
+    from assessment.project.structure.model import StateModel
     from assessment.runtime.tasks import Workers
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.analyses.static.paths import configuration, quality_row
-from assessment.project.structure.gauges import Gauge, readings
+from assessment.project.structure.places import Gauge, readings
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration
 from assessment.runtime.tasks import Workers, large

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import gammaincc
 
-from assessment.project.structure.gauges import Gauge, gauges
+from assessment.project.structure.places import Gauge, gauges
 from assessment.results.schema.studies import (
     Explanation,
     Fitted,

@@ -17,7 +17,7 @@ from assessment.benchmark.cases import friction, motions, skips, statics, walls,
 from assessment.benchmark.cases.motions import Motion, pulse, rocking_freely, sine, stack
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
-from assessment.cli import arguments, exit_codes
+from assessment.cli import arguments, commands
 from assessment.cli.main import main
 from assessment.results.schema.dynamic import Counts
 from assessment.runtime.tasks import Workers
@@ -267,7 +267,7 @@ def measured(monkeypatch):
 
 
 def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
-    assert main(["benchmark", "--quick", "--out", str(tmp_path / "out")]) == exit_codes.DONE
+    assert main(["benchmark", "--quick", "--out", str(tmp_path / "out")]) == commands.DONE
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "made.csv",
         "made-increment.svg",
@@ -286,7 +286,7 @@ def test_tables_plots_and_summary_are_written(measured, tmp_path, capsys):
 
 
 def test_a_benchmark_that_there_is_none_of(tmp_path, capsys):
-    assert main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == exit_codes.WRONG_INPUT
+    assert main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == commands.WRONG_INPUT
     assert 'wals: no such benchmark; did you mean "walls"?' in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 

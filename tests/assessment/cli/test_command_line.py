@@ -7,9 +7,9 @@ import re
 import pytest
 
 from assessment.cli import arguments as cli
-from assessment.cli.exit_codes import WRONG_INPUT
+from assessment.cli.commands import WRONG_INPUT
 from assessment.cli.main import main
-from assessment.workflow.selection import STAGES
+from assessment.workflow.run import STAGES
 from tests.support.block_project import edit
 
 
@@ -19,7 +19,7 @@ from tests.support.block_project import edit
         (["chek", "arch"], 'error: assesto chek: no such command; did you mean "check"?'),
         (["rum", "arch"], 'error: assesto rum: no such command; did you mean "run"?'),
         (["--quiet", "reprot"], 'error: assesto reprot: no such command; did you mean "report"?'),
-        (["zzz"], 'error: assesto zzz: no such command; valid: "run", "check", "new"'),
+        (["zzz"], 'error: assesto zzz: no such command; valid: "run", "check", "status"'),
         (
             ["run", "arch", "--onyl", "pushover"],
             'assesto run: --onyl: no such option; did you mean "--only"?',
@@ -60,9 +60,9 @@ def test_help_ends_with_examples_and_the_exit_codes(capsys, command):
     assert re.findall(r"^  (\d)  ", codes, re.MULTILINE) == ["0", "2", "3"]
 
 
-@pytest.mark.parametrize("command", cli.EXAMPLES)
+@pytest.mark.parametrize("command", ["", *cli.COMMANDS])
 def test_the_examples_of_the_help_can_be_typed(command):
-    for example in cli.EXAMPLES[command]:
+    for example in cli.COMMANDS[command].examples if command else cli.EXAMPLES:
         words = example.partition(" > ")[0].split()
         assert words[0] == "assesto" and callable(cli.options_of(words[1:]).command)
 
@@ -122,7 +122,7 @@ def test_the_examples_of_the_help_are_accepted(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["new", "drawn", "--template", "arch"]) == 0
     (tmp_path / "drawn" / "geometry.dxf").rename(tmp_path / "survey.dxf")
-    for example in cli.EXAMPLES["new"]:
+    for example in cli.COMMANDS["new"].examples:
         assert main(example.split()[1:]) == 0
 
 

@@ -10,7 +10,7 @@ import pytest
 from assessment.cli.main import main
 from assessment.runtime import journal
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.files.atomic_files import MOST_BYTES, file_digest
+from assessment.runtime.files import MOST_BYTES, file_digest
 from assessment.workflow.output import ENTRY
 from tests.support.block_project import HAZARD, edit, run, write_block
 from tests.support.campaign_project import STRIPES, write_campaign

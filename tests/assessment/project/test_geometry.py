@@ -18,8 +18,13 @@ from shapely.ops import unary_union
 from assessment.cli.main import main
 from assessment.project.catalogue import new_project as module
 from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
-from assessment.project.catalogue.new_project import new_project, template_layout
-from assessment.project.catalogue.templates import TEMPLATES, made, template_options
+from assessment.project.catalogue.new_project import (
+    TEMPLATES,
+    made,
+    new_project,
+    template_layout,
+    template_options,
+)
 from assessment.project.project import load_project
 from assessment.project.schema.index import keys_at
 from assessment.runtime.errors import ProjectError

@@ -11,7 +11,7 @@ from assessment.project.structure.masonry import running
 from assessment.project.structure.model import build_model
 from assessment.results.configurations.hand_check import weights
 from assessment.runtime.errors import ProjectError
-from assessment.workflow.description import describe
+from assessment.workflow.checking import describe
 from mechanics.errors import DrawingError
 from tests.support.dxf import drawing, outline
 

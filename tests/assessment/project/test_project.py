@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from assessment.project import consistency as project_files
-from assessment.project.catalogue.new_project import new_project
-from assessment.project.catalogue.templates import TEMPLATES
-from assessment.project.consistency import matches
+from assessment.project import problems as project_files
+from assessment.project.catalogue.new_project import TEMPLATES, new_project
+from assessment.project.problems import matches
 from assessment.project.project import json_schema, load_project
 from tests.support.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
 from tests.support.project_toml import to_toml

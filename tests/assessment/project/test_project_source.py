@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from openpyxl import load_workbook
 
 from assessment.cli.main import main
-from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.catalogue.new_project import TEMPLATES
 from assessment.project.formats import convert
 from assessment.project.formats.toml import commented_toml, updated_toml
 from assessment.project.project import load_project

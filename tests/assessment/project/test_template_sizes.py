@@ -6,8 +6,7 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.project.catalogue import walls
-from assessment.project.catalogue.new_project import new_project
-from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from assessment.project.project import load_project
 
 

@@ -12,11 +12,10 @@ from shapely.ops import unary_union
 
 from assessment.analyses.checks.virtual_work import virtual_work
 from assessment.cli import commands
-from assessment.project.catalogue.new_project import new_project, template_layout
-from assessment.project.catalogue.templates import TEMPLATES, made
+from assessment.project.catalogue.new_project import TEMPLATES, made, new_project, template_layout
 from assessment.project.project import load_project
-from assessment.project.structure.mechanisms import chosen_mechanisms
 from assessment.project.structure.model import build_model
+from assessment.project.structure.places import chosen_mechanisms
 from mechanics import Assembly, limit_analysis
 from mechanics.procedures import static_theorem
 from tests import ROOT

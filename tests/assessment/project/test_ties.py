@@ -14,12 +14,11 @@ from assessment.project.formats.toml import read_toml
 from assessment.project.plausibility import HEAVIEST_TIE
 from assessment.project.project import ProjectError, load_project
 from assessment.project.schema.structure import SHORTEST_TIE as SHORTEST
-from assessment.project.structure.model import build_model
-from assessment.project.structure.state_models import tie_lengths
+from assessment.project.structure.model import build_model, tie_lengths
 from assessment.results.configurations.ties import determined, ties_of
 from assessment.runtime.tasks import Workers
 from assessment.studies.sensitivity import with_factor
-from assessment.workflow.description import describe
+from assessment.workflow.checking import describe
 from mechanics import State
 from tests import ROOT
 from tests.support.block_project import PROJECT, PUSHED, TURNED, block, edit, write_block

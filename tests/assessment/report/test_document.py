@@ -19,7 +19,7 @@ from assessment.report.document import CHAPTERS, render_html, write_page, write_
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
 from assessment.report.text.language import LANGUAGES, NO_BREAK, words_of
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.pool import Pool
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

@@ -18,7 +18,7 @@ from assessment.report.text.language import Words, words_of
 from assessment.results.configurations.faces import outlines
 from assessment.results.identified import fits
 from assessment.runtime.progress import Show
-from assessment.workflow.selection import select
+from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from tests.support.pictured import draw_sections
 from tests.support.surveyed_arch import PIER, SPRINGING, entry, write_surveyed

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from assessment.cli.main import main
-from assessment.runtime.files.atomic_files import LONGEST, clear_left_over, temporary_of, write_atomically
+from assessment.runtime.files import LONGEST, clear_left_over, temporary_of, write_atomically
 from tests.support.block_project import run, write_block
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="a process can only be asked for where signals are")

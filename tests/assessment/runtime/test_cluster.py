@@ -13,12 +13,11 @@ from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
-from assessment.runtime import tasks
+from assessment.runtime import cluster, tasks
 from assessment.runtime.cache import FOLDER, Store
+from assessment.runtime.cluster import Cluster, Patience
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.processes import cluster
-from assessment.runtime.processes.cluster import Cluster, Patience
-from assessment.runtime.processes.pool import KilledError
+from assessment.runtime.pool import KilledError
 from assessment.runtime.progress import Show
 from assessment.workflow.stages import run
 from tests.support.block_project import command, contents, edit, timeless, write_block

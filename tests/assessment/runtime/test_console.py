@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from assessment.runtime.terminal.console import say, tell
+from assessment.runtime.console import say, tell
 from tests.support.block_project import PROJECT, PUSHED, ROOT, block, run, write_block
 
 TITLE = 'title = "Block"'
@@ -83,7 +83,7 @@ def test_a_closed_stream_ends_no_run(project, closed):
 def test_no_file_gets_the_number_of_a_stream():
     """What libraries print to it would go into that file."""
     code = (
-        "import os, sys\nfrom assessment.runtime.terminal.console import prepare\n"
+        "import os, sys\nfrom assessment.runtime.console import prepare\n"
         "prepare()\nsys.exit(open(os.devnull).fileno())"
     )
     command = ["sh", "-c", 'exec "$0" -c "$1" 0>&- 1>&- 2>&-', sys.executable, code]

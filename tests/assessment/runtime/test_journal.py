@@ -11,10 +11,8 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.runtime import journal as journals
-from assessment.runtime import journal as statuses
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.files.lock import locked
-from assessment.runtime.journal import NAME, Journal, read_journal, record_exit, status
+from assessment.runtime.journal import NAME, Journal, locked, read_journal, record_exit, status
 from assessment.runtime.progress import Show
 from tests.support.block_project import contents, read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
@@ -76,7 +74,7 @@ def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
 
 def test_the_analysis_under_way_is_written_once_and_at_most_every_second(tmp_path, monkeypatch):
     clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now))
+    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now, strftime=time.strftime))
     show = Journal(tmp_path, Show())
     show.begin("history", 3, 0, 3.0)
     for title in ("a", "b", "c"):
@@ -113,8 +111,7 @@ def test_the_exit_code_of_every_run_is_kept(project, capsys):
 def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypatch):
     """It was not known before; what is reached is written seldom, however often it is told."""
     clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now))
-    monkeypatch.setattr(statuses, "time", SimpleNamespace(time=lambda: clock.now))
+    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now, strftime=time.strftime))
     with locked(tmp_path):
         show = Journal(tmp_path, Show())
         show.begin("history", 1, 0, 500.0)

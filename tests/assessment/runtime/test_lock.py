@@ -8,11 +8,11 @@ import sys
 
 import pytest
 
-from assessment.runtime.files.lock import NAME, BusyError, Holder, holder, locked
+from assessment.runtime.journal import LOCK, BusyError, Holder, holder, locked
 from tests.support.block_project import ROOT, run
 
 HOLD = """
-import sys, pathlib, assessment.runtime.files.lock as lock
+import sys, pathlib, assessment.runtime.journal as lock
 with lock.locked(pathlib.Path(sys.argv[1])):
     input(print('held'))
 """
@@ -22,7 +22,7 @@ def test_a_second_run_is_refused_and_told_by_which_process(project, capsys):
     with locked(project / "output"):
         assert run(project) == 2
     said = capsys.readouterr().err
-    assert said.startswith(f"error: {project / 'output' / NAME}: another run is writing into this folder")
+    assert said.startswith(f"error: {project / 'output' / LOCK}: another run is writing into this folder")
     assert f"(process {os.getpid()} on " in said
     assert said.count("\n") == 1
     assert not (project / "output").exists()
@@ -35,7 +35,7 @@ def test_the_report_waits_for_nobody_either(project, capsys):
         from assessment.cli.main import main
 
         assert main(["report", str(project)]) == 2
-    assert NAME in capsys.readouterr().err
+    assert LOCK in capsys.readouterr().err
 
 
 def test_a_killed_run_holds_nothing(tmp_path):
@@ -48,15 +48,15 @@ def test_a_killed_run_holds_nothing(tmp_path):
         pass
     held.kill()
     held.communicate()
-    assert (tmp_path / NAME).exists()
+    assert (tmp_path / LOCK).exists()
     with locked(tmp_path):
         pass
-    assert not (tmp_path / NAME).exists()
+    assert not (tmp_path / LOCK).exists()
 
 
 def test_a_folder_that_a_run_made_and_left_empty_goes_again(tmp_path):
     with locked(tmp_path / "a" / "b"):
-        assert (tmp_path / "a" / "b" / NAME).exists()
+        assert (tmp_path / "a" / "b" / LOCK).exists()
     assert not (tmp_path / "a" / "b").exists()
     with locked(tmp_path / "c"):
         (tmp_path / "c" / "result").touch()
@@ -66,8 +66,8 @@ def test_a_folder_that_a_run_made_and_left_empty_goes_again(tmp_path):
 def test_who_waits_for_a_lock_that_is_removed_meanwhile_gets_one_that_others_see(tmp_path):
     """The run before removes its file: who has opened it just before would hold a lock that nobody else sees."""
     with locked(tmp_path):
-        (tmp_path / NAME).unlink()
-        (tmp_path / NAME).touch()  # as of another run, which begins
+        (tmp_path / LOCK).unlink()
+        (tmp_path / LOCK).touch()  # as of another run, which begins
         with locked(tmp_path), pytest.raises(BusyError), locked(tmp_path):
             pass
 
@@ -78,8 +78,8 @@ def test_the_holder_is_told_with_its_number(tmp_path):
         found = holder(tmp_path)
         assert found is not None and found.pid == os.getpid()
         assert found.text.startswith(f"process {os.getpid()} on ") and "\n" not in found.text
-        (tmp_path / NAME).write_bytes(b"\xff\n{}")
+        (tmp_path / LOCK).write_bytes(b"\xff\n{}")
         assert holder(tmp_path) == Holder("a process which has just begun", None)
     assert holder(tmp_path) is None
-    (tmp_path / NAME).write_text("left by a kill")
+    (tmp_path / LOCK).write_text("left by a kill")
     assert holder(tmp_path) is None

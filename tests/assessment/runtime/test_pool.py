@@ -11,8 +11,8 @@ from concurrent.futures import ProcessPoolExecutor, wait
 
 import pytest
 
-from assessment.runtime.processes import pool as pools
-from assessment.runtime.processes.pool import KilledError, Pool, finished, processes, result_of
+from assessment.runtime import pool as pools
+from assessment.runtime.pool import KilledError, Pool, finished, processes, result_of
 
 HELD = {"original": 4, "settled": 2}
 STARTS = multiprocessing.get_all_start_methods()

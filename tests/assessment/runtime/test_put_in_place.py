@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files.atomic_files import SCRATCH, clear, put_in_place
+from assessment.runtime.files import SCRATCH, clear, put_in_place
 from tests.support.block_project import contents
 
 OLD = ("figures/a.svg", "figures/b.svg", "report.pdf", "results.json", "tables/t.csv")

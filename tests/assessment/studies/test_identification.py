@@ -9,7 +9,7 @@ import warnings
 import numpy as np
 import pytest
 
-from assessment.project.structure.gauges import Gauge, readings
+from assessment.project.structure.places import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification import search as search_module

@@ -17,7 +17,7 @@ from assessment.results.schema.studies import ScenarioPoint, Sensitivity, Sensit
 from assessment.studies.scenarios import part, worst
 from assessment.studies.sensitivity import scatter, with_factor, without_effect
 from assessment.workflow import stages
-from assessment.workflow.selection import select
+from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests.support.block_project import block

@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.project.catalogue.new_project import new_project
-from assessment.project.catalogue.templates import TEMPLATES
+from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from mechanics import Assembly, CollapseError, limit_analysis, pushdown, pushover
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps

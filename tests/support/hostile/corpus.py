@@ -24,8 +24,7 @@ from assessment.ntc.demand.hazard_grid import HazardError
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
-from assessment.project.repair import with_repaired_drawing
-from assessment.project.structure.model import build_model
+from assessment.project.structure.model import build_model, with_repaired_drawing
 from assessment.report.tables import inert
 from assessment.report.text.language import slug
 from assessment.runtime.errors import ProjectError

@@ -28,7 +28,7 @@ from assessment.results.configurations.joint_states import (
 )
 from assessment.results.schema import Results, State
 from assessment.results.schema.part import Configuration, Point
-from assessment.runtime.files.atomic_files import write_atomically
+from assessment.runtime.files import write_atomically
 from mechanics.pictures import Shape
 from mechanics.types import Array
 

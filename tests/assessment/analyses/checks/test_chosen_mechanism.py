@@ -21,8 +21,8 @@ from assessment.ntc.verification import Method
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.project import load_project
-from assessment.project.structure.mechanisms import Chosen, MacroBlock
 from assessment.project.structure.model import build_model
+from assessment.project.structure.places import Chosen, MacroBlock
 from assessment.report.tables.capacity import chosen_mechanisms, trace
 from assessment.results.plain import plain
 from assessment.workflow.stages import run

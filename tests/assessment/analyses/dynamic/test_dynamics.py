@@ -25,7 +25,7 @@ from assessment.report.tables import tables
 from assessment.report.text.language import words_of
 from assessment.results.plain import plain
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.pool import Pool
 from assessment.runtime.progress import Show
 from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run

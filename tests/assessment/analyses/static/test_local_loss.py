@@ -18,7 +18,7 @@ from assessment.report.figures.index import write_figures
 from assessment.report.text.language import Words
 from assessment.results.plain import plain
 from assessment.results.schema.static import LocalLoss
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block

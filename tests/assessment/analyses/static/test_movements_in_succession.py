@@ -8,8 +8,7 @@ import pytest
 from assessment.analyses.static.states import Request, analyse_states
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
-from assessment.project.structure.state_models import state_models
+from assessment.project.structure.model import build_model, state_models
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.tasks import Workers
 from mechanics import pushdown

@@ -11,7 +11,7 @@ from assessment.cli.main import main
 from assessment.report.chapters.judgement import NAME, judgement, to_html, without_comments
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.pool import Pool
 from assessment.workflow.output import write
 from tests.support.block_project import edit, run
 from tests.support.results_example import results_example

@@ -34,7 +34,7 @@ from assessment.report.figures.style import (
 from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import macro_blocks
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
 from mechanics.pictures import STYLE, Shape, nice
 from tests.support.analysed import analysed

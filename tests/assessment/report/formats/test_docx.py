@@ -16,7 +16,7 @@ from assessment.report.document import CHAPTERS, write_docx, write_page
 from assessment.report.figures.index import write_images
 from assessment.report.formats.docx import kept_with_next, to_docx
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.runtime.processes.pool import Pool, result_of
+from assessment.runtime.pool import Pool, result_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import results_example
 from tests.support.typed import typed

@@ -12,7 +12,7 @@ from assessment.report.figures.index import pictures, write_figures
 from assessment.report.formats.viewer import _jumps, viewer
 from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import outlines
-from assessment.runtime.processes.pool import Pool
+from assessment.runtime.pool import Pool
 from tests.support import browser
 from tests.support.analysed import analysed
 from tests.support.results_example import results_example

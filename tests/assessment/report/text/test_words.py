@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project.catalogue.templates import TEMPLATES as CATALOGUE
-from assessment.project.catalogue.templates import made
+from assessment.project.catalogue.new_project import TEMPLATES as CATALOGUE
+from assessment.project.catalogue.new_project import made
 
 TEMPLATES = files("templates")
 PROJECTS = Path(__file__).parents[4] / "projects"

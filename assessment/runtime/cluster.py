@@ -17,7 +17,7 @@ from typing import Any, TypeVar, TypeVarTuple
 
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.fingerprint import program
-from assessment.runtime.processes.pool import KilledError, Pool
+from assessment.runtime.pool import KilledError, Pool
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, one by one or all of a run."""
+"""Files that appear whole or not at all, one by one or all of a run; pictures that a user attaches."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ import os
 import re
 import shutil
 import time
+import warnings
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from assessment.runtime.errors import ProjectError
+
+if TYPE_CHECKING:
+    from PIL import Image
+
 
 SCRATCH = ".assesto-"  # prefix of the folders where files are made before they are put in place
 LAST = "results.json"  # of a run: if it is there, all files are
@@ -64,9 +70,8 @@ def clear_left_over(folder: Path) -> None:
                 path.unlink()
 
 
-_clear_once = cache(
-    clear_left_over
-)  # in a process: a folder may hold thousands of files, and is written as often
+# in a process: a folder may hold thousands of files, and is written as often
+_clear_once = cache(clear_left_over)
 
 
 def _is_left_over(path: Path) -> bool:
@@ -133,3 +138,32 @@ def file_digest(path: Path) -> str:
         if status.st_size > MOST_BYTES:
             return hashlib.sha256(f"{status.st_size} {status.st_mtime_ns}".encode()).hexdigest()
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+SUFFIXES = (".png", ".jpg", ".jpeg")
+
+
+def read_picture(path: Path) -> Image.Image:
+    """Return a picture, whole.
+
+    By itself Pillow guesses a format from the content, and runs Ghostscript on PostScript that is called photo.png; and
+    once WeasyPrint is imported it takes truncated pictures. Raises ValueError, saying why, for what is no whole picture
+    of these formats.
+    """
+    from PIL import Image, ImageFile, UnidentifiedImageError
+
+    before = ImageFile.LOAD_TRUNCATED_IMAGES
+    ImageFile.LOAD_TRUNCATED_IMAGES = False
+    try:
+        with warnings.catch_warnings():
+            # an error from twice that size on
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            with Image.open(path, formats=("PNG", "JPEG")) as picture:
+                picture.load()
+                return picture
+    except UnidentifiedImageError:
+        raise ValueError("its content is neither PNG nor JPEG") from None
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise ValueError(str(error)) from None
+    finally:
+        ImageFile.LOAD_TRUNCATED_IMAGES = before

@@ -1,0 +1,335 @@
+"""What is wrong in a project, in the words of who wrote it: keys, types and ranges; then what does not fit together.
+
+Every message is one line `FILE: KEY: what is wrong; what to do`. List entries are counted from 1.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from fnmatch import fnmatch
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from assessment.project.schema.content import ProjectContent
+from assessment.project.schema.index import keys_at, tables_of
+from assessment.project.schema.values import (
+    DISTINCT,
+    MOST_ENTRIES,
+    SHOWN,
+    FileName,
+    KeyPath,
+    NameOf,
+    Problem,
+    Table,
+    key_of,
+)
+from assessment.runtime.errors import ProjectError, nearest, shortened
+from assessment.runtime.files import SUFFIXES, read_picture
+from mechanics.messages import layer_key
+
+_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
+
+_MOST_TOLD = 24  # problems of a file: one screen
+_MOST_UNKNOWN = 3  # unknown keys of a table that are told one by one
+
+_EXPECTED = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "a text",
+    "tuple_type": "a list in brackets",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "greater_than_equal": "a number not less than {ge:g}",
+    "less_than": "a number less than {lt:g}",
+    "less_than_equal": "a number not greater than {le:g}",
+    "literal_error": "{expected}",
+    "missing": "two numbers",  # only of a pair: a missing key is another message
+    "too_long": "at most {max_length} entries",
+    "too_short": "a list with one entry or more",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "a text without control characters or blanks at its ends, not empty",
+    "string_unicode": "a text of whole characters",
+}
+
+
+def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath, str]) -> ProjectError:
+    """The problems of one file as one error of one screen; `cells`: where the values are in a spreadsheet."""
+    lines = [f"{file}: {key_of(path)}{_cell(path, cells)}: {text}" for path, text in problems]
+    told = list(dict.fromkeys(lines))
+    if (more := len(told) - _MOST_TOLD) > 0:
+        told = [*told[:_MOST_TOLD], f"{file}: project: {more} more problems; correct these first"]
+    return ProjectError("\n".join(told))
+
+
+def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[Problem]:
+    """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
+    expected: dict[KeyPath, list[str]] = {}
+    problems: dict[KeyPath, str] = {}
+    unknown: dict[KeyPath, dict[KeyPath, None]] = {}
+    for detail in error.errors(include_url=False):
+        kind, context = detail["type"], detail.get("ctx", {})
+        path, node = _walk(detail["loc"], content)
+        if kind == "extra_forbidden":
+            problems[path] = f"unknown key; {nearest(str(path[-1]), keys_at(path[:-1]))}"
+            unknown.setdefault(path[:-1], {})[path] = None
+        elif kind == "missing" and isinstance(node, dict):
+            key = str(detail["loc"][-1])
+            problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
+        elif _pairs(path, detail["input"]):
+            outline = path[: path.index("region_m") + 1]
+            flat = f"{_shown(detail['input'])} is wrong; write one flat list: [x1, z1, x2, z2, …]"
+            problems.setdefault(outline, flat)
+        elif kind == "value_error":
+            problems[path] = str(context["error"])
+        else:
+            phrase = _brackets(path, kind, detail["input"]) or _phrase(kind, context, detail)
+            expected.setdefault(path, []).append(phrase.replace("'", '"'))
+            problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
+    for table, paths in unknown.items():
+        if len(paths) > _MOST_UNKNOWN:
+            named = ", ".join(_shown(path[-1]) for path in islice(paths, _MOST_UNKNOWN))
+            text = f"{len(paths)} unknown keys: {named}, …; {nearest('', keys_at(table))}"
+            problems = {table: text} | {path: told for path, told in problems.items() if path not in paths}
+    # Of the alternatives of one value, the one that was understood further gives the message.
+    shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
+    return [Problem(path, text) for path, text in problems.items() if path not in shallow]
+
+
+def _pairs(path: KeyPath, value: Any) -> bool:
+    """Return whether a value is a pair of an outline, which is one flat list, or an outline of pairs."""
+    parts = value if path[-1:] == ("region_m",) and isinstance(value, list) else [value]
+    return "region_m" in path and any(isinstance(part, list) for part in parts)
+
+
+def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:
+    """Return the part of pydantic's location that the user wrote, and the value there."""
+    path: KeyPath = ()
+    node = content
+    for part in location:
+        children = dict(enumerate(node)) if isinstance(node, list) else node
+        if isinstance(children, dict) and part in children:
+            node, path = children[part], (*path, part)
+    return path, node
+
+
+def _brackets(path: KeyPath, kind: str, value: Any) -> str:
+    """Return the remedy where a table has the wrong number of brackets."""
+    if kind == "tuple_type" and isinstance(value, dict) and len(path) == 1:
+        return f"[[{path[-1]}]] with double brackets, one per entry"
+    if kind == "model_type" and isinstance(value, list):
+        return f"[{key_of(path)}] with single brackets, once"
+    return ""
+
+
+def _phrase(kind: str, context: Mapping[str, Any], detail: Mapping[str, Any]) -> str:
+    """Return what is expected in the place of a value that pydantic refuses."""
+    value = detail["input"]
+    if kind == "greater_than_equal" and 0.0 < context["ge"] < 0.01 and not value > 0.0:
+        return "a number greater than 0"
+    if kind == "too_long" and context["max_length"] == 2:  # [0,6] of one number, or [0,6, 0,8] of two
+        return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
+    expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
+    if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
+        expected += f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', SHOWN)}"
+    return expected
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(_pruned(value), ensure_ascii=False, default=str)
+    for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
+        text = own if text == name else text
+    return shortened(text, SHOWN)
+
+
+def _pruned(value: Any, levels: int = 3) -> Any:
+    """Return as much of a value as a message shows: of nested ones, and of numbers of thousands of digits, little."""
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"a number of some {0.30103 * value.bit_length():.0f} digits"
+    if not isinstance(value, dict | list | tuple):
+        return value
+    if levels == 0:
+        return "…"
+    if isinstance(value, dict):
+        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), SHOWN)}
+    return [_pruned(each, levels - 1) for each in value[:SHOWN]]
+
+
+def _cell(path: KeyPath, cells: Mapping[KeyPath, str]) -> str:
+    for n in range(len(path), 0, -1):
+        if path[:n] in cells:
+            return f" ({cells[path[:n]]})"
+    return ""
+
+
+MOST_LOOKED_AT = 20_000  # names in folders that the search for a pattern reads at most
+_WILD = re.compile(r"[*?[]")
+
+
+def matches(folder: Path, pattern: str) -> list[Path]:
+    """Return the files in `folder` that match a name, or a pattern such as "records/*.acc", sorted.
+
+    Raises ValueError for `**`, for a pattern that would search more than MOST_LOOKED_AT names, and for more than
+    MOST_ENTRIES files.
+    """
+    if _is_file(folder / pattern):
+        return [folder / pattern]
+    if "**" in pattern:
+        raise ValueError("** is not understood; name the folders, * for each")
+    found, looked_at = [folder], 0
+    for part in Path(pattern).parts:
+        if not _WILD.search(part):
+            found = [path / part for path in found]
+            continue
+        within: list[Path] = []
+        for path in found:
+            for name in _names(path):
+                looked_at += 1
+                if looked_at > MOST_LOOKED_AT:
+                    raise ValueError(f"more than {MOST_LOOKED_AT} names to look at; name the folders")
+                if fnmatch(name, part) and (part.startswith(".") or not name.startswith(".")):
+                    within.append(path / name)
+        found = within
+    files = sorted(path for path in found if _is_file(path))
+    if len(files) > MOST_ENTRIES:
+        raise ValueError(f"{len(files)} files, at most {MOST_ENTRIES}; choose among them")
+    return files
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """Yield the names in a folder; nothing where the folder does not exist or must not be read."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            yield entry.name
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # the name is too long or no valid one, or the folder must not be searched
+        return False
+
+
+def missing_file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
+    """Yield a problem where a file is named that is not in the project folder.
+
+    `path`: the key that names it; `name`: None where no file is named.
+    """
+    if name is not None and not _is_file(folder / name):
+        parent = Path(name).parent
+        names = islice(_names(folder / parent), MOST_ENTRIES)
+        files = sorted(str(parent / each) for each in names if _is_file(folder / parent / each))
+        remedy = nearest(name, files) if files else "put it there or correct the name"
+        yield Problem(path, f'no file "{name}" in the project folder; {remedy}')
+
+
+def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
+    """Yield a problem for an attachment of the report that does not exist or is no picture that can be printed."""
+    if missing := list(missing_file(folder, path, name)):
+        yield from missing
+    elif Path(name).suffix.lower() not in SUFFIXES:
+        text = f'"{name}" is no {" or ".join(SUFFIXES)} file; export it, a PDF page by page, as one'
+        yield Problem(path, text)
+    else:
+        try:
+            read_picture(folder / name)
+        except ValueError as error:
+            yield Problem(path, f'"{name}" cannot be read as a picture ({error}); export it again')
+
+
+def _record_problems(folder: Path, path: KeyPath, pattern: str) -> Iterator[Problem]:
+    """Yield a problem for a pattern that no file matches; "generate:7" is none."""
+    if pattern.startswith("generate:"):
+        return
+    try:
+        found = matches(folder, pattern)
+    except ValueError as error:
+        yield Problem(path, f'"{pattern}": {error}')
+        return
+    if not found:
+        yield from missing_file(folder, path, pattern)
+
+
+FILES = {"file": missing_file, "pattern": _record_problems, "picture": attachment_problems}
+
+
+def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
+    """Yield every problem between the tables of a project, and of the files that they name, in the order of the tables.
+
+    `folder`: of the project. Files that cannot be read are problems too, no errors.
+    """
+    valid = {
+        "control point": [each.name for each in project.control],
+        "support": [*project.supports],
+        "settlement": [*project.unstrengthened[1:]],
+        "state": [*project.states],
+    }
+    for path, table in _tables(project, ()):
+        for key, field in type(table).model_fields.items():
+            value = getattr(table, key)
+            for mark in field.metadata:
+                if isinstance(mark, NameOf):
+                    for place, name in _named(value, (*path, key)):
+                        if name not in (known := valid[mark.what]):
+                            remedy = nearest(name, known) if known else f"add a {mark.what}"
+                            yield Problem(place, f'no {mark.what} "{name}"; {remedy}')
+                elif isinstance(mark, FileName):
+                    for place, name in _named(value, (*path, key)):
+                        yield from FILES[mark.kind](folder, place, name)
+                elif mark == DISTINCT:
+                    yield from _repeated(value, (*path, key))
+        for found in table.contradictions(project):
+            if isinstance(found, Problem):
+                yield found
+            else:
+                where, text = found
+                yield Problem((*path, where) if isinstance(where, str) else (*path, *where), text)
+
+
+def _tables(table: Table, path: KeyPath) -> Iterator[tuple[KeyPath, Table]]:
+    """Yield a table and those in it with their paths."""
+    yield path, table
+    for key, form in tables_of(type(table)).items():
+        value: Any = getattr(table, key)
+        if value is None:
+            continue
+        if form == "single":
+            yield from _tables(value, (*path, key))
+        else:
+            for name, each in value.items() if form == "named" else enumerate(value):
+                yield from _tables(each, (*path, key, name))
+
+
+def _named(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the names in a value with their paths: of a table the values, or the keys of lists."""
+    if isinstance(value, str):
+        yield path, value
+    elif isinstance(value, dict):
+        for key, each in value.items():
+            yield (*path, key), each if isinstance(each, str) else key
+    elif value is not None:
+        for index, each in enumerate(value):
+            yield from _named(each, (*path, index))
+
+
+def _repeated(tables: Any, path: KeyPath) -> Iterator[Problem]:
+    """Yield a problem for each list entry with the name of an earlier one, and each second table of a layer."""
+    earlier: dict[str, str] = {}
+    if isinstance(tables, dict):
+        for name in tables:
+            if (other := earlier.setdefault(layer_key(name), name)) != name:
+                yield Problem((*path, name), f'the layer of "{other}" again, spelt otherwise; keep one table')
+        return
+    for index, name in enumerate(each.name for each in tables):
+        if name in earlier:
+            yield Problem((*path, index, "name"), f'"{name}" is the name of an earlier entry; write another')
+        if name is not None:
+            earlier[name] = name

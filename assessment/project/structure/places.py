@@ -1,0 +1,188 @@
+"""Where what a project names is on the assembly: the block at a point, macro-blocks of mechanisms, gauges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from assessment.runtime.errors import ProjectError, nearest
+from mechanics import ArgumentError, Assembly
+from mechanics.messages import layer_key
+from mechanics.model import V, end_gaps
+from mechanics.types import Array
+
+if TYPE_CHECKING:
+    from assessment.project.project import Project
+    from assessment.project.schema import MeasurementTable, MechanismTable
+
+
+def block_at(model: Assembly, key: str, point: tuple[float, float], note: str = "") -> int:
+    """Return the block that contains a point (m). Raises ProjectError naming its key, with a note, where none does."""
+    try:
+        return model.block_at(point)
+    except ArgumentError as error:
+        reason = str(error).partition("must be ")[2] + note
+        raise ProjectError(f"{key}: {list(point)} must be {reason}; move it there") from None
+
+
+@dataclass(frozen=True, eq=False)
+class MacroBlock:
+    """Blocks (n,) that rotate as one by `rotation`, anticlockwise, about the point `about` (2,) m, from the origin."""
+
+    about: NDArray[np.float64]
+    rotation: float
+    blocks: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """A mechanism chosen by the user, in the configuration of a state."""
+
+    name: str
+    state: str
+    parts: tuple[MacroBlock, ...]
+
+
+def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
+    """Return the mechanisms of [[mechanism]], entries of one name joined.
+
+    Raises ProjectError naming the entry: an unknown layer, no such block, a support, a block chosen twice, none at all.
+    """
+    found: dict[str, Chosen] = {}
+    for index, entry in enumerate(project.mechanism):
+        key = f"{project.source}: mechanism[{index + 1}]"
+        blocks = _blocks(entry, model, key)
+        before = found.get(entry.name, Chosen(entry.name, entry.state, ()))
+        for part in before.parts:
+            if (twice := np.intersect1d(part.blocks, blocks)).size:
+                text = (
+                    f'block {twice[0]} is in another macro-block of "{entry.name}"; a block has one rotation'
+                )
+                raise ProjectError(f"{key}: {text}")
+        part = MacroBlock(model.from_origin(entry.about_m), entry.rotation, blocks)
+        found[entry.name] = replace(before, parts=(*before.parts, part))
+    return [*found.values()]
+
+
+def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp]:
+    """Return the blocks of the layers within the region, and those named by number; sorted."""
+    of_layer = {layer_key(block.layer): block.layer for block in model.blocks}
+    for layer in entry.layers or ():
+        if layer_key(layer) not in of_layer:
+            names = sorted(set(of_layer.values()))
+            raise ProjectError(f'{key}.layers: no block on layer "{layer}"; {nearest(layer, names)}')
+    for number in entry.blocks or ():
+        if not 0 <= number < len(model.blocks):
+            raise ProjectError(f"{key}.blocks: no block {number}; write 0 to {len(model.blocks) - 1}")
+        if not model.movable[number]:
+            raise ProjectError(
+                f"{key}.blocks: block {number} is a support, which a mechanism leaves where it is; leave it out"
+            )
+    chosen = np.zeros(len(model.blocks), dtype=bool)
+    if entry.layers or entry.region_m:
+        chosen |= model.movable
+    if entry.layers:
+        chosen &= np.isin([layer_key(block.layer) for block in model.blocks], [*map(layer_key, entry.layers)])
+    if entry.region_m:
+        region = _region(entry.region_m, key)
+        chosen &= shapely.intersects(region, shapely.points([block.centroid for block in model.blocks]))
+    chosen[list(entry.blocks or ())] = True
+    if not chosen.any():
+        raise ProjectError(f"{key}: no movable block is chosen; correct layers, region_m or blocks")
+    return np.flatnonzero(chosen)
+
+
+def _region(corners: tuple[float, ...], key: str) -> shapely.Polygon:
+    points = np.reshape(corners, (-1, 2))
+    if len(points) == 2:
+        return shapely.box(*points.min(axis=0), *points.max(axis=0))
+    polygon = shapely.Polygon(points)
+    if not polygon.is_valid:
+        raise ProjectError(f"{key}.region_m: the outline crosses itself; write its corners in order")
+    return polygon
+
+
+FAR = 0.5  # of a block's size: a joint farther from the point of a crack is not the one that was measured
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """Where something is measured: the value that it shows depends on the positions of the blocks alone.
+
+    Of a crack or slip: `joint`, and `end` (0, 1) of it that is nearest to the point. Of a lean: `block`. Of a relative
+    displacement: `point` (m, as drawn) of `block`, against `origin` of `origin_block` (None: the benchmark), along
+    `axis` (0: x, 1: z). `block` is in every case one that the point moves with.
+    """
+
+    kind: Literal["crack", "slip", "lean", "relative"]
+    point: tuple[float, float]
+    block: int
+    joint: int = -1
+    end: int = 0
+    origin: tuple[float, float] | None = None
+    origin_block: int | None = None
+    axis: int = 0
+
+
+def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
+    """Return the gauge of every measurement.
+
+    Raises ProjectError for a crack or slip where no joint is, a point in no block.
+    """
+    return tuple(_gauge(project, model, each) for each in project.measurement)
+
+
+def readings(model: Assembly, found: Sequence[Gauge], positions: Array) -> Array:
+    """Return what the gauges show (m,) at positions (b, 3): mm, of a lean mrad."""
+    drawn = len(model.joints.a)
+    places = model.contacts.places(positions)[:drawn]
+    gaps, slips = end_gaps(places), places[:, V]
+    return np.array([_reading(model, each, positions, gaps, slips) for each in found])
+
+
+def _reading(model: Assembly, gauge: Gauge, positions: Array, gaps: Array, slips: Array) -> float:
+    if gauge.kind == "crack":
+        return 1000.0 * float(gaps[gauge.joint, gauge.end])
+    if gauge.kind == "slip":
+        return 1000.0 * abs(float(slips[gauge.joint]))
+    if gauge.kind == "lean":
+        return 1000.0 * float(positions[gauge.block, 2])
+    moved = model.point_displacement(gauge.point, gauge.block, positions)
+    if gauge.origin is not None and gauge.origin_block is not None:
+        moved = moved - model.point_displacement(gauge.origin, gauge.origin_block, positions)
+    return 1000.0 * float(moved[gauge.axis])
+
+
+def _gauge(project: Project, model: Assembly, each: MeasurementTable) -> Gauge:
+    key = f"{project.source}: measurement.{each.name}"
+    if each.kind in ("crack", "slip"):
+        joint, end = _joint_at(model, f"{key}.point_m", each.point_m)
+        block = int(model.joints.a[joint])
+        return Gauge(each.kind, each.point_m, block, joint, end)
+    block = block_at(model, f"{key}.point_m", each.point_m)
+    if each.kind == "lean" or each.from_m is None:
+        return Gauge(each.kind, each.point_m, block)
+    axis = 0 if each.component == "x" else 1
+    if each.from_m == "benchmark":
+        return Gauge("relative", each.point_m, block, axis=axis)
+    other = block_at(model, f"{key}.from_m", each.from_m)
+    if other == block:
+        raise ProjectError(f"{key}.from_m: in the same block as point_m; write a point of another one")
+    return Gauge("relative", each.point_m, block, origin=each.from_m, origin_block=other, axis=axis)
+
+
+def _joint_at(model: Assembly, key: str, point: tuple[float, float]) -> tuple[int, int]:
+    """Return the joint nearest to a point (m) and its nearer end. Raises ProjectError where it is far away."""
+    ends = model.joints.ends
+    distance = shapely.distance(shapely.linestrings(ends), shapely.Point(point))
+    joint = int(np.argmin(distance))
+    if distance[joint] > FAR * model.size:
+        raise ProjectError(
+            f"{key}: {list(point)} is at no joint (the nearest one is {distance[joint]:.4g} m away); move it there"
+        )
+    return joint, int(np.argmin(np.hypot(*(ends[joint] - np.array(point)).T)))

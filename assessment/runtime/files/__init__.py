@@ -1,1 +1,0 @@
-"""Files of an output folder: written whole, swapped together, locked, and the journal of a run."""
