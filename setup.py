@@ -8,7 +8,7 @@ setup(
     packages=[*find_packages(include=["assessment*", "mechanics*", "templates"]), *FOLDERS],
     package_dir=FOLDERS,
     package_data={
-        "assessment": ["py.typed", "ntc/demand/allegato_b.npz"],
+        "assessment": ["py.typed", "ntc/allegato_b.npz"],
         "assessment.examples": ["*/README.md", "*/*.dxf", "*/project.toml", "*/records/*"],
         "assessment.docs": ["*.md", "*/*.md", "*/*.svg", "*/*.png"],
         "mechanics": ["py.typed"],

@@ -6,12 +6,12 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
-    "ElasticSpectrum": "ntc.demand.spectrum",
-    "RecordSpectrum": "ntc.demand.spectrum",
-    "site_hazard": "ntc.demand.hazard",
-    "fit_curve": "ntc.capacity.curve_fit",
-    "capacity_curve": "ntc.capacity.curve",
-    "participation": "ntc.capacity.curve",
+    "ElasticSpectrum": "ntc.spectrum",
+    "RecordSpectrum": "ntc.spectrum",
+    "site_hazard": "ntc.hazard",
+    "fit_curve": "ntc.curve_fit",
+    "capacity_curve": "ntc.capacity_curve",
+    "participation": "ntc.capacity_curve",
     "verify": "ntc.verification",
     **dict.fromkeys(
         (

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.fragility import Dispersion, RecordLevel, over_records
-from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.histories import Scatter
 from assessment.analyses.dynamic.scan import Reach, scan
+from assessment.analyses.dynamic.time_history import Setting
 from assessment.project.catalogue.new_project import TEMPLATES, new_project, template_options
 from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from assessment.ntc.demand.floor_spectrum import FloorSpectrum, first_mode, fundamental_period
-from assessment.ntc.demand.spectrum import ElasticSpectrum
+from assessment.ntc.floor_spectrum import FloorSpectrum, first_mode, fundamental_period
+from assessment.ntc.spectrum import ElasticSpectrum
 from tools.pictures import write_picture
 
 GROUND = ElasticSpectrum(0.261, 2.36, 0.35, "B")

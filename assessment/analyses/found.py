@@ -1,16 +1,86 @@
-"""What an analysis found, and what is to be told of it: one way for every static analysis, check and study."""
+"""What an analysis found and what is to be told of it; the accuracy that a project asks for, and its increments."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
+from assessment.project.project import Project
+from assessment.project.schema import SettlementTable
 from assessment.results.schema.model import QualityRow
 from mechanics.messages import Message
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from typing import Any
+SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
+# ratio of a first-order method: a higher observed order is not relied on
+FIRST_ORDER = 2.0
+# of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
+NOISE = 1e-6
+LEVELS = 3  # at least: two may agree by chance
+FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """A relative `tolerance` of the estimated error (None: no error is estimated) and the most `halvings` allowed."""
+
+    tolerance: float | None
+    halvings: int
+
+
+PRESETS = {"fast": Accuracy(None, 0), "standard": Accuracy(0.05, 2), "fine": Accuracy(0.01, 4)}
+MOST_HALVINGS = 4  # for a tolerance given as a number
+
+
+def accuracy_of(project: Project) -> Accuracy:
+    """Return the preset of the project's key `accuracy`."""
+    asked = project.accuracy
+    return PRESETS[asked] if isinstance(asked, str) else Accuracy(asked, MOST_HALVINGS)
+
+
+def observed_order(values: Sequence[float | None]) -> float | None:
+    """Return the order that the last three of the values at steps h, h/2, h/4… show.
+
+    None: fewer are known, or their differences do not shrink as with a method.
+    """
+    if len(values) < LEVELS:
+        return None
+    a, b, c = values[-LEVELS:]
+    if a is None or b is None or c is None or c == b:
+        return None
+    ratio = abs((b - a) / (c - b))
+    return math.log2(ratio) if SHOWN <= ratio <= FASTEST else None
+
+
+def in_increments(project: Project, factor: float) -> Project:
+    """Return the project with increments `factor` times as large: a settlement has a whole number of equal ones."""
+    pushover = project.pushover
+    larger = pushover and pushover.model_copy(update={"increment_m": factor * pushover.increment_m})
+    settlements = tuple(_in_increments(each, factor) for each in project.settlements)
+    return project.model_copy(update={"settlements": settlements, "pushover": larger})
+
+
+def refined(project: Project, halvings: int) -> Project:
+    """Return the project with the increments halved `halvings` times: exactly so many times as many."""
+    return in_increments(project, 0.5**halvings) if halvings else project
+
+
+def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project, SettlementTable]]:
+    """Return each settlement in the increments at which its state converged, with the project in those increments.
+
+    `halvings`: how often the increments of each state, by name, were halved; 0 for a state that is not there.
+    """
+    projects = [refined(project, halvings.get(each.name, 0)) for each in project.settlements]
+    return [(each, each.settlements[number]) for number, each in enumerate(projects)]
+
+
+def _in_increments(settlement: SettlementTable, factor: float) -> SettlementTable:
+    count = max(1, round(settlement.increments / factor))
+    movement, rotation = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
+    shares = {"increment_m": movement / count, "increment_rad": rotation / count}
+    return settlement.model_copy(update={key: share for key, share in shares.items() if share > 0.0})
+
 
 Value = TypeVar("Value")
 

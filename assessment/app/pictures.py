@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from assessment.analyses.checks.demand import demand_spectra
 from assessment.app.editing import drawing_tag
-from assessment.ntc.demand.hazard_grid import HazardError, read_grid, read_site_table
+from assessment.ntc.hazard import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import write_files
 from assessment.project.formats.toml import commented_toml

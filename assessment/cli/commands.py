@@ -215,7 +215,7 @@ def report(options: argparse.Namespace) -> int:
 
 def app(options: argparse.Namespace) -> int:
     """Serve the page of a project until interrupted."""
-    from assessment.app.command import serve
+    from assessment.app.server import serve
 
     serve(options.project, options.port, not options.no_browser)
     return DONE

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.ntc.limit_states import INDEXED
+from assessment.ntc.tables import INDEXED
 from assessment.report.chapters.lead import lead
 from assessment.report.text.language import Words, plain_text
 from assessment.results.asked import turns, undetermined

@@ -1,32 +1,272 @@
-"""Safety of a mechanism at the limit states: Circolare 7/2019, C8.7.1.2, and the 2009 circular's variant.
+"""Checks of the limit states: how they are made, and the a_g that a capacity bears under a demand's spectrum.
 
-Every check solves for the ground acceleration a_g at which the demand equals the capacity, and carries the
-trace of its calculation.
+NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2; Circolare 617/2009, C8A.4.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from math import inf, pi, sqrt
 from typing import Literal
 
-from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.capacity.curve import CapacityCurve
-from assessment.ntc.capacity.curve_fit import CapacityError
-from assessment.ntc.capacity.return_period import capacity_return_period
-from assessment.ntc.demand.return_period import EXCEEDANCE
-from assessment.ntc.demand.spectrum import RecordSpectrum, Spectrum
-from assessment.ntc.demand_capacity import (
-    Solved,
-    solve_activation,
-    solve_displacement,
-    solve_elastic,
-    solve_linear,
-)
-from assessment.ntc.limit_states import INDEX, INDEXED, ROCK, SURFACE
-from assessment.ntc.methods import ACTIVATION_DAMPING, LAW, Method
+import numpy as np
+
+from assessment.ntc.calculation import Step, Trace, datum, step
+from assessment.ntc.capacity_curve import CapacityCurve
+from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
+from assessment.ntc.hazard import HazardCurve, capacity_return_period
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
+from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE
 from mechanics.errors import require
 from mechanics.messages import Message, message
+from mechanics.types import GRAVITY
+
+ACTIVATION_DAMPING = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Nonlinear:
+    """Displacement limit as a share of d_0, T = factor π √(d/a) at `secant` of the limit, damping."""
+
+    share: float
+    secant: float
+    factor: float
+    damping: float
+
+
+RULES = {
+    ("2019", "SLV"): Nonlinear(0.40, 1.0, 1.68, 0.08),
+    ("2019", "SLC"): Nonlinear(0.60, 1.0, 1.56, 0.10),
+    ("2009", "SLV"): Nonlinear(0.40, 0.4, 2.00, 0.05),
+}
+LAW = {"2019": "Circolare 7/2019, C8.7.1.2", "2009": "Circolare 617/2009, C8A.4.2.3"}
+
+
+@dataclass(frozen=True)
+class Method:
+    """How the checks are made.
+
+    behaviour_factor: q of the linear check. circular: "2019", or "2009" (secant at 0.4 d_u, 5 % damping, no
+    lower bound by activation; SLV only) [k]. scaling: how the demand spectrum follows a_g to the capacity:
+    "shape" keeps its shape (S_S and T_D with it) and scales it; "return_period" moves along `hazard` until
+    the spectrum of that return period meets the capacity. displacement_demand: "maximum" of S_De over
+    [T_0, T], which differs from S_De(T) for records and beyond T_E; "at_period": S_De(T), as in the paper.
+    local_limits: displacement of the control point (m) at which an element is lost (a beam unseats), per
+    limit state; local_reason: what is lost, for the calculation. site_acceleration: a_g S of the site (g) per
+    limit state, compared with the peak acceleration where the spectrum is a record's. return_periods: T_R of the
+    demand (years) per limit state, where it is known. Raises ArgumentError naming the field.
+    """
+
+    behaviour_factor: float = 2.0
+    circular: str = "2019"
+    scaling: str = "shape"
+    displacement_demand: str = "maximum"
+    hazard: HazardCurve | None = None
+    local_limits: Mapping[str, float] = field(default_factory=dict)
+    local_reason: str = ""
+    site_acceleration: Mapping[str, float] = field(default_factory=dict)
+    return_periods: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require(self.behaviour_factor >= 1.0, "behaviour_factor", self.behaviour_factor, "1 or more")
+        require(self.circular in {"2019", "2009"}, "circular", self.circular, '"2019" or "2009"')
+        require(self.scaling in {"shape", "return_period"}, "scaling", self.scaling, "shape or return_period")
+        require(
+            self.displacement_demand in {"maximum", "at_period"},
+            "displacement_demand",
+            self.displacement_demand,
+            "maximum or at_period",
+        )
+        require(
+            self.scaling == "shape" or self.hazard is not None,
+            "scaling",
+            self.scaling,
+            "shape where the site's hazard is not given by latitude, longitude and grid",
+        )
+        for state, limit in self.local_limits.items():
+            require(0.0 < limit < inf, f"local_limits.{state}", limit, "positive, in m")
+
+
+@dataclass(frozen=True)
+class Solved:
+    """a_g (g) at which the demand meets the capacity, under `base`, the spectrum scaled to it; its steps."""
+
+    d_star: float | None
+    a_star: float
+    T: float
+    a_g: float
+    base: Spectrum
+    damping: float
+    governing: str
+    steps: Trace
+    notes: tuple[Message, ...]
+
+
+def solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
+    """Return where S_e(0) = q a_0*, of the rigid multiplier: a_g S at the ground, a_Z at height (C8.7.1.2)."""
+    return _solve_acceleration(capacity.a_0_star, "a_0_star", None, 0.0, spectrum, method, q)
+
+
+def solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return where S_e(T_0) = a_y*, the end of the elastic branch (Circolare 7/2019, C8.7.1.2).
+
+    Raises CapacityError where the capacity curve has no elastic branch.
+    """
+    if capacity.a_y_star is None or capacity.T_0 is None:
+        raise CapacityError(message("the capacity curve has no elastic branch"))
+    return _solve_acceleration(
+        capacity.a_y_star, "a_y_star", capacity.d_y_star, capacity.T_0, spectrum, method
+    )
+
+
+def solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return where the capacity curve is left: at a_y* and T_0, or at a_0* where it is rigid (and in 2009)."""
+    rigid = method.circular == "2009" or capacity.T_0 is None
+    return (solve_linear if rigid else solve_elastic)(capacity, spectrum, method)
+
+
+def _solve_acceleration(
+    a_star: float,
+    symbol: str,
+    d_star: float | None,
+    T: float,
+    spectrum: Spectrum,
+    method: Method,
+    q: float = 1.0,
+) -> Solved:
+    """Return where S_e(T) = q a* at 5 % damping, with the symbol that a* has in the steps."""
+
+    def demand(s: Spectrum) -> float:
+        return float(s.acceleration(T))
+
+    base, notes = _scaled(demand, q * a_star, spectrum.with_damping(ACTIVATION_DAMPING), method)
+    S_e = demand(base)
+    a_g = base.ag * q * a_star / S_e
+    numbers = {"a_g": base.ag, symbol: a_star, "S_e": S_e}
+    name, formula, governing = "a_g_act", f"a_g*{symbol}/S_e", "activation" if T == 0.0 else "elastic branch"
+    if q != 1.0:
+        name, formula, governing = "a_g_linear", f"q*{formula}", "q times activation"
+        numbers["q"] = q
+    line = step(name, formula, a_g, "g", LAW[method.circular], **numbers)
+    return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, (*base.steps(T), line), notes)
+
+
+def solve_displacement(
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
+) -> Solved:
+    """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve.
+
+    Raises CapacityError where d_0 is not reached, where no capacity is left at the limit, or where the
+    circular knows no nonlinear check for the limit state.
+    """
+    rule = RULES.get((method.circular, limit_state))
+    if rule is None:
+        raise CapacityError(
+            message(
+                "{limit}: the circular of {year} has no nonlinear check for it",
+                limit=limit_state,
+                year=method.circular,
+            )
+        )
+    d, governing, first = _limit(capacity, limit_state, method, rule)
+    lines = [first]
+    d_secant, name = d, limit_state
+    if rule.secant != 1.0:
+        d_secant, name = rule.secant * d, "s"
+        lines.append(step("d_s", f"{rule.secant:g}*{first.symbol}", d_secant, "m", LAW[method.circular],
+                          **{first.symbol: d}))  # fmt: skip
+    a = capacity.a_star(d_secant)
+    if a <= 0.0:
+        raise CapacityError(
+            message(
+                "{limit}: no acceleration capacity is left at d* = {displacement:.6g} m",
+                limit=limit_state,
+                displacement=d_secant,
+            )
+        )
+    T, T_0 = rule.factor * pi * sqrt(d_secant / (a * GRAVITY)), capacity.T_0 or 0.0
+    largest = method.displacement_demand == "maximum"
+
+    def demand(s: Spectrum) -> float:
+        return s.largest_displacement(T_0, T)[0] if largest else float(s.displacement(T))
+
+    base, notes = _scaled(demand, d, spectrum.with_damping(rule.damping), method)
+    S_De = demand(base)
+    a_g = base.ag * d / S_De
+    highest, at = base.largest_displacement(T_0, T)
+    if highest > 1.001 * S_De:
+        larger = message(
+            "{limit}: S_De of the demand is larger at {at:.3g} s than at T = {T:.3g} s: the maximum over "
+            "[T_0, T] of the circular would give a_g = {least:.3g} g in place of {a_g:.3g} g",
+            limit=limit_state, at=at, T=T, least=base.ag * d / highest, a_g=a_g,
+        )  # fmt: skip
+        notes = (*notes, larger)
+    lines += [
+        _curve_step(capacity, f"a_{name}", d_secant, a),
+        step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant, a=a,
+             g=GRAVITY),
+        *(base.demand_steps(T_0, T) if largest else base.steps(T)),
+        step("a_g_nonlinear", "a_g*d/S_De", a_g, "g", LAW[method.circular], a_g=base.ag, d=d, S_De=S_De),
+    ]  # fmt: skip
+    return Solved(d, a, T, a_g, base, rule.damping, governing, tuple(lines), notes)
+
+
+def _limit(
+    capacity: CapacityCurve, limit_state: str, method: Method, rule: Nonlinear
+) -> tuple[float, str, Step]:
+    """Return the displacement limit d* (m), what sets it, and its step."""
+    d_0, Gamma = capacity.d_0_star, capacity.gamma_star
+    if d_0 is None:
+        raise CapacityError(
+            message(
+                "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
+                "{displacement:.6g} m; follow the pushover with rigid contacts to zero",
+                limit=limit_state,
+                displacement=float(capacity.fit.displacement[-1]),
+            )
+        )
+    symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
+    share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
+    d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"
+    local, elastic = method.local_limits.get(limit_state), capacity.fit.elastic_end
+    limits = {"d_local": (local, "local limit"), "d_elastic": (elastic, "end of the elastic curve")}
+    known = {name: (value, reason) for name, (value, reason) in limits.items() if value is not None}
+    if not known:
+        return d, governing, step(symbol, share, d, "m", law, d_0_star=d_0)
+    way, terms, numbers = capacity.fit.way, [share], {"Gamma_star": Gamma}
+    for name, (value, reason) in known.items():
+        gone = 1.0 if way is None else float(way.blocks(value)) / value
+        if gone * value * Gamma < d:
+            d, governing = gone * value * Gamma, reason
+        terms.append(f"{name}*Gamma_star" if way is None else f"{name}*{name.replace('d_', 'r_')}*Gamma_star")
+        numbers |= {name: value} if way is None else {name: value, name.replace("d_", "r_"): gone}
+    source = law
+    if local is not None:
+        reason = method.local_reason or message("given, without a reason")
+        source = message("{law}; local limit: {reason}", law=law, reason=reason)
+    line = step(symbol, f"min({', '.join(terms)})", d, "m", source, d_0_star=d_0, **numbers)
+    return d, governing, line
+
+
+def _curve_step(capacity: CapacityCurve, symbol: str, d: float, a: float) -> Step:
+    """Return the interpolation of a* on the capacity curve between the two points about d."""
+    k = int(np.clip(np.searchsorted(capacity.displacement, d), 1, len(capacity.displacement) - 1))
+    d_1, d_2 = capacity.displacement[k - 1 : k + 1]
+    a_1, a_2 = capacity.acceleration[k - 1 : k + 1]
+    return step(symbol, "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", a_1=a_1, a_2=a_2,
+                d=d, d_1=d_1, d_2=d_2)  # fmt: skip
+
+
+def _scaled(
+    demand: Demand, capacity: float, spectrum: Spectrum, method: Method
+) -> tuple[Spectrum, tuple[Message, ...]]:
+    """Return the spectrum that meets the capacity when scaled by capacity/demand, and notes."""
+    if method.scaling == "shape" or method.hazard is None:
+        return spectrum, ()
+    return spectrum_at_return_period(demand, capacity, spectrum, method.hazard)
+
 
 __all__ = ["Check", "Method", "check_elastic", "check_linear", "check_nonlinear", "verify"]
 
@@ -283,3 +523,49 @@ def _refused(limit_state: str, spectrum: Spectrum, method: Method, reason: Messa
         reference=_reference(spectrum),
         demand_S=1.0 if limit_state in method.site_acceleration else spectrum.S,
     )
+
+
+THRUSTING_A_G = 0.15
+"""g: from this a_g on thrusting structures need the vertical component (§7.2.2) [k]."""
+
+_SHARE = 0.3  # of the components that are not the leading one, §7.3.5
+
+
+@dataclass(frozen=True)
+class VerticalComponent:
+    """The linear check with lighter weights: a_v and a_0* (g), α0, the ratio of a_0* to its demand; step by step."""
+
+    a_v: float
+    alpha_0: float
+    a_0_star: float
+    ratio: float
+    trace: Trace
+
+
+def vertical_component(
+    spectrum: ElasticSpectrum, alpha_0: float, a_0_star: float, demand: float
+) -> VerticalComponent:
+    """Return the linear check of a mechanism with the weights made lighter by the vertical component.
+
+    The masses of a rigid mechanism feel S_ve(0) = a_g S F_v/F_0 = 1.35 S_T √(a_g/g) a_g (§3.2.3.2.2, S_S = 1). What
+    bears is in proportion to the weights, so that E_x + 0.3 E_z makes α0 smaller by the factor 1 − 0.3 a_v, and
+    0.3 E_x + E_z by (1 − a_v)/0.3 against the whole horizontal action (§7.3.5): the smaller one counts.
+    `demand` (g): what a_0* (g) of α0 is compared with.
+    """
+    a_g, S_T = spectrum.ag, spectrum.S_T
+    a_v = 1.35 * S_T * sqrt(a_g) * a_g
+    leading, beside = 1.0 - _SHARE * a_v, (1.0 - a_v) / _SHARE
+    factor = min(leading, beside)
+    law, rule = "NTC 2018, §3.2.3.2.2", "NTC 2018, §7.2.2, §7.3.5"
+    lighter = factor * a_0_star
+    trace = (
+        datum("a_g", a_g, "g", "hazard of the site, or peak of the record"),
+        step("a_v", "1.35*S_T*sqrt(a_g)*a_g", a_v, "g", law, S_T=S_T, a_g=a_g),
+        step("lambda_v", "min(1 - 0.3*a_v, (1 - a_v)/0.3)", factor, "", rule, a_v=a_v),
+        step("alpha_0_v", "lambda_v*alpha_0", factor * alpha_0, "", rule, lambda_v=factor, alpha_0=alpha_0),
+        step("a_0_star_v", "lambda_v*a_0_star", lighter, "g", rule, lambda_v=factor,
+             a_0_star=a_0_star),
+        step("r_v", "a_0_star_v/a_demand", lighter / demand, "", "Circolare 7/2019, C8.7.1.2",
+             a_0_star_v=lighter, a_demand=demand),
+    )  # fmt: skip
+    return VerticalComponent(a_v, factor * alpha_0, lighter, lighter / demand, trace)

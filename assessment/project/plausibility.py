@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from assessment.ntc.demand.hazard import Hazard, hazard_range
-from assessment.ntc.demand.return_period import return_period
-from assessment.ntc.demand.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.hazard import Hazard, hazard_range
+from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.tables import return_period
 from mechanics.messages import Message, headed, layer_key, linked, message
 from mechanics.types import GRAVITY
 

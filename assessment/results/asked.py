@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from assessment.ntc.limit_states import CHECKS
+from assessment.ntc.tables import CHECKS
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, Indices
 from assessment.results.schema.model import Block, Echo

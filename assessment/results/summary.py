@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from assessment.ntc.limit_states import INDEXED, SURFACE
+from assessment.ntc.tables import INDEXED, SURFACE
 from assessment.results.asked import directions_asked, limit_states
 from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Capacity, Check, Direction

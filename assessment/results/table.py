@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from assessment.ntc.limit_states import INDEXED, QUOTED, ROCK, SURFACE
+from assessment.ntc.tables import INDEXED, QUOTED, ROCK, SURFACE
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, StrengtheningRow
 from assessment.results.schema.part import Part

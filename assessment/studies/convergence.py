@@ -11,9 +11,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order
 from assessment.analyses.checks.capacity import assess, capacities
-from assessment.analyses.static.increments import refined
+from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order, refined
 from assessment.analyses.static.states import curves
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.table import cells

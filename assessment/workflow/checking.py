@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.analyses.accuracy import accuracy_of
 from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
 from assessment.analyses.checks.demand import Demands, demand_spectra
+from assessment.analyses.found import accuracy_of
 from assessment.analyses.static.lateral import with_control
 from assessment.analyses.static.paths import pressed_in, stand
-from assessment.ntc.load_factors import psi_2
+from assessment.ntc.tables import psi_2
 from assessment.project import motions as base
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project

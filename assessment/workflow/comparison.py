@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from assessment.ntc.limit_states import SURFACE
+from assessment.ntc.tables import SURFACE
 from assessment.project.schema import ORIGINAL
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity, ComparisonRow, Direction, StrengtheningRow

@@ -11,15 +11,18 @@ import numpy as np
 
 from assessment.analyses.checks.capacity import Assessed, assess
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
-from assessment.analyses.checks.demand import Demands, demand_parts
-from assessment.analyses.checks.governing import Governed, Run, governed
-from assessment.analyses.checks.indices import governing, knowledge_of, safety_index, state_indices
+from assessment.analyses.checks.demand import (
+    Demands,
+    demand_parts,
+    governing,
+    knowledge_of,
+    safety_index,
+    state_indices,
+)
+from assessment.analyses.checks.governing import Governed, Run, governed, members
 from assessment.analyses.dynamic.histories import histories
-from assessment.analyses.dynamic.inputs import MotionInputs, starts_of, ultimates
-from assessment.analyses.dynamic.time_history import motion_part
-from assessment.analyses.found import Found
-from assessment.analyses.static.ensemble import members
-from assessment.analyses.static.increments import refined
+from assessment.analyses.dynamic.time_history import MotionInputs, motion_part, starts_of, ultimates
+from assessment.analyses.found import Found, refined
 from assessment.analyses.static.lateral import second_solver
 from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
@@ -33,14 +36,12 @@ from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.summary import summary_of
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
-from assessment.studies.campaign import incremental as searches
+from assessment.studies.campaign import summary as searches
 from assessment.studies.campaign.scans import Scans
 from assessment.studies.campaign.stage import campaign
 from assessment.studies.convergence import Convergence, converge
 from assessment.studies.identification.stage import identification
-from assessment.studies.scenarios import asks_for_scenarios, scenarios
-from assessment.studies.sensitivity import sensitivity
-from assessment.studies.variants import Statics, Study
+from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Motions, read_inputs
 from assessment.workflow.comparison import comparison, strengthened
 from mechanics.messages import Message, message
@@ -317,9 +318,8 @@ def _add_dynamics(
 
     Return whether every analysis was completed. Raises KilledError where a process was ended from outside.
     """
-    starts = starts_of(project.dynamic_contacts, models, stages)
-    pushovers = {name: state.pushover for name, state in draft.states.items()}
-    inputs = MotionInputs(project, starts, ultimates(pushovers), scans.workers)
+    ends = ultimates({name: state.pushover for name, state in draft.states.items()})
+    inputs = MotionInputs(project, starts_of(project.dynamic_contacts, models, stages), ends, scans.workers)
     complete = True
     if project.history:
         draft.put(motions=[motion_part(motion, PERIODS) for motion in motions.history])

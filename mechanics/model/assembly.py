@@ -160,7 +160,7 @@ class Assembly:
 
         `state`: default as drawn; `magnified`: factor of its displacements; `axes`: default those of a new figure.
         """
-        from mechanics.pictures.plots import draw_state  # late: as above
+        from mechanics.pictures import draw_state  # late: as above
 
         moved, ties = self.displaced(self.starting(state)), self.tie_ends(self.starting(state), magnified)
         title = "" if magnified == 1.0 else f"displacements × {magnified:g}"

@@ -74,8 +74,7 @@ class Limit:
 
         Blocks that move are grey, where they go is dashed; `axes` of matplotlib: by default those of a new figure.
         """
-        from mechanics.pictures import through_blocks  # late: with it comes matplotlib
-        from mechanics.pictures.plots import draw_mechanism
+        from mechanics.pictures import draw_mechanism, through_blocks  # late: with it comes matplotlib
         from mechanics.procedures.mechanism import CARRYING, hinges, pressure_centres
 
         model, contacts, at = self.model, self.contacts, self.state.positions

@@ -113,7 +113,7 @@ class Pushdown:
 
     def animate(self, interval: float = 0.1) -> FuncAnimation:
         """Return the points of the path as a film, one each `interval`, s; `.save("path.gif")` writes it."""
-        from mechanics.pictures.plots import film  # late: as above
+        from mechanics.pictures import film  # late: as above
 
         shapes = [self.model.shape.moved(self.model.displaced(state)) for state in self.states]
         return film(shapes, self.model.shape, [f"{1000.0 * each:.4g} mm" for each in self.movement], interval)

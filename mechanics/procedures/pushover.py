@@ -142,7 +142,7 @@ class Pushover:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the curve with α_0, and d_0 where α vanishes or equilibrium ends; return the matplotlib axes."""
-        from mechanics.pictures.plots import draw_curve  # late: with it comes matplotlib
+        from mechanics.pictures import draw_curve  # late: with it comes matplotlib
 
         d = 1000.0 * self.displacement
         marks = {"α_0": (float(d[self.peak]), self.alpha_0)}
@@ -153,7 +153,7 @@ class Pushover:
 
     def animate(self, interval: float = 0.05) -> FuncAnimation:
         """Return the points of the curve as a film, one each `interval`, s; `.save("push.gif")` writes it."""
-        from mechanics.pictures.plots import film  # late: as above
+        from mechanics.pictures import film  # late: as above
 
         shapes = [self.model.shape.moved(self.model.displaced(state)) for state in self.states]
         points = zip(1000.0 * self.displacement, self.multiplier, strict=True)

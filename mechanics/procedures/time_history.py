@@ -140,7 +140,7 @@ class TimeHistory:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the displacement of the control point, without one of the block that goes farthest; return the axes."""
-        from mechanics.pictures.plots import draw_curve  # late: with it comes matplotlib
+        from mechanics.pictures import draw_curve  # late: with it comes matplotlib
 
         moved = self.positions[:, :, 0] - self.start.positions[:, 0]
         block = int(abs(moved).max(axis=0).argmax())
@@ -152,7 +152,7 @@ class TimeHistory:
 
     def animate(self, frames_per_second: int = 25) -> FuncAnimation:
         """Return the motion as a film in real time; `.save("motion.gif")` writes it."""
-        from mechanics.pictures.plots import film  # late: as above
+        from mechanics.pictures import film  # late: as above
 
         wanted = np.arange(0.0, self.time[-1], 1.0 / frames_per_second)
         kept = np.unique(np.searchsorted(self.time, wanted - 1e-9))

@@ -9,7 +9,7 @@ from typing import get_args
 
 import pytest
 
-from assessment.analyses.accuracy import MOST_HALVINGS, PRESETS
+from assessment.analyses.found import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
 from assessment.cli import arguments, commands
 from assessment.project.schema import KeyPath, MotionTable, ProjectContent, Table

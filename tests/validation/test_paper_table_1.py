@@ -25,9 +25,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from assessment.ntc.capacity.curve import capacity_curve
-from assessment.ntc.capacity.curve_fit import CurveFit
-from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.capacity_curve import capacity_curve
+from assessment.ntc.curve_fit import CurveFit
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.verification import Method, verify
 
 G = 9.80665

@@ -10,7 +10,7 @@ from functools import cache
 
 import pytest
 
-from assessment.ntc.capacity.curve import mechanism_participation
+from assessment.ntc.capacity_curve import mechanism_participation
 from mechanics import limit_analysis, pushdown, pushover
 from tests.support.drawn_projects import drawn, tables
 

@@ -10,26 +10,29 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from assessment.analyses.checks.demand import Demands, demand_return_periods, ground_of, site_acceleration
-from assessment.analyses.checks.indices import confidence_source
+from assessment.analyses.checks.demand import (
+    Demands,
+    confidence_source,
+    demand_return_periods,
+    ground_of,
+    site_acceleration,
+)
 from assessment.analyses.found import Found
 from assessment.analyses.static.lateral import FRICTION
 from assessment.analyses.static.paths import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
-from assessment.ntc.capacity.curve import (
+from assessment.ntc.capacity_curve import (
     Activation,
     CapacityCurve,
     Participation,
     capacity_curve,
     mechanism_participation,
 )
-from assessment.ntc.capacity.curve_fit import CapacityError, Curve, Way, fit_curve
-from assessment.ntc.capacity.return_period import stated
-from assessment.ntc.demand.hazard import HazardCurve
-from assessment.ntc.demand.spectrum import Spectrum
-from assessment.ntc.limit_states import QUOTED
-from assessment.ntc.verification import Check, Method, verify
-from assessment.ntc.vertical import THRUSTING_A_G, vertical_component
+from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
+from assessment.ntc.hazard import HazardCurve, stated
+from assessment.ntc.spectrum import Spectrum
+from assessment.ntc.tables import QUOTED
+from assessment.ntc.verification import THRUSTING_A_G, Check, Method, verify, vertical_component
 from assessment.results.plain import finite
 from assessment.results.quality import lines
 from assessment.results.schema import checks as parts

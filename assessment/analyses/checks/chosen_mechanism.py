@@ -14,12 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from assessment.analyses.checks.capacity import checks_of, curve_of, method_of
-from assessment.analyses.checks.indices import confidence_source
-from assessment.analyses.checks.kinematics import Closed, KinematicsError, finite_motion, hinges_of
-from assessment.analyses.checks.virtual_work import VirtualWork, virtual_displacements, virtual_work
-from assessment.ntc.capacity.curve import CapacityCurve, capacity_curve
-from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit, fit_rigid
-from assessment.ntc.confidence import CONFIDENCE_FACTOR
+from assessment.analyses.checks.demand import confidence_source
+from assessment.analyses.checks.kinematics import (
+    Closed,
+    KinematicsError,
+    VirtualWork,
+    finite_motion,
+    hinges_of,
+    virtual_displacements,
+    virtual_work,
+)
+from assessment.ntc.capacity_curve import CapacityCurve, capacity_curve
+from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
+from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.places import chosen_mechanisms
@@ -36,7 +43,7 @@ from mechanics.types import Index, Mask
 
 if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
-    from assessment.ntc.demand.spectrum import Spectrum
+    from assessment.ntc.spectrum import Spectrum
     from assessment.project.project import Project
     from assessment.project.structure.model import StateModel
     from assessment.project.structure.places import Chosen

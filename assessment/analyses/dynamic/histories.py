@@ -4,6 +4,9 @@ a first pair of members at the time step given, and at a half and a quarter of i
 finer ones until the peak is as accurate, or scatters more than the time steps differ
 all other members at the finest time step, where the pair is not the same motion
 
+Members have the same record, a little weaker and a little stronger: a motion with many impacts or slides depends on the
+last digits of its record; single runs do not converge, their distribution does.
+
 Error of a peak from three or more levels of the time step v₀, v₁, v₂… at h, h/2, h/4…; two may agree by chance:
 the pair is farther apart than the levels    the quantity scatters: no time step makes it surer
 differences shrink as those of a method      Richardson's extrapolation, of first order at most
@@ -12,33 +15,115 @@ else                                         the levels converge to nothing that
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import TYPE_CHECKING
+from statistics import median
 
 import numpy as np
 
-from assessment.analyses.accuracy import FIRST_ORDER, LEVELS, NOISE, Accuracy, accuracy_of, observed_order
-from assessment.analyses.dynamic.ensemble import (
-    PAIR,
-    Course,
-    Scatter,
-    agree,
-    enough,
-    lowest_median_highest,
-    scatter_of,
+from assessment.analyses.dynamic.time_history import (
+    DynamicResult,
+    MotionInputs,
+    Shaking,
+    history,
+    history_title,
+    sustained_peak,
 )
-from assessment.analyses.dynamic.inputs import MotionInputs
-from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, history, history_title
+from assessment.analyses.found import (
+    FIRST_ORDER,
+    LEVELS,
+    NOISE,
+    PRESETS,
+    Accuracy,
+    accuracy_of,
+    observed_order,
+)
+from assessment.project.motions import BaseMotion
+from assessment.project.project import Project
 from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band
 from assessment.results.schema.part import known
 from assessment.results.schema.studies import ConvergenceRow
 from mechanics.messages import Message, headed, linked, message
+from mechanics.types import Array
 
-if TYPE_CHECKING:
-    from assessment.project.motions import BaseMotion
+SPREAD = 0.01  # of the amplitude, to either side
+PAIR = 2  # members that are run first
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """The most `members` of an ensemble, and the `tolerance` within which a first pair agrees."""
+
+    members: int
+    tolerance: float
+
+    @property
+    def amplitudes(self) -> tuple[float, ...]:
+        """Factors on the record, evenly spread over 1 ± SPREAD: first 1, then the weakest, then the others."""
+        half = self.members // 2
+        shares = [k / half for k in range(-half, self.members - half) if k]
+        return (1.0, *(1.0 + SPREAD * share for share in shares))
+
+    @property
+    def strongest_first(self) -> tuple[float, ...]:
+        """The same factors for a search: first 1, then the strongest, which decide and end soonest."""
+        return (1.0, *sorted(self.amplitudes[1:], reverse=True))
+
+
+def scatter_of(project: Project) -> Scatter:
+    """Return the ensemble that the project's keys `scatter` and `accuracy` ask for."""
+    tolerance = accuracy_of(project).tolerance or PRESETS["standard"].tolerance
+    assert tolerance is not None
+    return Scatter(project.scatter, tolerance)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The control displacement (k,) m of a member at times (k,) s, and whether the motion ends in collapse."""
+
+    time: Array
+    displacement: Array
+    collapsed: bool
+
+    @property
+    def last(self) -> int:
+        """Index of the largest displacement from which the structure came back."""
+        return sustained_peak(self.displacement, self.collapsed)
+
+
+def agree(one: Course, other: Course, tolerance: float, size: float) -> bool:
+    """Whether two members are the same motion: both collapse or neither, and their courses agree up to the peak.
+
+    `tolerance`: of their distance at any time, relative to the peak; `size` (m): of the model. Equal peaks alone might
+    be a coincidence.
+    """
+    if one.collapsed != other.collapsed:
+        return False
+    until = min(max(one.time[one.last], other.time[other.last]), one.time[-1], other.time[-1])
+    shared = one.time[one.time <= until]
+    apart = np.interp(shared, one.time, one.displacement) - np.interp(shared, other.time, other.displacement)
+    peak = max(abs(each.displacement[each.last]) for each in (one, other))
+    return float(abs(apart).max()) <= max(tolerance * peak, NOISE * size)
+
+
+def enough(courses: Sequence[Course], scatter: Scatter, size: float) -> bool:
+    """Whether the members run so far suffice: their first pair agrees, or all are run."""
+    if len(courses) >= scatter.members:
+        return True
+    return len(courses) == PAIR and agree(courses[0], courses[1], scatter.tolerance, size)
+
+
+def lowest_median_highest(
+    values: Sequence[float | None],
+) -> tuple[float | None, float | None, float | None]:
+    """Return lowest, median and highest of several values; None, a collapse, counts as higher than any value."""
+    counted = [math.inf if value is None else value for value in values]
+    low, middle, high = (None if math.isinf(f(counted)) else float(f(counted)) for f in (min, median, max))
+    return low, middle, high
+
 
 PEAK = "peak_displacement_m"
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from assessment.analyses.dynamic.fragility import RecordLevel, over_records
-from assessment.ntc.limit_states import QUOTED
+from assessment.ntc.tables import QUOTED
 from assessment.results.schema.dynamic import CampaignSpectrum, MeasureFit
 from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
-    from assessment.ntc.demand.spectrum import Spectrum
+    from assessment.ntc.spectrum import Spectrum
     from assessment.project.motions import BaseMotion
     from assessment.project.project import Project
     from assessment.project.schema import CampaignTable

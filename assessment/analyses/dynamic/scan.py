@@ -18,9 +18,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from assessment.analyses.dynamic.ensemble import Course, Scatter, enough, lowest_median_highest
-from assessment.analyses.dynamic.response import Response, Setting, respond
-from assessment.analyses.dynamic.time_history import thinned
+from assessment.analyses.dynamic.histories import Course, Scatter, enough, lowest_median_highest
+from assessment.analyses.dynamic.time_history import Response, Setting, respond, thinned
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.messages import Message, message

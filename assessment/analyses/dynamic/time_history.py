@@ -1,31 +1,191 @@
-"""Time histories of a project: every record from every state."""
+"""One motion: the response to a record, the free motion after it, its numbers, and the state that it begins from."""
 
 from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
-from assessment.analyses.dynamic.ensemble import sustained_peak
-from assessment.analyses.dynamic.response import Response, Setting, respond, speed_at_end
-from assessment.project.schema import HistoryTable
+from assessment.analyses.static.states import StateResult
+from assessment.project.motions import BaseMotion
+from assessment.project.project import Project
+from assessment.project.schema import ORIGINAL, ControlTable, HistoryTable, MotionTable, StatesTable
+from assessment.project.structure.model import StateModel
 from assessment.results.configurations.frames import snapshots
 from assessment.results.configurations.ties import while_shaken
-from assessment.results.schema.dynamic import AnimationFrames, Course, History, Motion
+from assessment.results.schema.dynamic import AnimationFrames, Course, Energy, History, Motion
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known
+from assessment.results.schema.static import Pushovers
 from assessment.results.schema.studies import ConvergenceRow
-from mechanics import Assembly, ConvergenceError, State
-from mechanics.messages import Message, headed, message
+from assessment.runtime.tasks import Workers
+from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
+from mechanics.messages import Message, headed, linked, message
+from mechanics.model import Behaviour, Direction
+from mechanics.procedures import HISTORY, SEARCH
+from mechanics.progress import stretch
 from mechanics.records import response_spectrum
-from mechanics.types import Array
+from mechanics.steps import Sliding
+from mechanics.types import GRAVITY, Array
 
-if TYPE_CHECKING:
-    from assessment.project.motions import BaseMotion
+TAIL = 2.0  # s of free motion that are followed at a time
+TAILS = 15  # at most
+SPENT = 0.5  # of the potential energy from which the structure has come back: with less it does not fall
+LATELY = 0.5  # s
+COUNTS = ("steps", "skipped", "lifting", "programs", "iterations", "halvings")
+STILL = 0.01  # of √(g·size): speed below which a block rests
+STORED = ("kinetic", "potential", "elastic")
+ENERGIES = (*STORED, "input", "friction", "impact", "viscous", "integrator", "residual")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How motions are integrated: the keys that [[history]] and [incremental] share.
+
+    `ultimate` (m): control displacement at which the static capacity vanishes, None where it is not known.
+    """
+
+    table: MotionTable
+    control: ControlTable
+    ultimate: float | None = None
+    sliding: Sliding = "coulomb"
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
+
+    `positions` (k, b, 3); `forces` (k, j, 3) kN and kNm: N, P and T of the drawn joints; `parts`: the runs that it
+    is made of.
+    """
+
+    time: Array
+    displacement: Array
+    positions: Array
+    forces: Array
+    parts: tuple[TimeHistory, ...]
+
+    @property
+    def last(self) -> TimeHistory:
+        """The last run."""
+        return self.parts[-1]
+
+    @property
+    def collapsed(self) -> bool:
+        """Whether it ends in collapse."""
+        return self.last.collapsed
+
+    @property
+    def worst(self) -> float:
+        """The largest residual of a program, relative."""
+        return max(part.worst for part in self.parts)
+
+    @property
+    def notes(self) -> tuple[Message, ...]:
+        """Warnings about the runs, each once."""
+        return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
+
+    def counts(self) -> dict[str, int]:
+        """Return steps, skipped, lifting, programs, iterations and halvings of all runs."""
+        return {name: sum(getattr(part, name) for part in self.parts) for name in COUNTS}
+
+    def energy(self) -> Energy:
+        """Return the energy balance since the beginning, kNm: stored energies, input, dissipated energies."""
+        changes = {
+            f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
+            for name in ENERGIES
+            for series in [[getattr(part.energy, name) for part in self.parts]]
+        }
+        return Energy(**changes)
+
+    def integrator_share(self) -> float:
+        """Return what the integrator took over the energy turned over, of all runs; see mechanics' Energy."""
+        energies, model = [part.energy for part in self.parts], self.last.model
+        least = HISTORY.nothing * model.weight * model.size  # where nothing moves
+        taken = sum(float(energy.integrator[-1] - energy.integrator[0]) for energy in energies)
+        return abs(taken) / max(least, *(energy.turnover for energy in energies))
+
+
+def respond(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    start: State,
+    factor: float = 1.0,
+    to_rest: bool = True,
+) -> Response:
+    """Return the response to a base motion times `factor`, and the free motion after it until blocks rest.
+
+    Free motion gains no energy. It ends before rest where what is left is less than SPENT of that from which the
+    structure has come back; with rigid joints, which come to rest, only if `to_rest` is false. Followed are TAILS times
+    TAIL at most. Raises ConvergenceError if a step is not solved.
+    """
+    table, point = setting.table, setting.control.point_m
+    step = motion.record.time_step
+
+    def run(acceleration: Array, vertical: Array | None, state: State, ultimate: float | None) -> TimeHistory:
+        return time_history(
+            model, acceleration, step, table.contacts, state, table.integrator, vertical,
+            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
+            sliding=setting.sliding, tolerances=HISTORY if to_rest else SEARCH,
+        )  # fmt: skip
+
+    vertical = None if motion.vertical is None else factor * motion.vertical
+    free = np.zeros(round(TAIL / step) + 2)
+    record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
+    with stretch(0.0, record):
+        parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
+    while len(parts) <= TAILS and _goes_on(model, parts, to_rest and table.contacts == "rigid"):
+        with stretch(record if len(parts) == 1 else 1.0, 1.0):
+            parts.append(run(free, None, parts[-1].final, None))
+    return _joined(parts)
+
+
+def speed_at_end(model: Assembly, last: TimeHistory) -> float:
+    """Return the largest component (m/s) of a centroid's velocity in the last LATELY of a run; 0 if all blocks rest.
+
+    At the very end a block that rocks may just be turning back.
+    """
+    lately = last.time >= last.time[-1] - LATELY
+    speed = float(abs(last.velocities[lately, :, :2]).max())
+    return speed if speed > STILL * np.sqrt(GRAVITY * model.size) else 0.0
+
+
+def _goes_on(model: Assembly, parts: list[TimeHistory], to_rest: bool) -> bool:
+    """Whether free motion follows: blocks move, and may fall; of motions followed `to_rest` whether they move."""
+    last = parts[-1]
+    if last.collapsed or not speed_at_end(model, last):
+        return False
+    if to_rest:
+        return True
+    begun = np.cumsum([0.0, *(float(part.energy.potential[-1]) for part in parts[:-1])])
+    stored = np.concatenate(
+        [part.energy.potential + part.energy.elastic + high for part, high in zip(parts, begun, strict=True)]
+    )
+    lowest = float(stored[-len(last.time) :].min())
+    left = float(stored[-1] + last.energy.kinetic[-1]) - lowest
+    return left >= SPENT * (float(stored.max()) - lowest)
+
+
+def _joined(parts: list[TimeHistory]) -> Response:
+    """Return the runs joined, times and displacements continued."""
+    time, displacement = parts[0].time, parts[0].displacement
+    for part in parts[1:]:
+        assert displacement is not None and part.displacement is not None
+        time = np.concatenate([time, time[-1] + part.time[1:]])
+        displacement = np.concatenate([displacement, displacement[-1] + part.displacement[1:]])
+    assert displacement is not None
+    positions, forces = (
+        np.concatenate([getattr(parts[0], name), *(getattr(part, name)[1:] for part in parts[1:])])
+        for name in ("positions", "forces")
+    )
+    return Response(time, displacement, positions, forces, tuple(parts))
+
 
 Start = State | Message
 """The state at rest that a motion begins from, or why it could not be reached."""
@@ -208,6 +368,14 @@ def motion_part(motion: BaseMotion, periods: Array) -> Motion:
     )
 
 
+def sustained_peak(displacement: Array, collapsed: bool) -> int:
+    """Return the index of the largest displacement (k,); at a collapse only those before the last way outward count."""
+    if collapsed:
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(displacement)))) + 1
+        displacement = displacement[: turns[-1] + 1] if turns.size else displacement[:1]
+    return int(np.argmax(abs(displacement)))
+
+
 def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
     """Return indices (k,) of at most `most` of values (n,) that keep a curve's shape: extremes of stretches, ends."""
     if values.size <= most:
@@ -219,3 +387,103 @@ def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...
         for index in (int(values[start:end].argmin()), int(values[start:end].argmax()))
     ]
     return np.unique([0, *extremes, values.size - 1])
+
+
+WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
+
+
+@dataclass(frozen=True, eq=False)
+class Resting:
+    """An assembly, and the state at rest in which a motion finds it, or why that was not reached."""
+
+    model: Assembly
+    start: Start
+
+
+@dataclass(frozen=True)
+class MotionInputs:
+    """The inputs that all motions of a run share.
+
+    `starts`: assembly and rest by state and contacts; `ultimates`: ultimate displacement by state and control point.
+    """
+
+    project: Project
+    starts: Mapping[tuple[str, str], Resting]
+    ultimates: Mapping[tuple[str, str], float]
+    workers: Workers
+
+    def tasks(
+        self, table: StatesTable, motions: Sequence[BaseMotion], integrated: MotionTable | None = None
+    ) -> list[Shaking]:
+        """Return the motions from every state that the table asks for, `integrated` as the table says or otherwise."""
+        control, sliding = self.project.control_point(table.control), self.project.contacts.sliding
+        found = []
+        for state in self.project.states:
+            if table.states is None or state in table.states:
+                resting, ultimate = (
+                    self.starts[state, table.contacts],
+                    self.ultimates.get((state, control.name)),
+                )
+                setting = Setting(integrated or _own(table), control, ultimate, sliding)
+                found += [Shaking(resting.model, each, setting, state, resting.start) for each in motions]
+        return found
+
+    def each(
+        self, stage: str, function: Callable[[Shaking], DynamicResult], tasks: Sequence[tuple[Shaking]]
+    ) -> list[DynamicResult]:
+        """Return function(task) for every task, in order."""
+        samples = [shaking.motion.record.acceleration.size for (shaking,) in tasks]
+        work = sum(len(shaking.model.contacts) * n for (shaking,), n in zip(tasks, samples, strict=True))
+        titles = [f"{shaking.state}, {shaking.motion.name}" for (shaking,) in tasks]
+        return self.workers.each(stage, function, tasks, titles, work > WORTHWHILE, samples)
+
+
+def _own(table: MotionTable) -> MotionTable:
+    """Return the table without its choice of states and records: one analysis does not depend on the others."""
+    choice: dict[str, Any] = {"states": None, "records": ()}
+    return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
+
+
+def starts_of(
+    behaviours: Iterable[Behaviour], models: Mapping[str, StateModel], stages: Iterable[StateResult]
+) -> dict[tuple[str, str], Resting]:
+    """Return the state at rest by name and behaviour, or the reason why it was not reached.
+
+    The original state, and a strengthened one of rigid joints, are at rest as drawn.
+    """
+    drawn = models[ORIGINAL].assembly
+    starts: dict[tuple[str, str], Resting] = {
+        (ORIGINAL, behaviour): Resting(drawn, drawn.initial) for behaviour in behaviours
+    }
+    for stage in stages:
+        if stage.state != ORIGINAL:
+            model = stage.model or models[stage.state].assembly
+            start: Start = why_not_reached(stage)
+            if stage.reached is not None:
+                start = stage.reached
+            elif stage.from_drawing:
+                start = model.initial
+            starts[stage.state, stage.behaviour] = Resting(model, start)
+    return starts
+
+
+def why_not_reached(stage: StateResult) -> Message:
+    """Return why a settled state was not reached."""
+    return linked(stage.failures) if stage.failures else message("the settled state was not reached")
+
+
+def ultimates(
+    pushovers: Mapping[str, Mapping[Direction, Pushovers]],
+) -> dict[tuple[str, str], float]:
+    """Return the displacement (m) at which the static capacity vanishes, by state and control point.
+
+    `pushovers`: of each state, by direction. Only where both directions have such a displacement, of one point.
+    """
+    found = {}
+    for state, pushed in pushovers.items():
+        rigid = [(each.control, each.rigid) for each in pushed.values() if each.rigid is not None]
+        ends = [curve.d_0_m for _, curve in rigid if curve.reached_zero and curve.d_0_m is not None]
+        controls = {control for control, _ in rigid}
+        if len(ends) == 2 and len(controls) == 1:
+            found[state, controls.pop()] = max(ends)
+    return found

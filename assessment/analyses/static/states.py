@@ -11,8 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.analyses.found import Found
 from assessment.analyses.static.lateral import Pushed, PushSetting, push, pushover_title
-from assessment.analyses.static.paths import configuration
-from assessment.analyses.static.settlement import Settled, not_back, path_title, rest_as_drawn, settle
+from assessment.analyses.static.paths import (
+    Settled,
+    configuration,
+    not_back,
+    path_title,
+    rest_as_drawn,
+    settle,
+)
 from assessment.project.schema import ControlTable
 from assessment.results.quality import joined
 from assessment.results.schema.part import Configuration, known

@@ -20,7 +20,7 @@ from assessment.benchmark.cases.motions import DAMPING, STEP, pulse
 from assessment.benchmark.cases.structures import assembly, block_on_base, pushed, template
 from assessment.benchmark.measure import in_turn
 from assessment.benchmark.table import Row
-from assessment.ntc.capacity.curve_fit import SECANT_SHARE
+from assessment.ntc.curve_fit import SECANT_SHARE
 from assessment.project.catalogue.new_project import RECORD
 from assessment.project.schema import HistoryTable
 from assessment.project.structure.model import build_model

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from assessment.analyses.static.ensemble import ENSEMBLE, shaken_corners
+from assessment.analyses.checks.governing import ENSEMBLE, shaken_corners
 from assessment.benchmark.cases.structures import (
     assembly,
     block_on_base,

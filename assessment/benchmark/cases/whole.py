@@ -18,9 +18,9 @@ from unittest.mock import patch
 
 import numpy as np
 
-from assessment.analyses.dynamic.ensemble import Scatter
-from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.histories import Scatter
 from assessment.analyses.dynamic.scan import Reach, Scan, scan
+from assessment.analyses.dynamic.time_history import Setting
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.motions import shaking
 from assessment.benchmark.cases.structures import assembly, pushed, settled, template

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from assessment.ntc.confidence import COMPONENTS, confidence_factor
-from assessment.ntc.demand.return_period import return_period
+from assessment.ntc.tables import COMPONENTS, confidence_factor, return_period
 from assessment.project.schema import values as kinds
 from assessment.project.schema.values import (
     MOST_ENTRIES,

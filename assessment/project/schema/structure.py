@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from assessment.ntc.load_factors import OWN_PSI_2, PSI_2
+from assessment.ntc.tables import OWN_PSI_2, PSI_2
 from assessment.project.schema import values as kinds
 from assessment.project.schema.values import (
     DISTINCT,

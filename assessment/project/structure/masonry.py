@@ -11,7 +11,7 @@ import shapely
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from assessment.ntc.load_factors import psi_2
+from assessment.ntc.tables import psi_2
 from assessment.project.catalogue.geometry import courses, fitted, rectangle, running_bond, tidied
 from assessment.project.schema import BondTable, LayerTable, RegionTable
 from assessment.runtime.errors import ProjectError

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from assessment.ntc.calculation import renamed
-from assessment.ntc.limit_states import CHECKS
+from assessment.ntc.tables import CHECKS
 from assessment.report.chapters.grids import Grid
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables.rows import capacities

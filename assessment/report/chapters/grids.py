@@ -11,8 +11,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.ntc.demand.return_period import EXCEEDANCE, USE_COEFFICIENT, return_period
-from assessment.ntc.limit_states import ROCK
+from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_period
 from assessment.report.tables import capacity as checked
 from assessment.report.tables import dynamic, structure
 from assessment.report.tables.cracks import reported_cracks, survey_table

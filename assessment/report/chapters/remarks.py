@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
-from assessment.ntc.limit_states import QUOTED
-from assessment.ntc.vertical import THRUSTING_A_G
+from assessment.ntc.tables import QUOTED
+from assessment.ntc.verification import THRUSTING_A_G
 from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.ntc.demand.return_period import USE_COEFFICIENT, return_period
+from assessment.ntc.tables import USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from assessment.ntc.limit_states import QUOTED
+from assessment.ntc.tables import QUOTED
 from assessment.report.tables.rows import moves, pushes
 from assessment.report.text.language import Words, label
 from assessment.results.configurations.faces import faces_of

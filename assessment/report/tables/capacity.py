@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from assessment.ntc.limit_states import CHECKS, LINEAR
+from assessment.ntc.tables import CHECKS, LINEAR
 from assessment.report.tables.rows import Curves, Found, capacities, curves, table, whole
 from assessment.report.text.language import Words
 from assessment.results.asked import checks_asked, determined_indices, undetermined

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assessment.ntc.limit_states import LINEAR
+from assessment.ntc.tables import LINEAR
 from assessment.report.tables.capacity import mechanism_text
 from assessment.report.tables.rows import Found, capacities, table, whole
 from assessment.report.text.language import WHOLE, Words

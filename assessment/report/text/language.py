@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from markupsafe import Markup, escape
 
-from assessment.ntc.limit_states import ROCK
+from assessment.ntc.tables import ROCK
 from assessment.results.plain import ratio_decimals
 from assessment.results.schema import (
     Results,
@@ -206,8 +206,7 @@ def _governing(value: str, words: Words) -> Markup:
 
 def _return_period(value: float, words: Words) -> str:
     """Write a return period: beyond the hazard as such with its estimate, at its bounds as there or beyond."""
-    from assessment.ntc.capacity.return_period import stated  # late: with it comes all that computes
-    from assessment.ntc.demand.hazard_grid import RETURN_PERIODS
+    from assessment.ntc.hazard import RETURN_PERIODS, stated  # late: with it comes all that computes
 
     if beyond := stated(value):
         return f"{beyond} ({words.number(value, COARSE)})"

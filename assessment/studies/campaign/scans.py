@@ -8,12 +8,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from assessment.analyses.accuracy import LEVELS, accuracy_of
-from assessment.analyses.dynamic.ensemble import scatter_of
 from assessment.analyses.dynamic.fragility import Observed, observed
-from assessment.analyses.dynamic.inputs import WORTHWHILE
+from assessment.analyses.dynamic.histories import scatter_of
 from assessment.analyses.dynamic.scan import EXPECTED, SPACING, Reach, Scan, scan
-from assessment.analyses.dynamic.time_history import quality_row
+from assessment.analyses.dynamic.time_history import WORTHWHILE, quality_row
+from assessment.analyses.found import LEVELS, accuracy_of
 from assessment.project.schema import MotionTable
 from assessment.results.schema.dynamic import Scanned
 from assessment.results.schema.studies import ConvergenceRow

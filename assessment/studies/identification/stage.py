@@ -1,43 +1,321 @@
-"""The identification of a project: every hypothesis fitted, compared with the others, and told."""
+"""The identification of a project: every hypothesis searched and fitted, compared with the others, and told."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import time
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 from scipy.special import gammaincc
 
-from assessment.project.structure.places import Gauge, gauges
-from assessment.results.schema.studies import (
-    Explanation,
-    Fitted,
-    Identification,
-    MeasuredPoint,
-    ReadySettlement,
-    SupportMovement,
-)
+from assessment.analyses.static.paths import configuration, quality_row
+from assessment.project.project import Project
+from assessment.project.schema import MeasurementTable
+from assessment.project.structure.places import Gauge, gauges, readings
+from assessment.results.schema import studies as parts
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import Configuration
 from assessment.runtime.progress import SILENCE
-from assessment.studies.identification.findings import (
-    findings,
-    kinked_components,
-    not_followed,
-    open_movements,
+from assessment.runtime.tasks import Workers, large
+from assessment.studies.identification.fit import (
+    Fit,
+    Predict,
+    Sureness,
+    Unknowns,
+    best_length,
+    kinks,
+    refined,
+    sureness,
+    unknowns_of,
 )
-from assessment.studies.identification.fit import Fit, Sureness, sureness
-from assessment.studies.identification.search import Measured, Search
-from assessment.studies.identification.unknowns import Unknowns, unknowns_of
-from mechanics.messages import message
-from mechanics.procedures import drawn_extent
+from assessment.studies.variants import Study
+from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError
+from mechanics.messages import Message, headed, message
+from mechanics.procedures import Pushdown, SupportMovement, drawn_extent, pushdown_together, whole_movement
+from mechanics.steps import Sliding
+from mechanics.types import Array, Mask
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does not explain the measurements
+IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
 
-    from assessment.project.project import Project
-    from assessment.project.schema import MeasurementTable
-    from assessment.runtime.tasks import Workers
-    from assessment.studies.variants import Study
-    from mechanics import Assembly
+
+def open_movements(unknowns: Unknowns, directions: Array) -> list[Message]:
+    """Return the movements that are not determined, of unit vectors (d, n) at right angles, in words.
+
+    Components that are free by themselves stand alone; of the others those stand together that can change together.
+    """
+    free = np.linalg.norm(directions, axis=0) > np.sqrt(1.0 - IN_IT**2)
+    alone = [_component(*unknowns.components[k]) for k in np.flatnonzero(free)]
+    together = np.linalg.svd(np.where(free, 0.0, directions))[2][: len(directions) - len(alone)]
+    return [*alone, *(_together(unknowns, direction) for direction in together)]
+
+
+def kinked_components(unknowns: Unknowns, kinked: Mask) -> list[Message]:
+    """Return the components (n, 2) whose prediction has a kink within a standard error, below or above, in words."""
+    found = []
+    for each, (below, above) in zip(unknowns.components, kinked.tolist(), strict=True):
+        component = _component(*each)
+        if below and above:
+            found.append(message("{component}, on both sides", component=component))
+        elif below:
+            found.append(message("{component}, towards lower values", component=component))
+        elif above:
+            found.append(message("{component}, towards higher values", component=component))
+    return found
+
+
+def _together(unknowns: Unknowns, direction: Array) -> Message:
+    """Return the components that can change together along a direction (n,)."""
+    parts = [
+        _component(support, name)
+        for (support, name), part in zip(unknowns.components, direction, strict=True)
+        if abs(part) > IN_IT
+    ]
+    return reduce(
+        lambda first, second: message("{first} together with {second}", first=first, second=second), parts
+    )
+
+
+def _component(support: str, name: str) -> Message:
+    if name == "x":
+        return message("the movement along x of the support {name}", name=support)
+    if name == "z":
+        return message("the movement along z of the support {name}", name=support)
+    return message("the rotation of the support {name}", name=support)
+
+
+def findings(found: parts.Identification) -> list[Message]:
+    """Return what is not determined, what contradicts, and which hypotheses are not told from each other."""
+    return [
+        *(
+            headed(message("identification, {hypothesis}", hypothesis=each.hypothesis), text)
+            for each in found.hypotheses
+            for text in _of_hypothesis(each)
+        ),
+        *_alike(found),
+    ]
+
+
+def not_followed(unknowns: Unknowns, reasons: Sequence[Message]) -> list[Message]:
+    """Return that paths of a hypothesis were stopped by other errors than a collapse, and the first `reasons`."""
+    if not reasons:
+        return []
+    text = message(
+        "{count} movements that were tried could not be followed to their end, for another reason than a collapse; a "
+        "better fit may lie there; the first: {reason}",
+        count=len(reasons),
+        reason=reasons[0],
+    )
+    return [headed(message("identification, {hypothesis}", hypothesis=unknowns.title), text)]
+
+
+def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
+    """Yield what is to be known of a hypothesis; of one that another explains far better, no more than that."""
+    if each.chi_squared is None:
+        yield message("no movement could be followed")
+        return
+    if each.probability is not None and each.probability < UNLIKELY:
+        yield message(
+            "the movement does not explain the measurements: a χ² of {square:.3g} or more has a probability of "
+            "{probability:.2g}",
+            square=each.chi_squared,
+            probability=each.probability,
+        )
+    if each.distinguished:
+        return
+    if each.degrees_of_freedom == 0:
+        yield message(
+            "as many unknowns as measurements: nothing is left by which the fit could be judged; measure more"
+        )
+    for text in each.undetermined:
+        yield message("the measurements do not determine {text}; measure where it shows", text=text)
+    for text in each.kinked:
+        yield message(
+            "the prediction has a kink within a standard error of {component}: hinges move to other joints there, and "
+            "the standard error holds up to there",
+            component=text,
+        )
+    for row in each.fit:
+        if row.measurement in each.contradicting:
+            yield message(
+                "the measurement {name} contradicts the rest: predicted {predicted:.3g} {unit}, measured "
+                "{measured:.3g} ± {sigma:.3g} {unit}",
+                name=row.measurement,
+                predicted=row.predicted,
+                measured=row.measured,
+                sigma=row.sigma,
+                unit=row.unit,
+            )
+    if each.at_collapse:
+        yield message("the fit would improve beyond what the structure survives")
+
+
+def _alike(found: parts.Identification) -> Iterator[Message]:
+    if found.best is None:
+        return
+    best = found.hypotheses[found.best]
+    for each in found.hypotheses:
+        if each is not best and not each.distinguished:
+            yield message(
+                "identification: the measurements do not tell one hypothesis ({first}) from another ({second}): their "
+                "AIC differ by less than 2",
+                first=best.hypothesis,
+                second=each.hypothesis,
+            )
+
+
+ROUNDING = 1e-8  # of a block's size: a movement that is none
+FARTHEST = 10.0  # of the largest measured displacement: the length of the paths of the search
+COARSE = 50  # increments of a path of the search
+FINE = 20  # increments of a movement that is refined
+STARTS = 3  # directions that are refined
+
+
+@dataclass
+class Followed:
+    """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad.
+
+    `configuration` (b, 3): after the whole movement; None where the structure falls before, or cannot be followed.
+    `stopped`: why it cannot be followed farther; None where the structure falls, or the whole movement was followed.
+    """
+
+    share: Array
+    shown: Array
+    configuration: Configuration | None = None
+    stopped: Message | None = None
+    quality: list[QualityRow] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def follow(
+    model: Assembly,
+    movements: Sequence[SupportMovement],
+    increments: int,
+    sliding: Sliding,
+    gauges: Sequence[Gauge],
+) -> Followed:
+    """Move the supports from their places as drawn, in so many increments; a fall on the way is a result.
+
+    What was followed before another error stops the path counts as well.
+    """
+    began = time.perf_counter()
+    size = model.size
+    moved = tuple(
+        each
+        for each in movements
+        if max(*map(abs, each.displacement), abs(each.rotation) * size) > ROUNDING * size
+    )
+    if not moved:
+        start = model.initial
+        shown = readings(model, gauges, start.positions)
+        return Followed(np.zeros(1), shown[None, :], configuration=configuration(model, start))
+    whole = max(whole_movement(model, each.support, each.displacement, each.rotation) for each in moved)
+    reached, path, stopped = False, None, None
+    try:
+        path = pushdown_together(model, moved, whole / increments, sliding)
+        reached = True
+    except (NoEquilibriumError, ConvergenceError) as error:
+        path = error.path if isinstance(error.path, Pushdown) else None
+        stopped = None if isinstance(error, CollapseError) else error.message
+    found = Followed(np.zeros(0), np.zeros((0, len(gauges))), stopped=stopped)
+    if path is not None:
+        states = [*path.states[:-1], path.final if reached else path.states[-1]]
+        found.share = path.movement / whole
+        found.shown = np.array([readings(model, gauges, state.positions) for state in states])
+        found.configuration = configuration(model, path.final) if reached else None
+        found.quality.append(quality_row("", "identification", path))
+    found.seconds = time.perf_counter() - began
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What was measured: `value` and `sigma` (m,), mm or mrad, at the gauges; `largest` (m): a displacement."""
+
+    gauges: tuple[Gauge, ...]
+    value: Array
+    sigma: Array
+    largest: float
+
+    def residual(self, shown: Array) -> Array:
+        """Return the residuals over σ of readings (…, m)."""
+        return (shown - self.value) / self.sigma
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """How movements are followed: model, law of sliding, gauges and measured values, processes; messages to `study`.
+
+    `stopped`: why paths of a hypothesis could not be followed to their end, other than by a collapse.
+    """
+
+    model: Assembly
+    sliding: Sliding
+    measured: Measured
+    workers: Workers
+    study: Study
+    stopped: dict[Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
+
+    def best(self, unknowns: Unknowns) -> Fit | None:
+        """Return the best fit of a hypothesis; None where no movement could be followed."""
+        directions = unknowns.directions()
+        length = FARTHEST * self.measured.largest
+        paths = self._followed(unknowns, [length * each for each in directions], COARSE, "search")
+        starts: list[tuple[float, Array]] = []
+        for direction, path in zip(directions, paths, strict=True):
+            if len(path.share):
+                share, square = best_length(path.share, self.measured.residual(path.shown))
+                starts.append((square, share * length * direction))
+        starts.sort(key=lambda each: each[0])
+        fits = [fit for _, start in starts[:STARTS] if (fit := self._refined(unknowns, start)) is not None]
+        return min(fits, key=lambda fit: fit.chi_squared, default=None)
+
+    def at(self, unknowns: Unknowns, u: Array) -> Followed:
+        """Return the path to values u (n,), m, of the unknowns."""
+        [found] = self._followed(unknowns, [u], FINE, "best movement")
+        return found
+
+    def kinks(self, unknowns: Unknowns, fit: Fit, error: Array) -> Mask:
+        """Return whether the prediction has a kink within a standard error (n,), m, below and above: (n, 2)."""
+        return kinks(unknowns, fit, error, self._predict(unknowns))
+
+    def _refined(self, unknowns: Unknowns, start: Array) -> Fit | None:
+        predict = self._predict(unknowns)
+        [residual] = predict([start])
+        return None if residual is None else refined(unknowns, start, residual, predict)
+
+    def _predict(self, unknowns: Unknowns) -> Predict:
+        def predict(values: Sequence[Array]) -> list[Array | None]:
+            paths = self._followed(unknowns, values, FINE, "fit")
+            return [
+                None if path.configuration is None else self.measured.residual(path.shown[-1])
+                for path in paths
+            ]
+
+        return predict
+
+    def _followed(
+        self, unknowns: Unknowns, values: Sequence[Array], increments: int, what: str
+    ) -> list[Followed]:
+        tasks = [
+            (self.model, unknowns.movements(u), increments, self.sliding, self.measured.gauges)
+            for u in values
+        ]
+        titles = [f"{unknowns.title}, path {number}" for number in range(1, len(tasks) + 1)]
+        found = self.workers.each(
+            f"identification: {what}", follow, tasks, titles, large(*[self.model] * len(tasks))
+        )
+        for path in found:
+            self.study.quality += path.quality
+            self.study.seconds += path.seconds
+            if path.stopped is not None:
+                self.stopped[unknowns].append(path.stopped)
+        return found
+
 
 # difference of AIC up to which hypotheses are not told from each other (Burnham and Anderson, 2002)
 AS_GOOD = 2.0
@@ -45,7 +323,7 @@ CONTRADICTS = 3.0  # σ between what is measured and predicted
 DIGITS_M, DIGITS_RAD = 6, 7  # of a movement in a project file
 
 
-def identification(project: Project, model: Assembly, workers: Workers, study: Study) -> Identification:
+def identification(project: Project, model: Assembly, workers: Workers, study: Study) -> parts.Identification:
     """Return the best movement of each hypothesis, compared; certificates, times and messages go to `study`.
 
     Raises KilledError where a process was ended from outside, ProjectError for a point at no joint or in no block.
@@ -67,7 +345,7 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
         hypotheses = [
             each.replace(distinguished=each.aic is None or each.aic > least + AS_GOOD) for each in hypotheses
         ]
-    result = Identification(
+    result = parts.Identification(
         hypotheses=hypotheses,
         best=best,
         sites=[_site(each, gauge) for each, gauge in zip(project.measurement, found, strict=True)],
@@ -90,12 +368,12 @@ def measured(project: Project, found: Sequence[Gauge], lever: float) -> Measured
     return Measured(tuple(found), value, sigma, largest)
 
 
-def _all_explained(project: Project, search: Search, asked: Sequence[Unknowns]) -> list[Explanation]:
+def _all_explained(project: Project, search: Search, asked: Sequence[Unknowns]) -> list[parts.Explanation]:
     """Return the best movement of each hypothesis; one line of progress for all of their many short paths."""
     workers = search.workers
     show, workers.show = workers.show, SILENCE
     show.begin("identification", len(asked), 0, float(len(asked)))
-    found: list[Explanation] = []
+    found: list[parts.Explanation] = []
     try:
         for unknowns in asked:
             show.under_way(unknowns.title)
@@ -107,12 +385,12 @@ def _all_explained(project: Project, search: Search, asked: Sequence[Unknowns]) 
     return found
 
 
-def _explained(project: Project, search: Search, unknowns: Unknowns) -> Explanation:
+def _explained(project: Project, search: Search, unknowns: Unknowns) -> parts.Explanation:
     """Return the best movement of one hypothesis."""
     fit, n = search.best(unknowns), len(unknowns)
     freedom = len(project.measurement) - n
     if fit is None:
-        return Explanation(
+        return parts.Explanation(
             hypothesis=unknowns.title, unknowns=n, movement=[], chi_squared=None, degrees_of_freedom=freedom,
             probability=None, aic=None, distinguished=True, undetermined=[], kinked=[], contradicting=[],
             at_collapse=False, fit=[], configuration=None,
@@ -122,7 +400,7 @@ def _explained(project: Project, search: Search, unknowns: Unknowns) -> Explanat
         _fitted(each, float(residual))
         for each, residual in zip(project.measurement, fit.residual, strict=True)
     ]
-    return Explanation(
+    return parts.Explanation(
         hypothesis=unknowns.title,
         unknowns=n,
         movement=_movement(unknowns, fit, sure),
@@ -145,7 +423,7 @@ def probability(chi_squared: float, freedom: int) -> float:
     return float(gammaincc(0.5 * freedom, 0.5 * chi_squared))
 
 
-def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[SupportMovement]:
+def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[parts.SupportMovement]:
     """Return the movement of each support with its standard errors."""
     errors = {
         each: float(error) if np.isfinite(error) else None
@@ -160,12 +438,14 @@ def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[SupportMovem
             if support == each.support
         }
         x, z = each.displacement
-        found.append(SupportMovement(support=each.support, x_m=x, z_m=z, rotation_rad=each.rotation, **own))
+        found.append(
+            parts.SupportMovement(support=each.support, x_m=x, z_m=z, rotation_rad=each.rotation, **own)
+        )
     return found
 
 
-def _fitted(each: MeasurementTable, residual: float) -> Fitted:
-    return Fitted(
+def _fitted(each: MeasurementTable, residual: float) -> parts.Fitted:
+    return parts.Fitted(
         measurement=each.name,
         kind=each.kind,
         unit=each.unit,
@@ -177,22 +457,22 @@ def _fitted(each: MeasurementTable, residual: float) -> Fitted:
     )
 
 
-def _site(each: MeasurementTable, gauge: Gauge) -> MeasuredPoint:
-    found = MeasuredPoint(measurement=each.name, point_m=list(each.point_m), block=gauge.block)
+def _site(each: MeasurementTable, gauge: Gauge) -> parts.MeasuredPoint:
+    found = parts.MeasuredPoint(measurement=each.name, point_m=list(each.point_m), block=gauge.block)
     if each.kind != "relative":
         return found
     origin = None if gauge.origin is None else list(gauge.origin)
     return found.replace(from_m=origin, from_block=gauge.origin_block)
 
 
-def _ready(best: Explanation) -> list[ReadySettlement]:
+def _ready(best: parts.Explanation) -> list[parts.ReadySettlement]:
     """Return the movement as the project file has it; of several supports at once there is none."""
     moving = [each for each in best.movement if each.x_m or each.z_m or each.rotation_rad]
     if len(moving) != 1:
         return []
     [each] = moving
     return [
-        ReadySettlement(
+        parts.ReadySettlement(
             name=f"{each.support}, as measured",
             support=each.support,
             displacement_m=[round(each.x_m, DIGITS_M), round(each.z_m, DIGITS_M)],

@@ -2,9 +2,9 @@
 
 import pytest
 
-from assessment.ntc.demand.spectrum import ElasticSpectrum
-from assessment.ntc.load_factors import psi_2
-from assessment.ntc.vertical import vertical_component
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.tables import psi_2
+from assessment.ntc.verification import vertical_component
 from assessment.project.project import ProjectError, load_project
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import vertical as vertical_sentences

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity.curve import Activation, capacity_curve, participation
-from assessment.ntc.capacity.curve_fit import CurveFit, fit_curve, fit_rigid
-from assessment.ntc.demand.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
-from assessment.ntc.demand.hazard import HazardCurve, return_period_steps, site_curve
-from assessment.ntc.demand.return_period import return_period
-from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.capacity_curve import Activation, capacity_curve, participation
+from assessment.ntc.curve_fit import CurveFit, fit_curve, fit_rigid
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
+from assessment.ntc.hazard import HazardCurve, return_period_steps, site_curve
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.tables import return_period
 from assessment.ntc.verification import Method, check_nonlinear, verify
 from mechanics.types import GRAVITY
 from tests.support.trace_check import recomputed

@@ -10,7 +10,7 @@ import pytest
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.analyses.checks.virtual_work import virtual_work
+from assessment.analyses.checks.kinematics import virtual_work
 from assessment.cli import commands
 from assessment.project.catalogue.new_project import TEMPLATES, made, new_project, template_layout
 from assessment.project.project import load_project

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from assessment.analyses.static.ensemble import shaken_corners
+from assessment.analyses.checks.governing import shaken_corners
 from assessment.analyses.static.states import Request, _beginnings
 from assessment.project.formats.convert import convert
 from assessment.project.formats.toml import read_toml
@@ -17,7 +17,7 @@ from assessment.project.schema.structure import SHORTEST_TIE as SHORTEST
 from assessment.project.structure.model import build_model, tie_lengths
 from assessment.results.configurations.ties import determined, ties_of
 from assessment.runtime.tasks import Workers
-from assessment.studies.sensitivity import with_factor
+from assessment.studies.variants import with_factor
 from assessment.workflow.checking import describe
 from mechanics import State
 from tests import ROOT

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from lxml import html
 
-from assessment.analyses.static.curve_numbers import mechanism_participation
+from assessment.analyses.static.lateral import mechanism_participation
 from assessment.cli.summary import capacities
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model

@@ -12,7 +12,7 @@ import pytest
 from pydantic import ValidationError
 
 from assessment.cli.main import main
-from assessment.ntc.limit_states import CHECKS
+from assessment.ntc.tables import CHECKS
 from assessment.project.schema import ProjectContent
 from assessment.results.file import as_bytes, read_results
 from assessment.results.schema import FORMAT, Results, json_schema

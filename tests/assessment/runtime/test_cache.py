@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.found import Found
-from assessment.analyses.static.settlement import Settled, settle
+from assessment.analyses.static.paths import Settled, settle
 from assessment.results.schema.checks import Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import QualityRow

@@ -21,7 +21,7 @@ from assessment.analyses.dynamic.fragility import (
 )
 from assessment.analyses.dynamic.record_set import Measures, Target, compatibility, scaled_to
 from assessment.analyses.dynamic.scan import Reach, Scan
-from assessment.ntc.demand.spectrum import ElasticSpectrum
+from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion, check_record_set, doubtful_records
 from assessment.project.project import load_project
 from assessment.project.schema import CampaignTable

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.dynamic import scan
-from assessment.analyses.dynamic.response import ENERGIES, Response
+from assessment.analyses.dynamic.time_history import ENERGIES, Response
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.file import as_bytes

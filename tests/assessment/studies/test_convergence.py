@@ -9,10 +9,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from assessment.analyses.accuracy import Accuracy, accuracy_of
 from assessment.analyses.checks.demand import Demands
-from assessment.analyses.found import Found
-from assessment.analyses.static.increments import refined
+from assessment.analyses.found import Accuracy, Found, accuracy_of, refined
 from assessment.analyses.static.lateral import Pushed
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing

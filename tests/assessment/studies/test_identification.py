@@ -12,12 +12,17 @@ import pytest
 from assessment.project.structure.places import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
-from assessment.studies.identification import search as search_module
-from assessment.studies.identification.findings import open_movements
-from assessment.studies.identification.fit import Fit, best_length, kinks, refined, sureness
-from assessment.studies.identification.search import follow
-from assessment.studies.identification.stage import probability
-from assessment.studies.identification.unknowns import Unknowns, unknowns_of
+from assessment.studies.identification import stage as search_module
+from assessment.studies.identification.fit import (
+    Fit,
+    Unknowns,
+    best_length,
+    kinks,
+    refined,
+    sureness,
+    unknowns_of,
+)
+from assessment.studies.identification.stage import follow, open_movements, probability
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.procedures import SupportMovement, pushdown_together

@@ -14,8 +14,7 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
-from assessment.studies.scenarios import part, worst
-from assessment.studies.sensitivity import scatter, with_factor, without_effect
+from assessment.studies.variants import part, scatter, with_factor, without_effect, worst
 from assessment.workflow import stages
 from assessment.workflow.run import select
 from assessment.workflow.stages import run

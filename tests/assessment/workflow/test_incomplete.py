@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks import capacity
-from assessment.analyses.static import lateral, settlement
+from assessment.analyses.static import lateral
+from assessment.analyses.static import paths as settlement
 from assessment.cli.main import main
-from assessment.ntc.capacity.curve_fit import CapacityError
+from assessment.ntc.curve_fit import CapacityError
 from assessment.project.catalogue.new_project import write_drawing
 from mechanics import ConvergenceError, pushdown, pushover
 from mechanics.messages import message

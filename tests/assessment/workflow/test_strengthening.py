@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.analyses.static import settlement
+from assessment.analyses.static import paths as settlement
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.configurations.hand_check import hand_checks

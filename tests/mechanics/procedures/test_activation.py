@@ -10,7 +10,7 @@ from assessment.analyses.checks.capacity import activation_of, along_push
 from assessment.analyses.found import Found
 from assessment.analyses.static.lateral import PushSetting, add_curve, push
 from assessment.benchmark.cases.structures import assembly, rectangle, template
-from assessment.ntc.capacity.curve import participation
+from assessment.ntc.capacity_curve import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import found_mechanism

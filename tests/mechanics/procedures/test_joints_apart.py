@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.analyses.dynamic.response import Setting, respond
+from assessment.analyses.dynamic.time_history import Setting, respond
 from assessment.project.motions import history_motions
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model

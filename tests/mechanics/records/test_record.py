@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mechanics.records import formats as record_formats
 from mechanics.records.record import Record, read_record
-from mechanics.records.response_spectrum import response_spectrum
+from mechanics.records.spectrum import response_spectrum
 from mechanics.types import GRAVITY
 
 VALUES = np.array(

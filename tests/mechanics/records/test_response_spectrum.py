@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from mechanics.records.response_spectrum import response_spectrum
+from mechanics.records.spectrum import response_spectrum
 from mechanics.types import GRAVITY
 
 NOISE = 0.1 * np.random.default_rng(7).normal(size=40)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from mechanics.errors import ConvergenceError
-from mechanics.records import synthetic
-from mechanics.records.response_spectrum import response_spectrum
-from mechanics.records.synthetic import compatible_record
+from mechanics.records import spectrum as synthetic
+from mechanics.records.spectrum import compatible_record, response_spectrum
 
 
 def spectrum(T):

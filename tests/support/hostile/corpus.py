@@ -19,8 +19,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.demand.hazard import RETURN_PERIODS, site_curve
-from assessment.ntc.demand.hazard_grid import HazardError
+from assessment.ntc.hazard import RETURN_PERIODS, HazardError, site_curve
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project

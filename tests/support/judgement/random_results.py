@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from assessment.analyses.checks.indices import governing, safety_index
+from assessment.analyses.checks.demand import governing, safety_index
 from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables.mechanisms import SECOND_SOLVER
 from assessment.results.plain import plain
@@ -17,7 +17,7 @@ from assessment.results.schema.checks import Capacity
 from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.studies import ScenarioPoint
-from assessment.studies.scenarios import worst as worst_of
+from assessment.studies.variants import worst as worst_of
 from assessment.workflow.comparison import comparison, strengthened
 from tests.support.judgement.claims import LIMITS, Results
 from tests.support.results_example import SETTLED, results_example

@@ -12,11 +12,17 @@ from assessment.analyses.checks.chosen_mechanism import (
     evaluate,
     joint_motion,
 )
-from assessment.analyses.checks.kinematics import Hinge, KinematicsError, _shared, _unhindered, finite_motion
-from assessment.analyses.checks.virtual_work import virtual_displacements
+from assessment.analyses.checks.kinematics import (
+    Hinge,
+    KinematicsError,
+    _shared,
+    _unhindered,
+    finite_motion,
+    virtual_displacements,
+)
 from assessment.cli.main import main
-from assessment.ntc.capacity.curve import mechanism_participation
-from assessment.ntc.demand.spectrum import ElasticSpectrum
+from assessment.ntc.capacity_curve import mechanism_participation
+from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import to_xlsx

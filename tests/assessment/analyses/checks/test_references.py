@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks.capacity import _nominal
-from assessment.ntc.capacity.curve import capacity_curve
-from assessment.ntc.capacity.curve_fit import fit_rigid
-from assessment.ntc.demand.spectrum import ElasticSpectrum
+from assessment.ntc.capacity_curve import capacity_curve
+from assessment.ntc.curve_fit import fit_rigid
+from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
 from assessment.report.text.language import Words, heading
 from assessment.results.table import brought_together

@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from assessment.analyses.dynamic import response
 from assessment.analyses.dynamic import time_history as dynamics
-from assessment.analyses.dynamic.ensemble import sustained_peak
-from assessment.analyses.dynamic.response import TAIL as FREE
-from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import Shaking, history, thinned
-from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.analyses.dynamic import time_history as response
+from assessment.analyses.dynamic.time_history import TAIL as FREE
+from assessment.analyses.dynamic.time_history import (
+    Setting,
+    Shaking,
+    history,
+    respond,
+    sustained_peak,
+    thinned,
+)
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import new_project, write_record
 from assessment.project.motions import BaseMotion, history_motions
 from assessment.project.project import load_project
@@ -32,7 +37,7 @@ from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.records.record import Record, read_record
-from mechanics.records.response_spectrum import response_spectrum
+from mechanics.records.spectrum import response_spectrum
 from tests.support.structures import block_on_base
 from tests.support.typed import typed
 

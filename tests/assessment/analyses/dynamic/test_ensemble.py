@@ -7,12 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.analyses.accuracy import Accuracy
 from assessment.analyses.dynamic import histories
-from assessment.analyses.dynamic.ensemble import Course, Scatter, agree, lowest_median_highest
-from assessment.analyses.dynamic.histories import together
-from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import DynamicResult, Shaking, quality_row
+from assessment.analyses.dynamic.histories import Course, Scatter, agree, lowest_median_highest, together
+from assessment.analyses.dynamic.time_history import DynamicResult, Setting, Shaking, quality_row, respond
+from assessment.analyses.found import Accuracy
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.dynamic import histories
-from assessment.analyses.dynamic.response import Setting, respond
-from assessment.analyses.dynamic.time_history import DynamicResult, Shaking
+from assessment.analyses.dynamic.time_history import DynamicResult, Setting, Shaking, respond
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History

@@ -8,7 +8,7 @@ from assessment.project.structure.model import build_model
 from assessment.results.plain import plain
 from assessment.results.schema.dynamic import Search, SignScan
 from assessment.runtime.cache import Store
-from assessment.studies.campaign.incremental import summarise
+from assessment.studies.campaign.summary import summarise
 from assessment.workflow.stages import run
 from tests.support.block_project import TURNED, block, write_block
 from tests.support.campaign_project import SEARCHES

@@ -11,10 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.special import ndtr
 
-from assessment.analyses.dynamic.ensemble import Scatter
 from assessment.analyses.dynamic.fragility import RecordLevel, observed, over_records
-from assessment.analyses.dynamic.response import Setting
+from assessment.analyses.dynamic.histories import Scatter
 from assessment.analyses.dynamic.scan import CERTAIN, DOWN, Reach, scan, scan_levels
+from assessment.analyses.dynamic.time_history import Setting
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
 from assessment.studies.campaign.scans import level_found, observed_in

@@ -7,20 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assessment.analyses.checks import governing as ensemble
 from assessment.analyses.checks.capacity import Assessed
-from assessment.analyses.checks.governing import governed
-from assessment.analyses.found import Found
-from assessment.analyses.static import ensemble
-from assessment.analyses.static.ensemble import (
+from assessment.analyses.checks.governing import (
     ENSEMBLE,
     EnsembleTolerances,
+    governed,
     in_increments,
     members,
     shaken_corners,
 )
+from assessment.analyses.found import Found
 from assessment.analyses.static.lateral import Pushed
-from assessment.analyses.static.paths import turns_on_rounding
-from assessment.analyses.static.settlement import Settled
+from assessment.analyses.static.paths import Settled, turns_on_rounding
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model

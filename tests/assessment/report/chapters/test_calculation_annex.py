@@ -10,12 +10,10 @@ from ezdxf.math import Matrix44
 
 from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
-from assessment.analyses.checks.demand import demand_parts, demand_spectra
-from assessment.analyses.checks.indices import confidence_source, governing
+from assessment.analyses.checks.demand import confidence_source, demand_parts, demand_spectra, governing
 from assessment.cli.main import main
-from assessment.ntc.capacity.return_period import stated
-from assessment.ntc.demand.hazard import RETURN_PERIODS
-from assessment.ntc.limit_states import CHECKS
+from assessment.ntc.hazard import RETURN_PERIODS, stated
+from assessment.ntc.tables import CHECKS
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.calculation_annex import traces

@@ -8,22 +8,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.capacity.curve_fit import CapacityError, CurveFit
-from assessment.ntc.confidence import CONFIDENCE_FACTOR
+from assessment.ntc.curve_fit import CapacityError, CurveFit
+from assessment.ntc.tables import CONFIDENCE_FACTOR
+from mechanics import Assembly
 from mechanics.errors import require
 from mechanics.messages import message
-from mechanics.types import GRAVITY
-
-if TYPE_CHECKING:
-    from mechanics import Assembly
-
-Array = NDArray[np.float64]
+from mechanics.types import GRAVITY, Array
 
 _LAW = "Circolare 7/2019, C8.7.1.2"
 _PAPER = "Portioli et al., §7.1"

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from assessment.ntc.capacity.return_period import capacity_return_period, stated
-from assessment.ntc.demand.hazard import HazardCurve
+from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 
 VALUES = np.column_stack([np.geomspace(0.05, 0.5, 9), np.linspace(2.4, 2.5, 9), np.linspace(0.27, 0.35, 9)])
 CURVE = HazardCurve("hand-made", VALUES, VALUES[None], np.zeros(1))

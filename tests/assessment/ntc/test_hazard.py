@@ -7,9 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.ntc.demand.hazard import return_period_steps, site_curve, site_hazard
-from assessment.ntc.demand.hazard_grid import RETURN_PERIODS, allegato_b, read_grid
-from assessment.ntc.demand.return_period import return_period
+from assessment.ntc.hazard import (
+    RETURN_PERIODS,
+    allegato_b,
+    read_grid,
+    return_period_steps,
+    site_curve,
+    site_hazard,
+)
+from assessment.ntc.tables import return_period
 from tests import ROOT
 
 DIGEST = "060961e1a03e9b8d0af155e2632f74e7abfeae77e592d626848b9ddab3b8eb16"  # of the lines of the act

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from assessment.ntc.demand.spectrum import ElasticSpectrum, RecordSpectrum
-from mechanics.records.response_spectrum import response_spectrum
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from mechanics.records.spectrum import response_spectrum
 from mechanics.types import GRAVITY
 
 PERIODS = [0.05, 0.25, 1.0, 3.0]

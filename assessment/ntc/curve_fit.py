@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from assessment.ntc.calculation import Step, Trace, datum, step
 from mechanics.errors import require
 from mechanics.messages import Message, SaidError, message
-
-Array = NDArray[np.float64]
+from mechanics.types import Array
 
 SWAY = 0.01  # of the displacement at the peak: as a settled state's hinges close, the control point may sway back
 DROP = 1e-8  # of d_0: a last piece of the rigid branch that is shorter is vertical

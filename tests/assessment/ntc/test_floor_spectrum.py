@@ -7,18 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity.curve import capacity_curve
-from assessment.ntc.capacity.curve_fit import fit_rigid, fit_trilinear
-from assessment.ntc.demand.floor_spectrum import (
+from assessment.ntc.capacity_curve import capacity_curve
+from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
+from assessment.ntc.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,
     Mode,
     first_mode,
     fundamental_period,
 )
-from assessment.ntc.demand.spectrum import ElasticSpectrum
-from assessment.ntc.methods import Method
-from assessment.ntc.verification import verify
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.verification import Method, verify
 from assessment.results.plain import plain
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, PUSHED, block, write_block

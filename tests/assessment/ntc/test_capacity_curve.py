@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity.curve import capacity_curve, participation
-from assessment.ntc.capacity.curve_fit import (
+from assessment.ntc.capacity_curve import capacity_curve, participation
+from assessment.ntc.curve_fit import (
     CapacityError,
     fit_bilinear,
     fit_curve,

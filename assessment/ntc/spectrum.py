@@ -8,14 +8,12 @@ from math import sqrt
 from typing import Protocol, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from assessment.ntc.calculation import Trace, datum, step
 from mechanics.errors import require
 from mechanics.records import response_spectrum
-from mechanics.types import GRAVITY
-
-Array = NDArray[np.float64]
+from mechanics.types import GRAVITY, Array
 
 # Tab. 3.2.IV: S_S = upper ≥ first − slope F0 a_g ≥ lower, C_C = factor T_C*^exponent
 _STRATIGRAPHY = {  # soil: (lower, first, slope, upper)
@@ -230,7 +228,7 @@ class ElasticSpectrum:
 class RecordSpectrum:
     """Elastic response spectrum of a record: `acceleration_g` (n,) in g at steps of `time_step` (s).
 
-    The ordinates are those of `mechanics.records.response_spectrum`. Raises ValueError naming the argument.
+    The ordinates are those of `mechanics.records.spectrum`. Raises ValueError naming the argument.
     """
 
     acceleration_g: ArrayLike

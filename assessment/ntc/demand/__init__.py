@@ -1,1 +1,0 @@
-"""The seismic demand: hazard of a site, elastic spectra at the ground and at height."""

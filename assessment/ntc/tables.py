@@ -1,0 +1,105 @@
+"""What the standard tabulates: limit states, return periods, variable loads, confidence factors. Plain Python.
+
+A run in which nothing has changed reads a project, and needs no arrays for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf, log
+from typing import Final
+
+from assessment.ntc.calculation import Trace, datum, step
+
+# SLO, SLD and "SLV linear" are the linear kinematic check (a_0* of the rigid multiplier); "elastic" is the end of the
+# elastic branch of a curve that has one; SLV and SLC are the nonlinear check
+CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
+LINEAR = ("SLO", "SLD", "SLV linear")
+QUOTED = ("SLC", "SLV", "SLD", "SLO")  # the farthest first
+INDEXED = (
+    "SLV",
+    "SLC",
+)  # the ratio of a_g borne to a_g demanded at the first that is checked is ζ_E (NTC 2018, §8.3)
+INDEX = INDEXED[0]
+
+# of an acceleration: on rigid ground (category A) without S, or with it
+ROCK: Final = "rock"
+SURFACE: Final = "surface"
+
+
+EXCEEDANCE = {"SLO": 0.81, "SLD": 0.63, "SLV": 0.10, "SLC": 0.05}  # P_VR, Tab. 3.2.I
+USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.II
+SHORTEST, LONGEST = 30.0, 2475.0  # years, of the reference hazard
+
+
+def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:
+    """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, in years (NTC 2018, §2.4 and §3.2.1).
+
+    The bounds 30 and 2475 years are not compared with the text [k]. Raises ValueError naming the argument.
+    """
+    if limit_state not in EXCEEDANCE:
+        raise ValueError(f"limit_state = {limit_state!r}: must be one of SLO, SLD, SLV, SLC")
+    if use_class not in USE_COEFFICIENT:
+        raise ValueError(f"use_class = {use_class!r}: must be one of I, II, III, IV")
+    if not 0.0 < nominal_life < inf:
+        raise ValueError(f"nominal_life = {nominal_life!r}: must be positive, in years")
+    T_R = -nominal_life * USE_COEFFICIENT[use_class] / log(1.0 - EXCEEDANCE[limit_state])
+    return min(max(T_R, SHORTEST), LONGEST)
+
+
+PSI_2 = {
+    "A": 0.3,
+    "B": 0.3,
+    "C": 0.6,
+    "D": 0.6,
+    "E": 0.8,
+    "F": 0.6,
+    "G": 0.3,
+    "H": 0.0,
+    "wind": 0.0,
+    "snow": 0.0,
+    "snow above 1000 m": 0.2,
+}
+OWN_PSI_2 = ("I", "K")  # of these categories the designer decides case by case
+
+
+def psi_2(category: str | None, given: float | None) -> float:
+    """Return ψ₂ of a variable load: as given, else that of its category of use (Tab. 2.5.I); 0 without either.
+
+    Raises KeyError for a category that is not in the table, or that has no value there.
+    """
+    if given is not None:
+        return given
+    return PSI_2[category] if category is not None else 0.0
+
+
+CONFIDENCE_FACTOR = "Circolare 7/2019, C8.5.4"  # where F_C is a number that is given
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """F_C (–) with the components it is made of: by level of knowledge (C8.5.4) or 1 + Σ F_Ck (D.P.C.M. 9/2/2011)."""
+
+    factor: float
+    trace: Trace
+
+
+LEVELS = {"LC1": 1.35, "LC2": 1.20, "LC3": 1.00}
+COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge (D.P.C.M. 9/2/2011, Tab. 4.1)
+    "geometry": (0.05, 0.0),
+    "construction": (0.12, 0.06, 0.0),
+    "mechanical": (0.12, 0.06, 0.0),
+    "ground": (0.06, 0.03, 0.0),
+}
+
+
+def confidence_factor(level: str | None, components: Mapping[str, float]) -> Knowledge:
+    """Return F_C of a level of knowledge, or 1 + Σ F_Ck of the four components where no level is given."""
+    if level is not None:
+        source = f"{CONFIDENCE_FACTOR}, {level}"
+        return Knowledge(LEVELS[level], (datum("F_C", LEVELS[level], "", source),))
+    named = {f"F_C{k}": components[name] for k, name in enumerate(COMPONENTS, 1)}
+    factor = 1.0 + sum(named.values())
+    line = step("F_C", "1 + " + " + ".join(named), factor, "", "D.P.C.M. 9/2/2011, §4.2", **named)
+    return Knowledge(factor, (line,))
