@@ -74,7 +74,10 @@ BENCHMARKS = {
     "sliding": Benchmark(
         "both laws of friction; last, where rigid curves end by variants that may not matter, then by multiples of the "
         "increment.",
-        lambda quick: chain(friction.friction(quick), statics.sliding(quick)),
+        lambda quick: chain(
+            friction.limits(quick), friction.closed_forms(), () if quick else friction.paths("triumphal-arch"),
+            statics.sliding(quick),
+        ),
     ),
     "app": Benchmark("what who works in the page waits for, elapsed: median and largest.", app.latencies),
     "skips": Benchmark("what is not computed, and how far the answer is from that without the skip.", skips.skips),
@@ -93,7 +96,13 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
     say(summary[0])
     for name in names or BENCHMARKS:
         chosen = BENCHMARKS[name]
-        rows = list(_named(name, chosen.rows(quick)))
+        rows = []
+        for row in chosen.rows(quick):  # each named on a terminal as soon as it is measured
+            rows.append(row)
+            if sys.stderr.isatty():
+                print(f"\r\033[K{name}: {row['case']}", end="", file=sys.stderr, flush=True)
+        if sys.stderr.isatty():
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
         write_atomically(folder / f"{name}.csv", as_csv(rows))
         summary.append(f"**{name}**: {chosen.about}")
         for parameter in dict.fromkeys(row.get("parameter", "") for row in rows):
@@ -108,13 +117,3 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
         say("\n" + "\n\n".join(summary[summary.index(f"**{name}**: {chosen.about}") :]))
     summary.append(f"Load {load()} at the end.")
     write_atomically(folder / SUMMARY, ("\n\n".join(filter(None, summary)) + "\n").encode())
-
-
-def _named(name: str, rows: Iterator[Row]) -> Iterator[Row]:
-    """The rows, each named on a terminal as soon as it is measured."""
-    for row in rows:
-        if sys.stderr.isatty():
-            print(f"\r\033[K{name}: {row['case']}", end="", file=sys.stderr, flush=True)
-        yield row
-    if sys.stderr.isatty():
-        print("\r\033[K", end="", file=sys.stderr, flush=True)

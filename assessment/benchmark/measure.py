@@ -217,11 +217,14 @@ def children() -> float:
 def machine() -> str:
     """Processor, cores, memory, system, versions, commit and load, in a sentence or two."""
     versions = ", ".join(f"{name} {installed(name)}" for name in PACKAGES)
-    memory = ""
+    memory, cpuinfo = "", Path("/proc/cpuinfo")
     if hasattr(os, "sysconf"):  # Windows has none
         memory = f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2**30:.0f} GB, "
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.is_file() else []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    processor = next(names, platform.processor() or platform.machine())
     return (
-        f"{_processor()}, {os.cpu_count()} cores, {memory}{platform.system()}; Python "
+        f"{processor}, {os.cpu_count()} cores, {memory}{platform.system()}; Python "
         f"{platform.python_version()}, {versions}; commit {_commit()}; load {load()} at the start."
     )
 
@@ -231,21 +234,11 @@ def load() -> str:
     return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
 
 
-def _processor() -> str:
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.is_file() else []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or platform.machine())
-
-
 def _commit() -> str:
     """The commit of the source, with a plus sign where files differ from it; unknown outside a checkout."""
-    git = ("git", "-C", str(Path(__file__).parent))
+    described = ("describe", "--always", "--abbrev=7", "--exclude=*", "--dirty=+")
+    command = ("git", "-C", str(Path(__file__).parent), *described)
     try:
-        head = subprocess.run(
-            [*git, "rev-parse", "--short", "HEAD"], check=True, capture_output=True, text=True
-        )
-        changed = subprocess.run([*git, "diff", "--quiet", "HEAD"], check=False).returncode != 0
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
-    return head.stdout.strip() + "+" * changed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -93,16 +94,13 @@ def described(record: Record) -> str:
 
 def _read(path: Path, time_step: float | None) -> Record:
     """Read a record, or return it as it was read before of the same file."""
-    try:
+    changed = 0
+    with suppress(OSError):
         changed = path.stat().st_mtime_ns
-    except OSError:
-        changed = 0
     return _read_once(path, time_step, changed)
 
 
-@lru_cache(maxsize=64)
-def _read_once(path: Path, time_step: float | None, changed: int) -> Record:
-    return read_record(path, time_step)
+_read_once = lru_cache(maxsize=64)(lambda path, time_step, changed: read_record(path, time_step))
 
 
 def history_motions(project: Project) -> list[BaseMotion]:
@@ -115,26 +113,23 @@ def history_motions(project: Project) -> list[BaseMotion]:
         for n, table in enumerate(project.history, 1)
     ]
     doubles = Counter(motion.name for motion in motions)
-    return [
-        motion if doubles[motion.name] == 1 else _renamed(motion, f"{motion.name} × {motion.scale:g}")
-        for motion in motions
-    ]
+    for k, motion in enumerate(motions):
+        if doubles[motion.name] > 1:
+            record = replace(motion.record, name=f"{motion.name} × {motion.scale:g}")
+            motions[k] = replace(motion, record=record)
+    return motions
 
 
 def incremental_motions(project: Project) -> list[BaseMotion]:
     """Return the base motion, unscaled, of each record of [incremental]. Raises as history_motions."""
-    if project.incremental is None:
-        return []
-    return [
-        _motion(project, "incremental", project.incremental, path) for path in project.incremental_records()
-    ]
+    table, files = project.incremental, project.incremental_records()
+    return [_motion(project, "incremental", table, path) for path in files] if table else []
 
 
 def campaign_motions(project: Project) -> list[BaseMotion]:
     """Return the base motion, unscaled, of each record file of [campaign]. Raises as history_motions."""
-    if project.campaign is None:
-        return []
-    return [_motion(project, "campaign", project.campaign, path) for path in project.campaign_records()]
+    table, files = project.campaign, project.campaign_records()
+    return [_motion(project, "campaign", table, path) for path in files] if table else []
 
 
 def _motion(
@@ -172,23 +167,16 @@ def motion_of(
         record = cut.resampled(table.time_step_s or cut.time_step)
     except ValueError as error:
         raise ProjectError(f"{project.source}: {key}: {source or original.name}: {error}") from None
-    # the window begins at the first sample inside it
-    start = (
-        float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0]) if window else 0.0
-    )
+    start = 0.0
+    if window:  # it begins at the first sample inside it
+        start = float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0])
     notes: tuple[Message, ...] = ()
     if cut.pga < (1.0 - WHOLE) * original.pga:
-        notes = (
-            headed(
-                original.name,
-                message(
-                    "the window leaves out the peak of {peak:.3g} g; PGA means {pga:.3g} g, "
-                    "the largest acceleration inside it",
-                    peak=original.pga,
-                    pga=cut.pga,
-                ),
-            ),
-        )
+        lost = message(
+            "the window leaves out the peak of {peak:.3g} g; PGA means {pga:.3g} g, "
+            "the largest acceleration inside it", peak=original.pga, pga=cut.pga,
+        )  # fmt: skip
+        notes = (headed(original.name, lost),)
     return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
 
 
@@ -216,30 +204,39 @@ def _at(record: Record, time: Array) -> Array:
     return np.where(beyond, 0.0, np.interp(time, record.time, record.acceleration))
 
 
-def _renamed(motion: BaseMotion, name: str) -> BaseMotion:
-    return replace(motion, record=replace(motion.record, name=name))
-
-
 def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
-    """Raise ProjectError where two records of [campaign] have one name, or are one motion."""
+    """Raise ProjectError where two records of [campaign] have one name, or are one motion but for a factor."""
     for one, other in combinations(motions, 2):
+        text = ""
+        a, b = one.original, other.original
         if one.name == other.name:
             text = (
                 f'two records are called "{one.name}"; rename a file, tables tell them apart by their names'
             )
-            raise ProjectError(f"{project.source}: campaign.records: {text}")
-        if _alike(one.original, other.original):
-            text = f"{one.name} and {other.name} are the same motion; keep one, or both count as two records"
+        elif a.acceleration.size == b.acceleration.size and a.time_step == b.time_step:
+            x, y = (each.acceleration / each.pga for each in (a, b))
+            if min(np.abs(x - y).max(), np.abs(x + y).max()) < SAME:
+                text = (
+                    f"{one.name} and {other.name} are the same motion; keep one, or both count as two records"
+                )
+        if text:
             raise ProjectError(f"{project.source}: campaign.records: {text}")
 
 
 def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
     """Return a warning for each record whose unit or length is implausible."""
-    return [
-        message("campaign, {record}: {text}", record=motion.name, text=doubt)
-        for motion in motions
-        for doubt in _doubts(motion.original)
-    ]
+    found = []
+    for motion in motions:
+        record = motion.original
+        doubts = [*_doubtful_units(record)]
+        if record.duration < SHORTEST:
+            doubts.append(
+                message("lasts {duration:.3g} s; check that the record is whole", duration=record.duration)
+            )
+        elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:
+            doubts.append(message("begins or ends with strong motion; check that the record is whole"))
+        found += [message("campaign, {record}: {text}", record=motion.name, text=doubt) for doubt in doubts]
+    return found
 
 
 def doubtful_units(records: Sequence[Record]) -> list[Message]:
@@ -251,27 +248,10 @@ def _doubtful_units(record: Record) -> Iterator[Message]:
     if not WEAKEST < record.pga < STRONGEST:
         yield message(
             "a PGA of {pga:.3g} g, read in {unit}; check the unit of the file, and name it in its heading",
-            pga=record.pga,
-            unit=record.unit,
-        )
+            pga=record.pga, unit=record.unit,
+        )  # fmt: skip
     if record.time_step > COARSEST:
         yield message(
             "a time step of {step:.3g} s; check the unit of the times, and name it in the heading",
             step=record.time_step,
         )
-
-
-def _doubts(record: Record) -> Iterator[Message]:
-    yield from _doubtful_units(record)
-    if record.duration < SHORTEST:
-        yield message("lasts {duration:.3g} s; check that the record is whole", duration=record.duration)
-    elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:
-        yield message("begins or ends with strong motion; check that the record is whole")
-
-
-def _alike(one: Record, other: Record) -> bool:
-    """Whether two records are the same samples but for a factor, of either sign."""
-    if one.acceleration.size != other.acceleration.size or one.time_step != other.time_step:
-        return False
-    a, b = (each.acceleration / each.pga for each in (one, other))
-    return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) < SAME)

@@ -13,18 +13,7 @@ from contextlib import contextmanager, suppress
 from typing import TextIO
 
 OUTPUT = "standard output"  # as a message names it
-SPELT = {
-    "−": "-",
-    "–": "-",
-    "—": "-",
-    "·": "-",
-    "…": "...",
-    "×": "x",
-    "“": '"',
-    "”": '"',
-    "’": "'",
-    "→": "->",
-}
+SPELT = dict.fromkeys("−–—·", "-") | dict.fromkeys("“”", '"') | {"…": "...", "×": "x", "’": "'", "→": "->"}
 
 
 def prepare() -> None:

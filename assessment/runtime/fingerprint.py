@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mechanics import Assembly
 
 PACKAGES = ("numpy", "scipy", "piqp", "numba", "shapely", "ezdxf")  # that numbers can depend on
+# that only products depend on
 PRINTING = (
     "pandas",
     "matplotlib",
@@ -29,7 +30,7 @@ PRINTING = (
     "weasyprint",
     "python-docx",
     "pydantic",
-)  # that only products depend on
+)
 
 
 def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
@@ -44,9 +45,8 @@ def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str
 @cache
 def program() -> str:
     """Return a digest of the source of both packages, the libraries below them and the kind of machine."""
-    sources = sorted(
-        path for folder in ("assessment", "mechanics") for path in (_root() / folder).rglob("*.py")
-    )
+    folders = (_root() / "assessment", _root() / "mechanics")
+    sources = sorted(path for folder in folders for path in folder.rglob("*.py"))
     code = hashlib.sha256()
     for path in sources:
         code.update(path.relative_to(_root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")

@@ -246,11 +246,8 @@ def status(folder: Path) -> str:
     recorded, running = read_journal(folder), holder(folder)
     if not running and not recorded.stages and recorded.exit_code is None:
         stored = folder / "results.json"
-        return (
-            f"results of an earlier run: {stored}"
-            if stored.is_file()
-            else f"nothing has been run in {folder}"
-        )
+        before = f"results of an earlier run: {stored}"
+        return before if stored.is_file() else f"nothing has been run in {folder}"
     if running:
         lines = [f"at work: {running.text}"]
     elif recorded.exit_code is None or any(not stage.ended for stage in recorded.stages):

@@ -61,15 +61,13 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
     by_record = project.assessment is not None and project.assessment.spectrum == "record"
     if "assessment" in wanted and "history" not in wanted and by_record:
         raise ProjectError('--only: assessment: spectrum = "record" needs the history stage; add history')
-    moved = (
-        dict.fromkeys((*project.pushed_contacts, *project.dynamic_contacts)) if "pushdown" in wanted else ()
-    )
+    contacts = (*project.pushed_contacts, *project.dynamic_contacts)
     dropped: dict[str, Any] = {
         table: () if table == "history" else None
         for stage, table in STAGES.items()
         if stage not in wanted and table != "settlements"
     }
-    dropped["moved_contacts"] = tuple(moved)
+    dropped["moved_contacts"] = tuple(dict.fromkeys(contacts)) if "pushdown" in wanted else ()
     if not {"pushover", "history", "incremental"} & {*wanted} and not project.mechanism:
         dropped["strengthening"] = ()  # nothing is left that pushes or shakes it
     if "scenarios" not in wanted:
@@ -155,9 +153,8 @@ def print_again(project: Project, folder: Path) -> list[str]:
         except Exception as error:
             if last is not None and not edited and last.results == keys_of(project).results:
                 raise  # a fault of the program: the results are unchanged
-            raise ValueError(
-                f"{stored}: damaged or edited, cannot be printed; run the project again"
-            ) from error
+            text = f"{stored}: damaged or edited, cannot be printed; run the project again"
+            raise ValueError(text) from error
         # else the record stays: the results are not those of the run it is of
         if last is not None and not edited:
             keys = Keys(last.results, page_key(project, results.inputs.get(project.source)))

@@ -27,14 +27,6 @@ LAWS: tuple[Sliding, ...] = tuple(reversed(get_args(Sliding)))
 SLOPE = float(np.radians(20.0))  # of the wedge from vertical, of the incline from level
 
 
-def friction(quick: bool) -> Iterator[Row]:
-    """Limit analysis, closed forms, and paths of the triumphal arch, by both laws; quick: without the arch."""
-    yield from limits(quick)
-    yield from closed_forms()
-    if not quick:
-        yield from paths("triumphal-arch")
-
-
 def limits(quick: bool) -> Iterator[Row]:
     """α_0 by the associative law; by Coulomb's law that of the central flow, the least found, and its residual."""
     models = {
@@ -71,27 +63,23 @@ def closed_forms() -> Iterator[Row]:
 def wedge(law: Sliding) -> float:
     """A voussoir between two supports, of which one goes away by 20 mm in steps of 5 mm; μ = 0.3."""
     stone, out = Material(20.0, 0.3), 0.4 * np.tan(SLOPE)
-    model = Assembly(
-        [
-            Block([[-0.5, 0.0], [0.5, 0.0], [0.5 + out, 0.4], [-0.5 - out, 0.4]], 1.0, stone),
-            Block([[-1.5, 0.0], [-0.5, 0.0], [-0.5 - out, 0.4], [-1.5, 0.4]], 1.0, stone, support="left"),
-            Block([[0.5, 0.0], [1.5, 0.0], [1.5, 0.4], [0.5 + out, 0.4]], 1.0, stone, support="right"),
-        ]
-    )
-    return _went_down(model, "right", 0.02, law)
+    blocks = [
+        Block([[-0.5, 0.0], [0.5, 0.0], [0.5 + out, 0.4], [-0.5 - out, 0.4]], 1.0, stone),
+        Block([[-1.5, 0.0], [-0.5, 0.0], [-0.5 - out, 0.4], [-1.5, 0.4]], 1.0, stone, support="left"),
+        Block([[0.5, 0.0], [1.5, 0.0], [1.5, 0.4], [0.5 + out, 0.4]], 1.0, stone, support="right"),
+    ]
+    return _went_down(Assembly(blocks), "right", 0.02, law)
 
 
 def incline(law: Sliding) -> float:
     """A block on an incline and against a wall; the incline goes away by 20 mm in steps of 5 mm; μ = 0.5."""
     stone, fall = Material(20.0, 0.5), float(np.tan(SLOPE))
-    model = Assembly(
-        [
-            Block([[0.0, 0.0], [1.0, -fall], [1.0, 1.0], [0.0, 1.0]], 1.0, stone),
-            Block([[-1.0, -2.5], [3.0, -2.5], [3.0, -3.0 * fall], [-1.0, fall]], 1.0, stone, support="base"),
-            Block(rectangle(-0.5, 0.45, 0.0, 3.0), 1.0, stone, support="wall"),
-        ]
-    )
-    return _went_down(model, "base", -0.02, law)
+    blocks = [
+        Block([[0.0, 0.0], [1.0, -fall], [1.0, 1.0], [0.0, 1.0]], 1.0, stone),
+        Block([[-1.0, -2.5], [3.0, -2.5], [3.0, -3.0 * fall], [-1.0, fall]], 1.0, stone, support="base"),
+        Block(rectangle(-0.5, 0.45, 0.0, 3.0), 1.0, stone, support="wall"),
+    ]
+    return _went_down(Assembly(blocks), "base", -0.02, law)
 
 
 def _went_down(model: Assembly, support: str, way: float, law: Sliding) -> float:
@@ -110,27 +98,23 @@ def sliding_block(law: Sliding) -> float:
 def beside_support(law: Sliding) -> float:
     """Where the curve of a wall of 0.5 × 3 m ends that leans away from a support, 0.5 mm beside it; μ = 0.6."""
     stone = Material(18.0, 0.6)
-    model = Assembly(
-        [
-            Block(rectangle(-2.0, -0.3, 2.0, 0.0), 1.0, stone, support="base"),
-            Block(rectangle(0.0, 0.0, 0.5, 3.0), 1.0, stone),
-            Block(rectangle(-0.5005, 0.0, -0.0005, 3.0), 1.0, stone, support="neighbour"),
-        ]
-    )
-    return float(pushover(model, (0.5, 3.0), "+x", increment=0.01, sliding=law).displacement[-1])
+    blocks = [
+        Block(rectangle(-2.0, -0.3, 2.0, 0.0), 1.0, stone, support="base"),
+        Block(rectangle(0.0, 0.0, 0.5, 3.0), 1.0, stone),
+        Block(rectangle(-0.5005, 0.0, -0.0005, 3.0), 1.0, stone, support="neighbour"),
+    ]
+    return float(pushover(Assembly(blocks), (0.5, 3.0), "+x", increment=0.01, sliding=law).displacement[-1])
 
 
 def beam_between_walls(law: Sliding) -> float:
     """How far a beam falls in 0.3 s that fits between two walls, unpressed; elastic joints, steps of 5 ms."""
     stone = Material(20.0, 0.84, 1e6)
-    model = Assembly(
-        [
-            Block(rectangle(-0.5, 0.0, 0.0, 2.0), 1.0, stone, support="left"),
-            Block(rectangle(1.8, 0.0, 2.3, 2.0), 1.0, stone, support="right"),
-            Block(rectangle(0.0, 1.0, 1.8, 1.8), 1.0, stone),
-        ]
-    )
-    motion = time_history(model, np.zeros(61), 0.005, "elastic", sliding=law)
+    blocks = [
+        Block(rectangle(-0.5, 0.0, 0.0, 2.0), 1.0, stone, support="left"),
+        Block(rectangle(1.8, 0.0, 2.3, 2.0), 1.0, stone, support="right"),
+        Block(rectangle(0.0, 1.0, 1.8, 1.8), 1.0, stone),
+    ]
+    motion = time_history(Assembly(blocks), np.zeros(61), 0.005, "elastic", sliding=law)
     return float(motion.positions[0, 2, 1] - motion.positions[-1, 2, 1])
 
 
@@ -141,9 +125,8 @@ def paths(name: str) -> Iterator[Row]:
     state: dict[Sliding, State] = {}
 
     def push(law: Sliding, start: State | None) -> Row:
-        seconds, curve = seconds_of(
-            partial(pushover, model, point, "+x", "rigid", increment, start, sliding=law)
-        )
+        run = partial(pushover, model, point, "+x", "rigid", increment, start, sliding=law)
+        seconds, curve = seconds_of(run)
         return _told(law, seconds, curve.steps, curve.lifting, float(curve.displacement[-1]))
 
     def move(law: Sliding, to_collapse: bool) -> Row:

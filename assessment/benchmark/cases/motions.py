@@ -162,49 +162,38 @@ def stack() -> Motion:
     stone = Material(18.0, 0.7, 1e6)
     base = Block(rectangle(-2.0, -0.2, 2.5, 0.0), 1.0, stone, support="base")
     two = [Block(rectangle(0.0, z, 0.5, z + 1.5), 1.0, stone) for z in (0.0, 1.5)]
-    return Motion(
-        "stack of two, one sine, rigid", Assembly([base, *two]), "rigid", (0.5, 3.0), 6.0, sine(0.5)
-    )
+    model = Assembly([base, *two])
+    return Motion("stack of two, one sine, rigid", model, "rigid", (0.5, 3.0), 6.0, sine(0.5))
 
 
 def dynamics(quick: bool) -> Iterator[Row]:
     """Error of the largest displacement against processor time, of every motion, integrator and step or tolerance."""
-    block = partial(block_on_base, 0.6, 4.2)
-    pulses = [
-        Motion(
-            "rocking block, pulse, rigid", block(stiffness=1e6), "rigid", (0.6, 4.2), 3.0, pulse(0.3, 0.5)
-        ),
-        Motion(
-            "rocking block, pulse, elastic",
-            block(stiffness=1e5),
-            "elastic",
-            (0.6, 4.2),
-            3.0,
-            pulse(0.2, 0.5),
-            DAMPING,
-        ),
-    ]
-    for motion in (rocking_freely(), *pulses, shaken_arch()):
+    soft, stiff = (block_on_base(0.6, 4.2, stiffness=stiffness) for stiffness in (1e5, 1e6))
+    at, name = (0.6, 4.2), "rocking block, pulse"
+    rigid = Motion(f"{name}, rigid", stiff, "rigid", at, 3.0, pulse(0.3, 0.5))
+    elastic = Motion(f"{name}, elastic", soft, "elastic", at, 3.0, pulse(0.2, 0.5), DAMPING)
+    for motion in (rocking_freely(), rigid, elastic, shaken_arch()):
 
         def measure(found: TimeHistory, motion: Motion = motion) -> dict[str, float]:
             return {"peak, m": motion.peak(found)}
 
-        exact = {
-            "peak, m": motion.exact or motion.peak(motion.run((4.0 if quick else 1.0) * FINE, "second-order"))
-        }
+        fine, steps = (4.0 * FINE, (0.02, STEP)) if quick else (FINE, STEPS)
+        exact = {"peak, m": motion.exact or motion.peak(motion.run(fine, "second-order"))}
         for integrator in INTEGRATORS[motion.contacts]:
-            yield from rows_of(
-                motion.case(integrator, (0.02, STEP) if quick else STEPS, measure=measure, exact=exact)
-            )
+            yield from rows_of(motion.case(integrator, steps, measure=measure, exact=exact))
         if len(motion.model.blocks) > 2:
 
             def run(accepted: float, motion: Motion = motion) -> TimeHistory:
                 return motion.run(STEP, "second-order", HistoryTolerances(accepted=accepted))
 
             case = motion.case("second-order", TOLERANCES, measure=measure)
-            yield from rows_of(
-                replace(case, parameter="tolerance", run=run, reference=EXACT, default=HISTORY.accepted)
-            )
+            varied: dict[str, Any] = {
+                "parameter": "tolerance",
+                "run": run,
+                "reference": EXACT,
+                "default": HISTORY.accepted,
+            }
+            yield from rows_of(replace(case, **varied))
 
 
 def counted(*motions: TimeHistory) -> Row:
@@ -277,13 +266,11 @@ def dissipation(
                 left = np.flatnonzero(rotation > 0.0)[0]
                 back = left + int(np.flatnonzero(rotation[left:] < 0.0)[0])
                 end = back + int(rotation[back : back + round(0.6 / step)].argmin())
-                taken = {
-                    "dissipated": energy.dissipated, "by_integrator": energy.integrator, "by_impact": energy.impact,
-                    "by_friction": energy.friction,
-                }  # fmt: skip
                 row: Row = {"case": "rigid" if np.isinf(k) else f"k = {k:.0e} kN/m³", "stiffness_kN_m3": k}
                 row |= {"integrator": integrator, "step_s": step}
-                yield row | {name: float(each[end]) / released for name, each in taken.items()}
+                row["dissipated"] = float(energy.dissipated[end]) / released
+                parts = ("integrator", "impact", "friction")
+                yield row | {f"by_{part}": float(getattr(energy, part)[end]) / released for part in parts}
 
 
 def collapse(steps: Sequence[float] = (0.01, 0.005, 0.0025, 0.00125)) -> Iterator[Row]:
@@ -298,15 +285,10 @@ def collapse(steps: Sequence[float] = (0.01, 0.005, 0.0025, 0.00125)) -> Iterato
     ):
         for integrator in INTEGRATORS[motion.contacts]:
             for step in steps:
-                row: Row = {
-                    "case": motion.name,
-                    "integrator": integrator,
-                    "step_s": step,
-                    "members": len(factors),
-                }
+                row: Row = {"case": motion.name, "integrator": integrator, "step_s": step}
+                row["members"] = len(factors)
                 try:
-                    unit = replace(motion, record=wave(1.0))
-                    yield row | _least(unit, integrator, step, accuracy, factors)
+                    yield row | _least(replace(motion, record=wave(1.0)), integrator, step, accuracy, factors)
                 except FAILURES as error:
                     yield row | {"failed": str(error)}
 
@@ -351,9 +333,8 @@ def ensembles(quick: bool) -> Iterator[Row]:
         yield from ensemble(arch, dict.fromkeys((EULER, DEFAULT), ((STEP,), NINE[::4])), (4.0 * FINE, NINE))
         return
     top, every, most = (5 * 0.4, 6 * 0.175), ((*STEPS, 0.000625, FINE), NINE), (STEPS, NINE)
-    wall = Motion(
-        "Ferris and Tin-Loi's wall 1, shaken, rigid", running_bond(), "rigid", top, 3.0, shaking(0.5)
-    )
+    name = "Ferris and Tin-Loi's wall 1, shaken, rigid"
+    wall = Motion(name, running_bond(), "rigid", top, 3.0, shaking(0.5))
     soft = replace(wall, name=wall.name.replace("rigid", "elastic"), contacts="elastic", damping=DAMPING)
     unhalved: Way = ("moreau-jean", 0)
     levels: dict[Way, tuple[tuple[float, ...], Array]] = {("moreau-jean", k): most for k in (2, 4, 8)}
@@ -363,17 +344,15 @@ def ensembles(quick: bool) -> Iterator[Row]:
     yield from ensemble(wall, ways, (FINE, FIFTEEN))
     yield from ensemble(soft, dict.fromkeys((EULER, DEFAULT, SECOND), most), (FINE, FIFTEEN))
     for stiffness in (1e7, 1e8):  # kN/m³, of joints on which the arch falls
-        stone = [
-            replace(b, material=replace(b.material, normal_stiffness=stiffness)) for b in arch.model.blocks
-        ]
+        blocks = arch.model.blocks
+        stone = [replace(b, material=replace(b.material, normal_stiffness=stiffness)) for b in blocks]
         name = arch.name.replace("rigid", f"k = {stiffness:.0e}".replace("e+0", "e"))
         stiff = replace(arch, name=name, model=Assembly(stone), contacts="elastic", damping=DAMPING)
         yield from ensemble(stiff, dict.fromkeys((EULER, DEFAULT, SECOND), every), (FINE, FIFTEEN), FELL)
     name, model = "triumphal arch, shaken, rigid", assembly(TRIUMPHAL)
     motion = Motion(name, model, "rigid", control(TRIUMPHAL)[0], 0.75, strong_record()).scaled(0.2)
-    yield from ensemble(
-        motion, dict.fromkeys((EULER, unhalved, ("moreau-jean", 2), DEFAULT), few), (0.00125, NINE)
-    )
+    two: Way = ("moreau-jean", 2)
+    yield from ensemble(motion, dict.fromkeys((EULER, unhalved, two, DEFAULT), few), (0.00125, NINE))
 
 
 def ensemble(
@@ -404,12 +383,8 @@ def ensemble(
             if not len(found):
                 return row | {"failed": "no member collapses"}
             steps = sum(len(m.time) - 1 for m in motions)
-            spread = {
-                "least": float(found.min()),
-                "median": float(np.median(found)),
-                "most": float(found.max()),
-            }
-            return row | spread | {"steps": steps}
+            least, median, most = map(float, np.percentile(found, (0.0, 50.0, 100.0)))
+            return row | {"least": least, "median": median, "most": most, "steps": steps}
 
         name = way[0] if way[1] is None else f"{way[0]}, {way[1]} levels"
         case = Case(
@@ -425,11 +400,9 @@ def ensemble(
 
 def members(motion: Motion, way: Way, factors: Array, step: float) -> list[TimeHistory]:
     """The motions at some factors of the amplitude, those that are solved."""
-    integrator, levels = way
-    tolerances = (
-        HISTORY if levels is None else HistoryTolerances(resolved=replace(HISTORY.resolved, levels=levels))
-    )
-    found = []
+    (integrator, levels), tolerances, found = way, HISTORY, []
+    if levels is not None:
+        tolerances = HistoryTolerances(resolved=replace(HISTORY.resolved, levels=levels))
     for factor in factors.tolist():
         with suppress(ConvergenceError):
             found.append(motion.scaled(factor).run(step, integrator, tolerances))

@@ -28,7 +28,7 @@ from assessment.results.schema.part import known
 from assessment.runtime.cache import Store
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
-from mechanics import time_history
+from mechanics import TimeHistory, time_history
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
@@ -61,13 +61,8 @@ def skips(quick: bool) -> Iterator[Row]:
         skip.done()  # what is imported and compiled once
         (answer, count), (whole, more) = skip.done(), skip.without()
         seconds, seconds_without = map(float, in_turn(skip.done, skip.without))
-        row: Row = {
-            "case": skip.name,
-            "counted": skip.of,
-            "count": count,
-            "count_without": more,
-            "seconds": seconds,
-        }
+        row: Row = {"case": skip.name, "counted": skip.of, "count": count, "count_without": more}
+        row |= {"seconds": seconds}
         row |= {"seconds_without": seconds_without, "saves": 1.0 - seconds / seconds_without}
         yield row | {"difference": difference(answer, whole), "tolerance": skip.tolerance}
 
@@ -92,9 +87,8 @@ def all_skips() -> list[Skip]:
 def stages(only: tuple[str, ...] | None = None, folder: TemporaryDirectory[str] | None = None) -> Answer:
     """Multiplier and displacement capacity of the block template as drawn, from some of its stages or all."""
     project = template("block")
-    history = HistoryTable(
-        record=RECORD, contacts="elastic", damping_ratio=DAMPING, window_s=(4.0, 6.0), time_step_s=STEP
-    )
+    own = {"record": RECORD, "contacts": "elastic", "damping_ratio": DAMPING, "window_s": (4.0, 6.0)}
+    history = HistoryTable.model_validate(own | {"time_step_s": STEP})
     assert project.pushover is not None
     coarse = project.pushover.model_copy(update={"increment_m": 5.0 * project.pushover.increment_m})
     asked = {"history": (history,), "settlements": (), "pushover": coarse}
@@ -128,21 +122,20 @@ def elastic(until: float) -> Answer:
     return np.array([secant, peak]), len(curve.displacement)
 
 
+def _overturning() -> TimeHistory:
+    return time_history(block_on_base(), 0.4 * pulse(1.0, 1.0)(STEP * np.arange(2000.0)), STEP, "rigid")
+
+
 def fallen() -> Answer:
     """The motion of a block up to its collapse, and that it collapses."""
-    motion = time_history(block_on_base(), 0.4 * pulse(1.0, 1.0)(_times(2000)), STEP, "rigid")
+    motion = _overturning()
     return np.append(motion.positions[:, 1].ravel(), motion.collapsed), len(motion.time) - 1
 
 
 def fallen_on() -> Answer:
     """The same of the whole record: up to where the block has turned by 1 rad, and that it lies at the end."""
     with patch.object(histories, "collapse", lambda *_: ""):
-        motion = time_history(block_on_base(), 0.4 * pulse(1.0, 1.0)(_times(2000)), STEP, "rigid")
+        motion = _overturning()
     turned = abs(motion.positions[:, 1, 2])
     upto = int(np.argmax(turned > TURNED)) + 1
     return np.append(motion.positions[:upto, 1].ravel(), turned[-1] > TURNED), len(motion.time) - 1
-
-
-def _times(count: int) -> Array:
-    times: Array = STEP * np.arange(count, dtype=float)
-    return times

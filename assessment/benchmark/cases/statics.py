@@ -77,10 +77,6 @@ def rocking_rigid() -> Case:
     return Case("rocking block, pushover, rigid", run, "increment", INCREMENTS, measure, exact)
 
 
-def _segments(number: float) -> int | None:
-    return None if np.isinf(number) else round(number)
-
-
 def _peak(curve: Pushover) -> dict[str, float]:
     return {"α_u": float(curve.multiplier.max())}
 
@@ -104,10 +100,8 @@ def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENT
         found = {"reaction": float(np.hypot(*path.reaction[at]))}
         return found if path.ultimate is None else {**found, "ultimate movement": path.ultimate}
 
-    title, run = (
-        f"{name.replace('-', ' ')}, pushdown, {contacts}",
-        partial(settled, name, contacts, to_collapse=True),
-    )
+    title = f"{name.replace('-', ' ')}, pushdown, {contacts}"
+    run = partial(settled, name, contacts, to_collapse=True)
     return Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
@@ -133,7 +127,7 @@ def beds(name: str, moved: Direction | None = None) -> Case:
     at_rest = cache(lambda segments: settled(name, "elastic", 1.0, segments).final)
 
     def run(number: float) -> Pushover:
-        fine, segments = 0.25 if number == FINE else 1.0, _segments(abs(number))
+        fine, segments = 0.25 if number == FINE else 1.0, None if np.isinf(number) else round(number)
         return pushed(name, moved or "+x", "elastic", fine, at_rest(segments) if moved else None, segments)
 
     title = f"{name.replace('-', ' ')}, {f'settled, {moved}' if moved else 'pushover'}, elastic"

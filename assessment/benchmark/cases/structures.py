@@ -26,12 +26,8 @@ def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
 
 
 def block_on_base(
-    width: float = 0.2,
-    height: float = 1.0,
-    friction: float = 0.7,
-    stiffness: float = 5e5,
-    segments: int | None = None,
-) -> Assembly:
+    width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int | None = None
+) -> Assembly:  # fmt: skip
     """A block 1 m deep, its lower left corner at the origin, on a wide support; `segments` of its bed, None: exact."""
     stone = Material(18.0, friction, stiffness)
     base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
@@ -39,14 +35,9 @@ def block_on_base(
 
 
 def running_bond(
-    columns: int = 5,
-    courses: int = 6,
-    length: float = 0.4,
-    height: float = 0.175,
-    friction: float = 0.65,
-    stiffness: float = 1e6,
-    full_on_top: bool = True,
-) -> Assembly:
+    columns: int = 5, courses: int = 6, length: float = 0.4, height: float = 0.175, friction: float = 0.65,
+    stiffness: float = 1e6, full_on_top: bool = True,
+) -> Assembly:  # fmt: skip
     """Courses of whole bricks alternating with courses that begin and end with a half brick.
 
     The default is wall 1 of Ferris and Tin-Loi.
@@ -55,30 +46,20 @@ def running_bond(
     width = columns * length
     blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
     for j in range(courses):
-        whole = ((courses - 1 - j) % 2 == 0) == full_on_top
-        edges = (
-            np.arange(columns + 1) * length
-            if whole
-            else np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
-        )
-        blocks += [
-            Block(rectangle(a, j * height, b, (j + 1) * height), 0.1, stone) for a, b in pairwise(edges)
-        ]
+        edges, low, high = np.arange(columns + 1) * length, j * height, (j + 1) * height
+        if ((courses - 1 - j) % 2 == 0) != full_on_top:
+            edges = np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
+        blocks += [Block(rectangle(a, low, b, high), 0.1, stone) for a, b in pairwise(edges)]
     return Assembly(blocks)
 
 
 def in_frame(model: Assembly, length: float, origin: tuple[float, float], weight: float) -> Assembly:
     """Return the model with lengths and unit weights multiplied, and then moved to an origin (m)."""
-    return Assembly(
-        [
-            replace(
-                block,
-                vertices=length * block.polygon + np.array(origin),
-                material=replace(block.material, unit_weight=weight * block.material.unit_weight),
-            )
-            for block in model.blocks
-        ]
-    )
+    blocks = []
+    for block in model.blocks:
+        material = replace(block.material, unit_weight=weight * block.material.unit_weight)
+        blocks.append(replace(block, vertices=length * block.polygon + np.array(origin), material=material))
+    return Assembly(blocks)
 
 
 @cache

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import heapq
-import pickle
 import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import product
@@ -29,7 +27,6 @@ from assessment.benchmark.table import Row
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import MotionTable
 from assessment.project.structure.model import build_model
-from assessment.runtime.cache import packed
 from assessment.runtime.pool import cores
 from assessment.runtime.process import collect_rarely
 from assessment.runtime.tasks import From, Workers
@@ -43,9 +40,6 @@ from mechanics.procedures.mirror import Mirror
 
 WAYS: tuple[Direction, ...] = ("+x", "-x")
 CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
-SHARES, RECORDS, SIGNS = 5, 20, 2  # of the campaign that is simulated: 200 combinations
-LINK = 1.25e7  # bytes/s in and out of the machine that asks: 100 Mbit/s
-DISPATCH = 1e-3  # s that the scheduler takes for a task, one after the other: the figure of Dask's manual
 
 
 def chain(quick: bool) -> Iterator[Row]:
@@ -75,20 +69,16 @@ def analyses(name: str) -> Iterator[Row]:
             count, full = Counter[str](), f"{title}, pushover {way}" if way else title
             with counting(count), suppress(*FAILURES):
                 paths[full] = work(1.0)
-            case = Case(f"{name.replace('-', ' ')}, {full}, {contacts}", work)
-            rows += (row | count for row in rows_of(case))
+            rows += (
+                row | count for row in rows_of(Case(f"{name.replace('-', ' ')}, {full}, {contacts}", work))
+            )
             yield rows[-1]
     solved = [row for row in rows if row.get("failed") is None]
-    total: Row = {
-        field: sum(row.get(field, 0) for row in rows)
-        for field in ("steps", "attempts", "unsolved", "seconds")
-    }
+    summed = ("steps", "attempts", "unsolved", "seconds")
+    total: Row = {field: sum(row.get(field, 0) for row in rows) for field in summed}
     total["ratio"] = total["seconds"] / sum(row["seconds"] / row["ratio"] for row in solved)
-    failed = (
-        f"{len(rows) - len(solved)} of {len(rows)}, and what depends on them"
-        if len(solved) < len(rows)
-        else None
-    )
+    lost = len(rows) - len(solved)
+    failed = f"{lost} of {len(rows)}, and what depends on them" if lost else None
     yield {"case": f"{name.replace('-', ' ')}, static chain", "whole": True, "failed": failed} | total
 
 
@@ -139,9 +129,8 @@ def command(case: str, *arguments: str) -> Row:
     """Processor time and time elapsed of a whole command."""
     before, began = children(), time.perf_counter()
     _python("-m", "assessment.cli", *arguments)
-    return {
-        "case": case, "whole": True, "seconds": children() - before, "elapsed_s": time.perf_counter() - began,
-    }  # fmt: skip
+    taken = {"seconds": children() - before, "elapsed_s": time.perf_counter() - began}
+    return {"case": case, "whole": True, **taken}
 
 
 def _python(*arguments: str) -> str:
@@ -152,107 +141,56 @@ def campaigns(quick: bool) -> Iterator[Row]:
     """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
 
     Each engine has computed one search in every process before it is timed; `ideal`: the least ratio; `equal`: whether
-    the results are those of this process. Then a campaign of SHARES, RECORDS and SIGNS on a cluster that is simulated,
-    whose searches take what they took in this process.
+    the results are those of this process.
     """
-    tasks, most = _tasks(2 if quick else 8), cores()
-    alone, expected = _timed(Workers(1), tasks, 1)
-    yield _engine("this process", 1, expected, alone, alone)
-    sent, returned = (
-        [len(each) for each in some] for some in (map(pickle.dumps, tasks), map(packed, expected))
-    )
-    combinations = list(product(range(SHARES), range(RECORDS), range(SIGNS)))
-    chosen = [(2 * SIGNS * k + SIGNS * min(s, 1) + sign) % len(tasks) for s, k, sign in combinations]
-    seconds = [expected[k].seconds + DISPATCH + (sent[k] + returned[k]) / LINK for k in chosen]
-    for count in (4, 16):
-        took = simulated(seconds, neighbours_of(SHARES, RECORDS, SIGNS), count)
-        row = _engine(f"{count} workers, simulated", count, [expected[k] for k in chosen], took, sum(seconds))
-        sizes = {"sent_kB": float(np.mean(sent)) / 1e3, "returned_kB": float(np.mean(returned)) / 1e3}
-        yield row | sizes | {"ideal": 1.0 / count, "equal": None}
+    tasks, most, first = _tasks(2 if quick else 8), cores(), list[tuple[float, list[Scan]]]()
+
+    def measured(name: str, count: int, workers: Workers) -> Row:
+        titles = [task[1].name for task in tasks]
+        with workers:
+            workers.each("warm", scan, tasks[:1] * count, titles[:1] * count, False)
+            began = time.perf_counter()
+            found = workers.each("campaign", scan, tasks, titles, False)
+            seconds = time.perf_counter() - began
+        first.append((seconds, found))
+        alone, expected = first[0]
+        motions = sum(each.counts.motions for each in found if each.counts)
+        equal = [(one.reason, one.points) for one in found] == [(one.reason, one.points) for one in expected]
+        return {
+            "case": name, "workers": count, "combinations": len(found), "motions": motions, "elapsed_s": seconds,
+            "motions_per_minute": 60.0 * motions / seconds, "ratio": seconds / alone,
+            "ideal": 1.0 / min(count, cores()), "equal": equal,
+        }  # fmt: skip
+
+    yield measured("this process", 1, Workers(1))
     for count in sorted({2, max(most, 2)}):
-        yield _compared(f"{count} processes", count, Workers(count), tasks, expected, alone)
+        yield measured(f"{count} processes", count, Workers(count))
     with suppress(ImportError):
         from distributed import LocalCluster  # late: few installations have it
 
         options: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
         with LocalCluster(n_workers=most, processes=True, **options) as cluster:  # type: ignore[no-untyped-call]
             workers = Workers(scheduler=cluster.scheduler_address)
-            yield _compared(f"Dask, {most} workers", most, workers, tasks, expected, alone)
+            yield measured(f"Dask, {most} workers", most, workers)
 
 
 def _tasks(count: int) -> list[tuple[Any, ...]]:
-    """Searches as drawn and settled, by both signs, with a number of records: sines of 1 to 3 Hz that grow and end."""
+    """Searches as drawn and settled, by both signs, with a number of records: sines of 1 to 3 Hz that grow and end.
+
+    The other sign begins in the bracket of the first one, and the settled state in that of the same sign as drawn.
+    """
     model, step = assembly("arch"), 0.005
     setting = Setting(MotionTable(contacts="rigid"), template("arch").control[0])
     states, at = (model.initial, settled("arch", "rigid").final), np.arange(0.0, 3.0, step)
     tasks: list[tuple[Any, ...]] = []
     for frequency in np.linspace(1.0, 3.0, count):
         first = len(tasks)
-        for (start, sign), neighbour in zip(
-            product(states, (1.0, -1.0)), neighbours_of(2, 1, SIGNS), strict=True
-        ):
+        for (start, sign), before in zip(product(states, (1.0, -1.0)), (None, 0, 0, 1), strict=True):
             record = Record(sign * shaking(0.3, frequency)(at), step, f"{frequency:.3g} Hz")
             motion = BaseMotion(record, record, record.pga, 1.0)
-            near = None if neighbour is None else From(first + neighbour, level_found)
-            reach = Reach(max_scale=5.0)
-            tasks.append((model, motion, setting, start, Scatter(1, 0.05), reach, near))
+            near = None if before is None else From(first + before, level_found)
+            tasks.append((model, motion, setting, start, Scatter(1, 0.05), Reach(max_scale=5.0), near))
     return tasks
-
-
-def _timed(workers: Workers, tasks: list[tuple[Any, ...]], count: int) -> tuple[float, list[Scan]]:
-    titles = [task[1].name for task in tasks]
-    with workers:
-        workers.each("warm", scan, tasks[:1] * count, titles[:1] * count, False)
-        began = time.perf_counter()
-        found = workers.each("campaign", scan, tasks, titles, False)
-        return time.perf_counter() - began, found
-
-
-def _compared(
-    name: str, count: int, workers: Workers, tasks: list[tuple[Any, ...]], expected: list[Scan], alone: float
-) -> Row:  # fmt: skip
-    seconds, found = _timed(workers, tasks, count)
-    same = [(one.reason, one.points) for one in found] == [(one.reason, one.points) for one in expected]
-    return _engine(name, count, found, seconds, alone) | {"equal": same}
-
-
-def _engine(name: str, count: int, found: Sequence[Scan], seconds: float, alone: float) -> Row:
-    motions = sum(each.counts.motions for each in found if each.counts)
-    row: Row = {
-        "case": name,
-        "workers": count,
-        "combinations": len(found),
-        "motions": motions,
-        "elapsed_s": seconds,
-    }
-    row |= {"motions_per_minute": 60.0 * motions / seconds, "ratio": seconds / alone}
-    return row | {"ideal": 1.0 / min(count, cores()), "equal": True}
-
-
-def neighbours_of(shares: int, records: int, signs: int) -> list[int | None]:
-    """The number of each search's neighbour, None: it has none; in the order of a campaign: shares, records, signs.
-
-    A search begins in the bracket of the same record and sign at the share before, at the first share in that of the
-    record's first sign.
-    """
-    each = records * signs
-    return [
-        k - each if k >= each else k - k % signs if k % signs else None for k in range(shares * each)
-    ]  # fmt: skip
-
-
-def simulated(seconds: Sequence[float], after: Sequence[int | None], workers: int) -> float:
-    """Time (s) of tasks on `workers`: each is begun by the first free one once the task that it follows is done."""
-    ready = [(0.0, k) for k, before in enumerate(after) if before is None]
-    free, last = [0.0] * workers, 0.0
-    while ready:
-        at, k = heapq.heappop(ready)
-        done = max(heapq.heappop(free), at) + seconds[k]
-        heapq.heappush(free, done)
-        last = max(last, done)
-        for follower in (number for number, before in enumerate(after) if before == k):
-            heapq.heappush(ready, (done, follower))
-    return last
 
 
 if __name__ == "__main__":

@@ -45,11 +45,8 @@ def project(
     [assessment] has of its own in `tables` is added to what all templates have.
     """
     ahead = sorted(control, key=lambda name: -control[name][0])
-    pushover: dict[str, Any] = {
-        "contacts": ["rigid", "elastic"],
-        "directions": ["+x", "-x"],
-        "increment_m": increment,
-    }
+    pushover: dict[str, Any] = {"contacts": ["rigid", "elastic"], "directions": ["+x", "-x"]}
+    pushover["increment_m"] = increment
     pushover["control"] = dict(zip(("+x", "-x"), ahead, strict=True)) if ahead[1:] else ahead[0]
     own, keys = tables.pop("assessment", {}), ("unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3")
     return {
@@ -74,11 +71,8 @@ def outward(movement: float, increment: float = 0.0) -> dict[str, Any]:
     `increment` (m): 0: a twentieth.
     """
     step = increment or round(0.05 * movement, 7)
-    return sinking(movement) | {
-        "displacement_m": [movement, -movement],
-        "increment_m": step,
-        "to_collapse": True,
-    }
+    way = {"displacement_m": [movement, -movement], "increment_m": step, "to_collapse": True}
+    return sinking(movement) | way
 
 
 def sinking(movement: float) -> dict[str, Any]:

@@ -55,9 +55,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     Raises DrawingError as `new_from_drawing`, ProjectError for a name that no project can have.
     """
     if not re.fullmatch(r"\S(.*\S)?", path.name) or not path.name.isprintable():
-        raise ProjectError(
-            f"--drawing {path.name!r}: blanks at its ends or control characters; rename the file"
-        )
+        text = "blanks at its ends or control characters; rename the file"
+        raise ProjectError(f"--drawing {path.name!r}: {text}")
     sheet = Sheet.of(path, "m", Layer(Material(18.0), 1.0), {}, None, None)
     drawn = sheet.drawing
     if not drawn.blocks:
@@ -103,9 +102,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     if ignored:
         told.append(message("ignored, being no masonry: layers {ignored}", ignored=ignored))
     if walls:
-        told.append(
-            message("an outline with openings: [layers.{wall}.bond] cuts it into blocks", wall=walls[0])
-        )
+        bond = message("an outline with openings: [layers.{wall}.bond] cuts it into blocks", wall=walls[0])
+        told.append(bond)
     if drawn.cracks:
         told.append(message("surveyed cracks, to be drawn beside those calculated: {n}", n=len(drawn.cracks)))
     keys = ["geometry.depth_m = 1.0", "material.unit_weight_kN_m3 = 18.0", "material.friction = 0.6"]
@@ -148,12 +146,8 @@ def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], 
     tree = shapely.STRtree(rings)
     outer, inner = tree.query(rings, predicate="covers")
     same = np.array(layers)[outer] == np.array(layers)[inner]
-    chosen = (
-        (outer != inner)
-        & same
-        & masonry[outer]
-        & (shapely.area(rings)[inner] < HOLE * shapely.area(rings)[outer])
-    )
+    areas = shapely.area(rings)
+    chosen = (outer != inner) & same & masonry[outer] & (areas[inner] < HOLE * areas[outer])
     openings = np.zeros(len(rings), dtype=bool)
     openings[inner[chosen]] = True
     return sorted({layers[k] for k in outer[chosen].tolist()}), openings
@@ -169,9 +163,8 @@ def _no_masonry(sheet: Sheet, layers: list[str], masonry: Mask) -> tuple[list[st
         meant = outline.closed or np.linalg.norm(ends[1] - ends[0]) < CLOSED * length
         if outline.source.handle in sheet.wrong and len(outline.points) > 2 and meant:
             faulty.add(layer_key(outline.source.layer))
-    shown = {
-        layer_key(p.layer): p.layer for p in sheet.placed if not p.hidden and p.entity.dxftype() in DRAWN
-    }
+    drawn = (each.layer for each in sheet.placed if not each.hidden and each.entity.dxftype() in DRAWN)
+    shown = {layer_key(layer): layer for layer in drawn}
     told = {key: shown[key] for key in shown.keys() - holding}
     ignored = sorted(name for key, name in told.items() if key not in faulty)
     return ignored, sorted(name for key, name in told.items() if key in faulty)
@@ -192,12 +185,10 @@ def _supports(
         text = message("no support: every block is a lowest one; draw the ground below them as a support")
         return {}, [], [text]
     chosen = np.flatnonzero(ground)
-    near = shapely.STRtree(shapes[chosen]).query(
-        shapes[chosen], predicate="dwithin", distance=reach + 0.5 * size
-    )
-    _, part = connected_components(
-        coo_array((np.ones(near.shape[1]), near), shape=(len(chosen),) * 2), directed=False
-    )
+    tree = shapely.STRtree(shapes[chosen])
+    near = tree.query(shapes[chosen], predicate="dwithin", distance=reach + 0.5 * size)
+    links = coo_array((np.ones(near.shape[1]), near), shape=(len(chosen),) * 2)
+    _, part = connected_components(links, directed=False)
     groups = sorted((chosen[part == k] for k in range(part.max() + 1)), key=lambda own: bounds[own, 0].min())
     calls = {1: ["base"], 2: ["sinistro", "destro"]}.get(len(groups))
     calls = calls or [f"appoggio {k}" for k in range(1, len(groups) + 1)]
@@ -210,9 +201,7 @@ def _supports(
             continue
         centres = shapely.get_coordinates(shapely.centroid(shapes[own]))
         (x0, z0), (x1, z1) = centres.min(axis=0) - 0.01 * size, centres.max(axis=0) + 0.01 * size
-        corners = [
-            [round(float(x), 6), round(float(z), 6)] for x, z in ((x0, z0), (x1, z0), (x1, z1), (x0, z1))
-        ]
+        corners = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)]).round(6).tolist()
         regions.append({"name": call, "outline_m": corners, "support": call})
         first, last = bounds[own, 0].min(), bounds[own, 2].max()
         lines.append(message(

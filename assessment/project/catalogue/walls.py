@@ -39,15 +39,10 @@ def block(
         BASE=[rectangle(-half - base, half + base, -base, 0.0)],
         BLOCCO=[rectangle(-half, half, 0.0, height_m)],
     )
-    turned = {
-        "name": "base ruotata 20 mrad",
-        "support": "base",
-        "rotation_rad": -0.02,
-        "increment_rad": 0.001,
-    }
+    moved = {"name": "base ruotata 20 mrad", "support": "base", "rotation_rad": -0.02}
+    moved |= {"increment_rad": 0.001, "to_collapse": True}
     layers, stone = {"BASE": {"support": "base"}}, (18.0, 0.7, 5e8)
     control, increment = _corners(half, -half, height_m), round(0.01 * width_m, 6)
-    moved = turned | {"to_collapse": True}
     return layout, project("Blocco oscillante", 1.0, stone, layers, control, increment, [moved])
 
 
@@ -153,9 +148,8 @@ def facade(
     step, t, b = float(levels[1]), thickness_m, bearing_m
     floors = levels[per_storey:-1:per_storey]
     # the top course holds the roof's bearing, and with it the thrust, behind an upstand
-    notched = np.array(
-        [(0, top - step), (t, top - step), (t, top + step), (b, top + step), (b, top), (0, top)]
-    )
+    low, high = top - step, top + step
+    notched = np.array([(0, low), (t, low), (t, high), (b, high), (b, top), (0, top)])
     masonry = [rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
     lean = np.tan(np.radians(crack_deg))
     room = -top * lean - 1.5  # of the inner walls, which are a support
@@ -194,9 +188,8 @@ def facade(
     names = {"ribaltamento semplice": turning, "ribaltamento composto": [*turning, "CUNEO"]}
     tables: dict[str, Any] = {}
     if crack_deg and not thrusts:  # a rafter turns by itself
-        tables["mechanism"] = [
-            {"name": name, "about_m": [t, 0.0], "layers": own} for name, own in names.items()
-        ]
+        edge = [t, 0.0]
+        tables["mechanism"] = [{"name": name, "about_m": edge, "layers": own} for name, own in names.items()]
     if tie_kN:
         tables["tie"] = [
             {
@@ -284,11 +277,8 @@ def _two_bases(split: float, length: float, margin: float, depth: float) -> dict
 
 def _wall(title: str, length: float, height: float, block: float, step: float) -> dict[str, Any]:
     """Return the project file of a wall on two bases, of blocks of a length in courses of a height `step`, m."""
-    control, increment, moved = (
-        _corners(length, 0.0, height),
-        round(0.02 * block, 6),
-        sinking(round(0.1 * step, 6)),
-    )
+    control, moved = _corners(length, 0.0, height), sinking(round(0.1 * step, 6))
+    increment = round(0.02 * block, 6)
     return project(title, 0.3, (18.0, 0.65, 1e6), TWO_SUPPORTS, control, increment, [moved])
 
 

@@ -17,6 +17,7 @@ import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
@@ -92,12 +93,9 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]
         if isinstance(word, str)
     ]
     off = [_SINGLE[name] for name, word in active.items() if word is False]
-    used = [
-        name
-        for name in _SHEETS
-        if name in rows and not any(_SHEETS[name][: len(path)] == path for path in off)
-    ]
-    for name in used:
+    for name, table in _SHEETS.items():
+        if name not in rows or any(table[: len(path)] == path for path in off):
+            continue
         entries = _table_entries(name, rows[name]) if name in _SINGLE else _list_entries(name, rows[name])
         for entry in entries:
             places[entry.path] = f'sheet "{name}"{entry.place}'
@@ -128,6 +126,7 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
     "help" has them all. `marked`: keys of single tables whose comment begins with MARK.
     """
     from openpyxl import Workbook
+    from openpyxl.comments import Comment
 
     language = content.get("report", {}).get("language", "it")
     book = Workbook()
@@ -139,16 +138,19 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
         sheet = book.create_sheet(name)
         if name in _SINGLE:
             _fill(sheet, _table_rows(table, node, marked, language))
-            _offer(
-                sheet,
-                [(f"B{row[0].row}", _path(table, row[0].value)) for row in sheet.iter_rows(min_row=2)],
-            )
+            _offer(sheet, [(f"B{cell.row}", _path(table, cell.value)) for cell in sheet["A"][1:]])
             continue
         _fill(sheet, _list_rows(name, node or {}))
-        _explain_header(sheet, language)
+        meanings = keys_at((name, 0), language)
+        for cell in sheet[1]:
+            if cell.value in meanings:
+                cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
         headings = [(cell.column_letter, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
         _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in headings])
-    _fill(book.create_sheet(_HELP), _help_rows(language))
+    every = [
+        [*_help_on(name, at if name in _SINGLE else (name, 0), "", language)] for name, at in _SHEETS.items()
+    ]
+    _fill(book.create_sheet(_HELP), [["sheet", "key", "default", "meaning"], *chain(*every)])
     file = BytesIO()
     book.save(file)
     return file.getvalue()
@@ -201,16 +203,6 @@ def _choices(path: KeyPath) -> str:
         if all(isinstance(member, str) for member in members) and members:
             chosen += [*members, "; ".join(members)]
     return f'"{",".join(chosen)}"' if chosen else f'"{YES[0]},{NO[0]}"' if bool in kinds else ""
-
-
-def _explain_header(sheet: Any, language: str) -> None:
-    """Put the meaning of each key of a list as a note to its heading."""
-    from openpyxl.comments import Comment
-
-    meanings = keys_at((sheet.title, 0), language)
-    for cell in sheet[1]:
-        if cell.value in meanings:
-            cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
 
 
 def _unevaluated(formulas: Rows, values: Rows) -> str | None:
@@ -393,12 +385,6 @@ def _flat(table: KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
         else:
             row[key] = value
     return row
-
-
-def _help_rows(language: str) -> Iterator[list[Any]]:
-    yield ["sheet", "key", "default", "meaning"]
-    for name, path in _SHEETS.items():
-        yield from _help_on(name, path if name in _SINGLE else (name, 0), "", language)
 
 
 def _help_on(sheet: str, table: KeyPath, prefix: str, language: str) -> Iterator[list[Any]]:

@@ -31,6 +31,9 @@ RETURN_PERIOD_TOL = 0.02  # relative: typed values are rounded, 475 years for 47
 LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; below it the block does not turn
 
 
+Component = Annotated[float, Field(ge=0, le=0.2)]  # F_Ck
+
+
 class HazardTable(Table):
     """[assessment.site.SLV] and so on: the hazard of one limit state, typed in."""
 
@@ -78,18 +81,20 @@ class SiteTable(Table):
         elif not typed:
             yield (), "no hazard; add latitude and longitude, or ag_g, F0 and Tc_star_s per limit state"
         elif project.assessment:
-            for key, table in typed.items():
-                yield from self._return_period(key, table.return_period_years)
+            for (
+                key,
+                table,
+            ) in typed.items():  # what nominal life and use class make, but for rounding (§3.2.1)
+                given, by_life = (
+                    table.return_period_years,
+                    return_period(key, self.nominal_life_years, self.use_class),
+                )
+                if given is not None and abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
+                    text = f"{given:g} years, but nominal_life_years = {self.nominal_life_years:g} and use_class = "
+                    text += f'"{self.use_class}" make {by_life:.4g} at {key}; correct one of them'
+                    yield (key, "return_period_years"), text
             for key in (each for each in project.assessment.limit_states if each not in typed):
                 yield key, "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
-
-    def _return_period(self, limit_state: str, given: float | None) -> Iterator[Contradiction]:
-        """Yield a return period (years) that nominal life and use class do not make, but for rounding (§3.2.1)."""
-        by_life = return_period(limit_state, self.nominal_life_years, self.use_class)
-        if given is not None and abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
-            text = f"{given:g} years, but nominal_life_years = {self.nominal_life_years:g} and use_class = "
-            text += f'"{self.use_class}" make {by_life:.4g} at {limit_state}; correct one of them'
-            yield (limit_state, "return_period_years"), text
 
 
 class FloorTable(Table):
@@ -139,18 +144,10 @@ class KnowledgeTable(Table):
     level: Literal["LC1", "LC2", "LC3"] | None = absent(
         "level of knowledge, Circolare 7/2019, C8.5.4: F_C 1.35, 1.20 or 1.00"
     )
-    geometry: Annotated[float, Field(ge=0, le=0.2)] | None = absent(
-        "F_C1 of DPCM 9/2/2011: geometrical survey, 0.05 or 0.0"
-    )
-    construction: Annotated[float, Field(ge=0, le=0.2)] | None = absent(
-        "F_C2: survey of materials and details, 0.12, 0.06 or 0.0"
-    )
-    mechanical: Annotated[float, Field(ge=0, le=0.2)] | None = absent(
-        "F_C3: mechanical properties, 0.12, 0.06 or 0.0"
-    )
-    ground: Annotated[float, Field(ge=0, le=0.2)] | None = absent(
-        "F_C4: ground and foundations, 0.06, 0.03 or 0.0"
-    )
+    geometry: Component | None = absent("F_C1 of DPCM 9/2/2011: geometrical survey, 0.05 or 0.0")
+    construction: Component | None = absent("F_C2: survey of materials and details, 0.12, 0.06 or 0.0")
+    mechanical: Component | None = absent("F_C3: mechanical properties, 0.12, 0.06 or 0.0")
+    ground: Component | None = absent("F_C4: ground and foundations, 0.06, 0.03 or 0.0")
     evaluation: Literal["LV1", "LV2", "LV3"] | None = absent(
         "level of evaluation of DPCM 9/2/2011: LV1, LV2 or LV3"
     )
@@ -167,10 +164,8 @@ class KnowledgeTable(Table):
     @property
     def origins(self) -> dict[str, str]:
         """The origin of each parameter by its name; parameters without a text are left out."""
-        named = {key.removesuffix("_origin"): getattr(self, key) for key in type(self).model_fields}
-        return {
-            key: text for key, text in named.items() if f"{key}_origin" in type(self).model_fields and text
-        }
+        own = [key for key in type(self).model_fields if key.endswith("_origin") and getattr(self, key)]
+        return {key.removesuffix("_origin"): getattr(self, key) for key in own}
 
     @property
     def components(self) -> dict[str, float]:
@@ -191,10 +186,8 @@ class KnowledgeTable(Table):
             choices = ", ".join(f"{each:g}" for each in COMPONENTS[wrong[0]])
             yield wrong[0], f"{given[wrong[0]]:g} is none of {choices}; write one of these"
         elif project.assessment:
-            factor, follows = (
-                project.assessment.confidence_factor,
-                confidence_factor(self.level, given).factor,
-            )
+            factor = project.assessment.confidence_factor
+            follows = confidence_factor(self.level, given).factor
             if abs(follows - factor) > 1e-9:
                 text = f"{factor:g}, but assessment.knowledge makes {follows:g}; write {follows:g}, or correct it"
                 yield Problem(("assessment", "confidence_factor"), text)
@@ -279,10 +272,8 @@ class MechanismTable(Table):
         if not (self.layers or self.region_m or self.blocks):
             yield (), "no block is chosen; write layers, region_m or blocks"
         if self.region_m is not None and (len(self.region_m) < 4 or len(self.region_m) % 2):
-            yield (
-                "region_m",
-                "no corners; write x and z of two corners of a box, or of each corner of a polygon",
-            )
+            text = "no corners; write x and z of two corners of a box, or of each corner of a polygon"
+            yield "region_m", text
         if abs(self.rotation) < LEAST_ROTATION:
             yield "rotation", f"{self.rotation:g} does not move the macro-block; leave the entry out"
         if self.state != next(each.state for each in project.mechanism if each.name == self.name):

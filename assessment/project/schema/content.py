@@ -179,21 +179,25 @@ class ProjectContent(Table):
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield stiffnesses that elastic analyses lack, strengths that rigid motions forget, and what nothing uses."""
-        if needed_by := self._elastic_keys():
-            text = f"missing, but {', '.join(needed_by)} ask for elastic contacts; add it, in kN/m³ "
-            yield ("material", "normal_stiffness_kN_m3"), f'{text}(or write contacts "rigid", model "none")'
-        rigid = (
-            [name for name, motion in self._motions() if motion.contacts == "rigid"]
-            if self._crushes()
-            else []
-        )
-        if rigid:
-            also = (
-                f" (also {', '.join(f'{key_of(path)}.contacts' for path in rigid[1:])})" if rigid[1:] else ""
-            )
-            text = (
-                f'"rigid" joints do not remember in a motion what was crushed{also}; write "elastic", with '
-            )
+        motions: dict[KeyPath, MotionTable] = {("history", k): each for k, each in enumerate(self.history)}
+        single = (("incremental", self.incremental), ("campaign", self.campaign))
+        motions |= {(name,): table for name, table in single if table}
+        elastic = [f"{key_of(path)}.contacts" for path, each in motions.items() if each.contacts == "elastic"]
+        elastic += ["pushover.contacts"] * bool(self.pushover and "elastic" in self.pushover.contacts)
+        elastic += ["assessment.model"] * bool(self.assessment and self.assessment.model != "none")
+        tables: list[MaterialTable | LayerTable] = [self.material, *self.parts.values()]
+        # where only some blocks lack a stiffness the model tells
+        if elastic and not any(each.normal_stiffness_kN_m3 for each in tables):
+            text = f"missing, but {', '.join(elastic)} ask for elastic contacts; add it, in kN/m³ "
+            text += '(or write contacts "rigid", model "none")'
+            yield ("material", "normal_stiffness_kN_m3"), text
+        changed = (each for made in self.strengthening for each in made.layers.values())
+        strengths = [each.compressive_strength_kN_m2 for each in (*tables, *changed)]
+        rigid = [path for path, each in motions.items() if each.contacts == "rigid"]
+        if rigid and min(each or math.inf for each in strengths) < math.inf:
+            others = ", ".join(f"{key_of(path)}.contacts" for path in rigid[1:])
+            text = '"rigid" joints do not remember in a motion what was crushed'
+            text += f' (also {others}); write "elastic", with ' if others else '; write "elastic", with '
             text += "normal_stiffness_kN_m3, or leave compressive_strength_kN_m2 out, with confidence_factor = 1.35"
             yield (*rigid[0], "contacts"), text
         if self.strengthening and not (self.pushover or self.history or self.incremental):
@@ -202,34 +206,3 @@ class ProjectContent(Table):
         told = self.settlements and all(each.kind in ("crack", "slip") for each in self.measurement)
         if self.measurement and self.identification is None and not told:
             yield "measurement", "nothing uses the measurements; add [identification]"
-
-    def _motions(self) -> list[tuple[KeyPath, MotionTable]]:
-        """Return the tables of motions with their paths."""
-        found: list[tuple[KeyPath, MotionTable]] = [
-            (("history", k), each) for k, each in enumerate(self.history)
-        ]
-        single = (("incremental", self.incremental), ("campaign", self.campaign))
-        return found + [((name,), table) for name, table in single if table]
-
-    def _elastic_keys(self) -> list[str]:
-        """Return the keys that ask for elastic contacts where no layer has a stiffness; blocks are for the model."""
-        if self.material.normal_stiffness_kN_m3 or any(
-            each.normal_stiffness_kN_m3 for each in self.parts.values()
-        ):
-            return []
-        pushed = self.pushover is not None and "elastic" in self.pushover.contacts
-        found = [
-            f"{key_of(path)}.contacts" for path, motion in self._motions() if motion.contacts == "elastic"
-        ]
-        found += ["pushover.contacts"] * pushed
-        return found + ["assessment.model"] * (
-            self.assessment is not None and self.assessment.model != "none"
-        )
-
-    def _crushes(self) -> bool:
-        """Whether some joint has a compressive strength."""
-        strengths = [self.material.compressive_strength_kN_m2]
-        strengths += [each.compressive_strength_kN_m2 or math.inf for each in self.parts.values()]
-        for made in self.strengthening:
-            strengths += [each.compressive_strength_kN_m2 or math.inf for each in made.layers.values()]
-        return min(strengths) < math.inf

@@ -43,22 +43,18 @@ def keys_at(path: KeyPath, language: str = "en") -> dict[str, str]:
     for plain in alternatives(annotation_at(path)):
         if isinstance(plain, type) and issubclass(plain, Table):
             fields = sorted(plain.model_fields.items(), key=lambda item: not item[1].is_required())
-            if language == "it":
-                words = _italian()
-                return {
-                    key: words.get(f"{plain.__name__}.{key}", words.get(key, ["", ""]))[1]
-                    for key, _ in fields
-                }
-            return {key: field.description or "" for key, field in fields}
+            if language != "it":
+                return {key: field.description or "" for key, field in fields}
+            words, name = _italian(), plain.__name__
+            return {key: words.get(f"{name}.{key}", words.get(key, ["", ""]))[1] for key, _ in fields}
     return {}
 
 
 @cache
 def _italian() -> dict[str, list[str]]:
     """Return label and meaning of every key in Italian, by KEY or TABLE.KEY."""
-    words: dict[str, list[str]] = tomllib.loads((files("templates") / "app_it.toml").read_text("utf-8"))[
-        "keys"
-    ]
+    content = tomllib.loads((files("templates") / "app_it.toml").read_text("utf-8"))
+    words: dict[str, list[str]] = content["keys"]
     return words
 
 

@@ -162,9 +162,8 @@ class CampaignTable(MotionTable):
             values = getattr(self, key) or ()
             if list(values) != sorted(values):
                 yield key, "not in order; write the smallest first"
-        chosen = [
-            each for each in project.settlements if self.settlements is None or each.name in self.settlements
-        ]
+        names = self.settlements or [each.name for each in project.settlements]
+        chosen = [each for each in project.settlements if each.name in names]
         smallest = max(min((each.largest for each in chosen), default=1.0), LEAST_MOVEMENT)
         for index, share in enumerate(self.shares):
             if 0.0 < share * smallest < LEAST_MOVEMENT:
@@ -224,16 +223,10 @@ Millimetres = Annotated[float, Field(ge=-1e6, le=1e6)]
 Milliradians = Annotated[float, Field(ge=-1e3, le=1e3)]
 Deviation = Annotated[float, Field(ge=1e-6, le=1e6)]  # mm or mrad
 
-VALUE_KEYS: dict[str, str] = {
-    "crack": "opening_mm",
-    "slip": "slip_mm",
-    "lean": "rotation_mrad",
-    "relative": "value_mm",
-}
+VALUE_KEYS = {"crack": "opening_mm", "slip": "slip_mm", "lean": "rotation_mrad", "relative": "value_mm"}
 """The key of the measured value, by kind."""
-
 PLACING = ("component", "from_m")  # keys of relative measurements alone
-SIGMA_KEYS: dict[str, str] = {kind: f"sigma_{key.rpartition('_')[2]}" for kind, key in VALUE_KEYS.items()}
+SIGMA_KEYS = {kind: f"sigma_{key.rpartition('_')[2]}" for kind, key in VALUE_KEYS.items()}
 """The key of its standard deviation, by kind."""
 
 
@@ -307,10 +300,8 @@ class MeasurementTable(Table):
             if key in needed and getattr(self, key) is None:
                 yield key, f'missing; a measurement of kind "{self.kind}" needs it'
             elif key not in own and getattr(self, key) is not None:
-                text = (
-                    f'does not go with kind = "{self.kind}", which has {", ".join(sorted(own))}; leave it out'
-                )
-                yield key, text
+                has = ", ".join(sorted(own))
+                yield key, f'does not go with kind = "{self.kind}", which has {has}; leave it out'
         value = getattr(self, VALUE_KEYS[self.kind])
         if self.kind in ("crack", "slip") and value is not None and value < 0.0:
             yield VALUE_KEYS[self.kind], f"{value:g} is negative; it has no sign, write 0 or more"

@@ -213,10 +213,8 @@ class SettlementTable(Table):
             turns = abs(self.rotation_rad) / self.increment_rad > shift / self.increment_m
             yield "increment_rad" if turns else "increment_m", text
         if self.steps and not project.pushover:
-            yield (
-                "steps",
-                "there is no pushover whose capacity could be reviewed; add [pushover] or leave steps out",
-            )
+            text = "there is no pushover whose capacity could be reviewed"
+            yield "steps", f"{text}; add [pushover] or leave steps out"
         if self.after is not None:
             yield from self._after(self.after, project)
 
@@ -232,10 +230,8 @@ class SettlementTable(Table):
                 text = f'the tie "{tie.name}" is there in one of "{before}" and "{self.name}" alone'
                 yield "after", f"{text}; write both in its states, or none"
         if self.steps:
-            yield (
-                "steps",
-                "capacities after parts of a movement are those of one that begins as drawn; leave it out",
-            )
+            text = "capacities after parts of a movement are those of one that begins as drawn; leave it out"
+            yield "steps", text
         campaign = project.campaign
         if campaign and self.name in (campaign.settlements or settlements):
             text = f'shares of a movement begin as drawn, "{self.name}" does not; write the names of others'

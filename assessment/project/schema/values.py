@@ -27,10 +27,8 @@ def key_of(path: KeyPath) -> str:
         if isinstance(part, int):
             key += f"[{part + 1}]"
         else:
-            plain = re.fullmatch(r"[\w+-]+", part)
-            key += "." * bool(key) + (
-                part if plain else shortened(json.dumps(part, ensure_ascii=False), SHOWN)
-            )
+            quoted = shortened(json.dumps(part, ensure_ascii=False), SHOWN)
+            key += "." * bool(key) + (part if re.fullmatch(r"[\w+-]+", part) else quoted)
     return key
 
 
@@ -89,9 +87,8 @@ def unique(items: tuple[Entry, ...]) -> tuple[Entry, ...]:
 
 def _stiff_or_rigid(stiffness: float) -> float:
     if _MOST_STIFFNESS < stiffness < math.inf:
-        raise ValueError(
-            f"{stiffness:g} is more than {_MOST_STIFFNESS:g}; write inf for a joint that is rigid in shear"
-        )
+        text = f"{stiffness:g} is more than {_MOST_STIFFNESS:g}"
+        raise ValueError(f"{text}; write inf for a joint that is rigid in shear")
     return stiffness
 
 

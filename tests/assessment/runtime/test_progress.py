@@ -66,7 +66,7 @@ def test_bars_on_a_terminal(project, capsys, monkeypatch):
     for stage in ("self-weight: 1", "pushdown: 1", "pushover: 2", "history: 4", "incremental: "):
         assert f"· {stage}" in first.err
     assert "· pushdown: 1, 1 taken over, inputs unchanged, " in second.err
-    assert "· pushover: 2, 0." in second.err
+    assert re.search(r"· pushover: 2, \d", second.err)
 
 
 def test_the_bar_moves_with_the_analyses():
