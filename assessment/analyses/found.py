@@ -3,20 +3,59 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from assessment.project.project import Project
 from assessment.project.schema import SettlementTable
+from assessment.results.plain import finite
+from assessment.results.quality import lines
 from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import Part
 from mechanics.messages import Message
 
+Value = TypeVar("Value")
+Kind = TypeVar("Kind", bound=Part)
+
+
+@dataclass
+class Found(Generic[Value]):
+    """The `value` that an analysis found; None: nothing, and the `failures` say why.
+
+    `warnings`: what to know about the value; `quality`: certificates of the programs that were solved; `seconds`:
+    computing time; `scatters`: whether the value turns on the last digits of the input, so that runs have a range.
+    """
+
+    value: Value | None = None
+    warnings: list[Message] = field(default_factory=list)
+    failures: list[Message] = field(default_factory=list)
+    quality: list[QualityRow] = field(default_factory=list)
+    seconds: float = 0.0
+    scatters: bool = False
+
+
+def as_part(kind: type[Kind], found: object, **more: Any) -> Kind:
+    """Return a part of the results: whatever its keys are called in `found` too, and `more`; null: not finite.
+
+    A `trace` becomes the lines of its steps.
+    """
+    values = {
+        name: getattr(found, name) for name in kind.model_fields if name not in more and hasattr(found, name)
+    }
+    for name, value in values.items():
+        if isinstance(value, float):
+            values[name] = finite(value)
+        elif isinstance(value, tuple):
+            values[name] = lines(value) if name == "trace" else list(value)
+    return kind(**values, **more)
+
+
 SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
-# ratio of a first-order method: a higher observed order is not relied on
-FIRST_ORDER = 2.0
-# of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
-NOISE = 1e-6
+FIRST_ORDER = 2.0  # ratio of a first-order method: a higher observed order is not relied on
+NOISE = (
+    1e-6  # of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
+)
 LEVELS = 3  # at least: two may agree by chance
 FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
 
@@ -57,7 +96,14 @@ def in_increments(project: Project, factor: float) -> Project:
     """Return the project with increments `factor` times as large: a settlement has a whole number of equal ones."""
     pushover = project.pushover
     larger = pushover and pushover.model_copy(update={"increment_m": factor * pushover.increment_m})
-    settlements = tuple(_in_increments(each, factor) for each in project.settlements)
+
+    def divided(settlement: SettlementTable) -> SettlementTable:
+        count = max(1, round(settlement.increments / factor))
+        movement, rotation = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
+        shares = {"increment_m": movement / count, "increment_rad": rotation / count}
+        return settlement.model_copy(update={key: share for key, share in shares.items() if share > 0.0})
+
+    settlements = tuple(map(divided, project.settlements))
     return project.model_copy(update={"settlements": settlements, "pushover": larger})
 
 
@@ -73,38 +119,3 @@ def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project,
     """
     projects = [refined(project, halvings.get(each.name, 0)) for each in project.settlements]
     return [(each, each.settlements[number]) for number, each in enumerate(projects)]
-
-
-def _in_increments(settlement: SettlementTable, factor: float) -> SettlementTable:
-    count = max(1, round(settlement.increments / factor))
-    movement, rotation = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
-    shares = {"increment_m": movement / count, "increment_rad": rotation / count}
-    return settlement.model_copy(update={key: share for key, share in shares.items() if share > 0.0})
-
-
-Value = TypeVar("Value")
-
-
-@dataclass
-class Found(Generic[Value]):
-    """The `value` that an analysis found; None: nothing, and the `failures` say why.
-
-    `warnings`: what to know about the value; `quality`: certificates of the programs that were solved; `seconds`:
-    computing time; `scatters`: whether the value turns on the last digits of the input, so that runs have a range.
-    """
-
-    value: Value | None = None
-    warnings: list[Message] = field(default_factory=list)
-    failures: list[Message] = field(default_factory=list)
-    quality: list[QualityRow] = field(default_factory=list)
-    seconds: float = 0.0
-    scatters: bool = False
-
-    def take(self, others: Iterable[Found[Any]]) -> None:
-        """Add what is to be told of other analyses, with their certificates and times."""
-        for each in others:
-            self.warnings += each.warnings
-            self.failures += each.failures
-            self.quality += each.quality
-            self.seconds += each.seconds
-            self.scatters |= each.scatters

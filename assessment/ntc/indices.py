@@ -27,20 +27,20 @@ _RISK = "D.M. 58/2017, Allegato A"
 
 
 @dataclass(frozen=True)
-class Indices:
-    """Indices of a structure, None where what they need is not known: the return periods of capacity and demand.
+class RiskIndices:
+    """Indices of a structure, named as in the results; None where the return periods that they need are not known.
 
-    I_S = T_SLV/T_R,SLV; f_a = a_SLV/a_g,SLV on rock; nominal_life: acceptable V_N, years; is_v: ratio of PGA at SLV
-    and its class; pam: expected annual loss as a share, and its class; risk_class: the worse of the two.
+    I_S = T_SLV/T_R,SLV; f_a = a_SLV/a_g,SLV on rock; IS_V: ratio of PGA at SLV and its class; PAM: expected annual
+    loss as a share, and its class; risk_class: the worse of the two.
     """
 
     I_S: float | None
     f_a: float
-    nominal_life: float | None
-    is_v: float
-    is_v_class: str
-    pam: float | None
-    pam_class: str | None
+    acceptable_nominal_life_years: float | None
+    IS_V: float
+    IS_V_class: str
+    PAM: float | None
+    PAM_class: str | None
     risk_class: str | None
     trace: Trace
 
@@ -53,7 +53,7 @@ def heritage_and_risk_indices(
     T_SLV: float | None = None,
     T_R_SLV: float | None = None,
     T_SLD: float | None = None,
-) -> Indices:
+) -> RiskIndices:
     """Return the indices from the capacity at SLV (a_g, demand on rock, g; ratio ζ of PGA) and return periods (years).
 
     T_SLV, T_SLD: of the capacities at SLV and SLD; T_R_SLV: of the demand at SLV.
@@ -74,10 +74,8 @@ def heritage_and_risk_indices(
     if T_SLV is not None:
         P = EXCEEDANCE["SLV"]
         life = -T_SLV * log(1.0 - P) / C_U
-        lines.append(
-            step("V_N_acceptable", "-T_SLV*log(1 - P_VR)/C_U", life, "years", _HERITAGE, T_SLV=T_SLV, P_VR=P,
-                 C_U=C_U)
-        )  # fmt: skip
+        formula = "-T_SLV*log(1 - P_VR)/C_U"
+        lines.append(step("V_N_acceptable", formula, life, "years", _HERITAGE, T_SLV=T_SLV, P_VR=P, C_U=C_U))
     pam = pam_class = risk = None
     is_v_class = CLASSES[sum(zeta < least for least in _IS_V)]
     if T_SLV is not None and T_SLD is not None:
@@ -85,7 +83,7 @@ def heritage_and_risk_indices(
         pam_class = CLASSES[bisect_right(_PAM, pam * (1.0 - 1e-12))]
         risk = max(is_v_class, pam_class, key=CLASSES.index)
         lines += steps
-    return Indices(I_S, f_a, life, zeta, is_v_class, pam, pam_class, risk, tuple(lines))
+    return RiskIndices(I_S, f_a, life, zeta, is_v_class, pam, pam_class, risk, tuple(lines))
 
 
 def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
@@ -103,11 +101,12 @@ def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
         "SLV": SLV,
         "SLC": _SLC_OF_SLV * SLV,
     }
-    names = list(rates)
-    pam = rates["SLC"] * _COST["SLR"] + sum(
-        (rates[often] - rates[seldom]) * (_COST[often] + _COST[seldom]) / 2.0
-        for often, seldom in pairwise(names)
-    )
+    stretches = [(often, seldom, (_COST[often] + _COST[seldom]) / 2.0) for often, seldom in pairwise(rates)]
+    pam = rates["SLC"] * _COST["SLR"] + sum((rates[a] - rates[b]) * cost for a, b, cost in stretches)
+    parts = [
+        f"({'lambda_' + a if a != 'SLID' else f'{_INITIAL_DAMAGE:g}'} - lambda_{b})*{cost:g}"
+        for a, b, cost in stretches
+    ]
     frequency = f"{_INITIAL_DAMAGE:g}"
     lines = (
         step("lambda_SLV", f"min({frequency}, 1/T_SLV)", SLV, "1/years", _RISK, T_SLV=T_SLV),
@@ -116,18 +115,10 @@ def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
         step("lambda_SLO", f"min({frequency}, {_SLO_OF_SLD:g}*lambda_SLD)", rates["SLO"], "1/years", _RISK,
              lambda_SLD=SLD),
         step("lambda_SLC", f"{_SLC_OF_SLV:g}*lambda_SLV", rates["SLC"], "1/years", _RISK, lambda_SLV=SLV),
-        step("PAM", _pam_formula(names), pam, "", _RISK,
+        step("PAM", " + ".join([f"{_COST['SLR']:g}*lambda_SLC", *parts]), pam, "", _RISK,
              **{f"lambda_{name}": rate for name, rate in rates.items() if name != "SLID"}),
     )  # fmt: skip
     return pam, lines
-
-
-def _pam_formula(names: list[str]) -> str:
-    parts = [f"{_COST['SLR']:g}*lambda_SLC"]
-    for often, seldom in pairwise(names):
-        first = f"{_INITIAL_DAMAGE:g}" if often == "SLID" else f"lambda_{often}"
-        parts.append(f"({first} - lambda_{seldom})*{(_COST[often] + _COST[seldom]) / 2.0:g}")
-    return " + ".join(parts)
 
 
 def required_zeta(zeta: float | None, use_class: str) -> dict[str, float | None]:

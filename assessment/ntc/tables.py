@@ -6,11 +6,10 @@ A run in which nothing has changed reads a project, and needs no arrays for that
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import inf, log
 from typing import Final
 
-from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.calculation import Step, datum, step
 
 # SLO, SLD and "SLV linear" are the linear kinematic check (a_0* of the rigid multiplier); "elastic" is the end of the
 # elastic branch of a curve that has one; SLV and SLC are the nonlinear check
@@ -26,7 +25,6 @@ INDEX = INDEXED[0]
 # of an acceleration: on rigid ground (category A) without S, or with it
 ROCK: Final = "rock"
 SURFACE: Final = "surface"
-
 
 EXCEEDANCE = {"SLO": 0.81, "SLD": 0.63, "SLV": 0.10, "SLC": 0.05}  # P_VR, Tab. 3.2.I
 USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.II
@@ -48,19 +46,9 @@ def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str =
     return min(max(T_R, SHORTEST), LONGEST)
 
 
-PSI_2 = {
-    "A": 0.3,
-    "B": 0.3,
-    "C": 0.6,
-    "D": 0.6,
-    "E": 0.8,
-    "F": 0.6,
-    "G": 0.3,
-    "H": 0.0,
-    "wind": 0.0,
-    "snow": 0.0,
-    "snow above 1000 m": 0.2,
-}
+PSI_2 = {"A": 0.3, "B": 0.3, "C": 0.6, "D": 0.6, "E": 0.8, "F": 0.6, "G": 0.3, "H": 0.0}
+PSI_2 |= {"wind": 0.0, "snow": 0.0, "snow above 1000 m": 0.2}
+"""Of variable loads by category: Tab. 2.5.I, not compared with the text [k]."""
 OWN_PSI_2 = ("I", "K")  # of these categories the designer decides case by case
 
 
@@ -75,16 +63,6 @@ def psi_2(category: str | None, given: float | None) -> float:
 
 
 CONFIDENCE_FACTOR = "Circolare 7/2019, C8.5.4"  # where F_C is a number that is given
-
-
-@dataclass(frozen=True)
-class Knowledge:
-    """F_C (–) with the components it is made of: by level of knowledge (C8.5.4) or 1 + Σ F_Ck (D.P.C.M. 9/2/2011)."""
-
-    factor: float
-    trace: Trace
-
-
 LEVELS = {"LC1": 1.35, "LC2": 1.20, "LC3": 1.00}
 COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge (D.P.C.M. 9/2/2011, Tab. 4.1)
     "geometry": (0.05, 0.0),
@@ -94,12 +72,10 @@ COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge 
 }
 
 
-def confidence_factor(level: str | None, components: Mapping[str, float]) -> Knowledge:
-    """Return F_C of a level of knowledge, or 1 + Σ F_Ck of the four components where no level is given."""
+def confidence_factor(level: str | None, components: Mapping[str, float]) -> Step:
+    """Return the step of F_C of a level of knowledge (C8.5.4), or 1 + Σ F_Ck of the components where none is given."""
     if level is not None:
-        source = f"{CONFIDENCE_FACTOR}, {level}"
-        return Knowledge(LEVELS[level], (datum("F_C", LEVELS[level], "", source),))
+        return datum("F_C", LEVELS[level], "", f"{CONFIDENCE_FACTOR}, {level}")
     named = {f"F_C{k}": components[name] for k, name in enumerate(COMPONENTS, 1)}
-    factor = 1.0 + sum(named.values())
-    line = step("F_C", "1 + " + " + ".join(named), factor, "", "D.P.C.M. 9/2/2011, §4.2", **named)
-    return Knowledge(factor, (line,))
+    formula = "1 + " + " + ".join(named)
+    return step("F_C", formula, 1.0 + sum(named.values()), "", "D.P.C.M. 9/2/2011, §4.2", **named)

@@ -6,6 +6,7 @@ NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2; Circolare 617/2009, C8A.4.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf, pi, sqrt
 from typing import Literal
@@ -16,14 +17,16 @@ from assessment.ntc.calculation import Step, Trace, datum, step
 from assessment.ntc.capacity_curve import CapacityCurve
 from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
-from assessment.ntc.hazard import HazardCurve, capacity_return_period
+from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE
 from mechanics.errors import require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY
 
+CheckMethod = Literal["linear", "elastic", "nonlinear"]
 ACTIVATION_DAMPING = 0.05
+_SURFACE_LAW = "NTC 2018, §3.2.3.2.1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,18 +76,11 @@ class Method:
         require(self.behaviour_factor >= 1.0, "behaviour_factor", self.behaviour_factor, "1 or more")
         require(self.circular in {"2019", "2009"}, "circular", self.circular, '"2019" or "2009"')
         require(self.scaling in {"shape", "return_period"}, "scaling", self.scaling, "shape or return_period")
-        require(
-            self.displacement_demand in {"maximum", "at_period"},
-            "displacement_demand",
-            self.displacement_demand,
-            "maximum or at_period",
-        )
-        require(
-            self.scaling == "shape" or self.hazard is not None,
-            "scaling",
-            self.scaling,
-            "shape where the site's hazard is not given by latitude, longitude and grid",
-        )
+        known = self.displacement_demand in {"maximum", "at_period"}
+        require(known, "displacement_demand", self.displacement_demand, "maximum or at_period")
+        given = self.scaling == "shape" or self.hazard is not None
+        must = "shape where the site's hazard is not given by latitude, longitude and grid"
+        require(given, "scaling", self.scaling, must)
         for state, limit in self.local_limits.items():
             require(0.0 < limit < inf, f"local_limits.{state}", limit, "positive, in m")
 
@@ -104,27 +100,220 @@ class Solved:
     notes: tuple[Message, ...]
 
 
-def solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
+@dataclass(frozen=True)
+class Check:
+    """The answer of one check of one limit state, named as in the results.
+
+    d_star_m, a_star_g: point of the capacity curve that counts; T_s: its period; a_g_g: capacity; demand_a_g_g: demand;
+    zeta_E: their ratio, with S on both sides, which is the index ζ_E at SLV only (§8.3); return_period_years: of the
+    capacity, where the site's hazard, or the return period of the demand, is known. governing: what gave a_g.
+    demand_a_star_g: of the linear check, what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference:
+    of both a_g, "rock" (category A, without S) or, of a record's spectrum, "surface"; S, demand_S: from there to the
+    surface. Numbers are None where the capacity is not defined, and `notes` say why.
+    """
+
+    limit_state: str
+    method: CheckMethod
+    demand_a_g_g: float
+    reference: str
+    demand_S: float  # noqa: N815
+    notes: tuple[Message, ...]
+    d_star_m: float | None = None
+    a_star_g: float | None = None
+    T_s: float | None = None
+    a_g_g: float | None = None
+    S: float | None = None
+    zeta_E: float | None = None  # noqa: N815
+    verified: bool | None = None
+    damping: float | None = None
+    return_period_years: float | None = None
+    governing: str = ""
+    trace: Trace = ()
+    demand_a_star_g: float | None = None
+
+    @property
+    def pga_g(self) -> float | None:
+        """Capacity at the surface S a_g, g."""
+        return None if self.a_g_g is None or self.S is None else self.S * self.a_g_g
+
+    @property
+    def demand_pga_g(self) -> float:
+        """Demand at the surface S a_g, g."""
+        return self.demand_S * self.demand_a_g_g
+
+    @property
+    def return_period_stated(self) -> str | None:
+        """Bound of a return period outside what the hazard is known for."""
+        return stated(self.return_period_years)
+
+
+def verify(
+    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method | None = None
+) -> dict[str, Check]:
+    """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
+
+    SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, where the curve has
+    one; SLV and SLC: nonlinear. For a mechanism at height the spectra are floor spectra; for the paper's assessment a
+    RecordSpectrum. A capacity that is not defined (d_0 not reached) gives a Check without numbers that says why.
+    Raises ValueError for an unknown limit state or an unsuitable method.
+    """
+    method = method or Method()
+    checks = {}
+    for state, spectrum in demands.items():
+        require(state in EXCEEDANCE, "limit state", state, "one of SLO, SLD, SLV, SLC")
+        if state in {"SLO", "SLD"}:
+            checks[state] = check_linear(capacity, state, spectrum, method)
+            if capacity.T_0 is not None and method.circular == "2019":
+                solved = _solve_elastic(capacity, spectrum, method)
+                checks[f"{state} elastic"] = _check(state, solved, capacity, spectrum, method, "elastic")
+            continue
+        try:
+            checks[state] = check_nonlinear(capacity, state, spectrum, method)
+        except CapacityError as refusal:
+            checks[state] = Check(state, "nonlinear", *_demand(state, spectrum, method), (refusal.message,))
+        if state == "SLV":
+            checks["SLV linear"] = check_linear(capacity, state, spectrum, method)
+    life, collapse = (checks[state].a_g_g if state in checks else None for state in ("SLV", "SLC"))
+    if life is not None and collapse is not None and collapse < life:
+        shapes = message(
+            "a_g of SLC comes out below that of SLV because their demand spectra differ in shape: the smaller one "
+            "counts for both"
+        )
+        checks["SLC"] = replace(checks["SLC"], notes=(*checks["SLC"].notes, shapes))
+    return checks
+
+
+def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method) -> Check:
+    """Return the linear kinematic check of a_0* = α0/(e* F_C), of the rigid multiplier (Circolare 7/2019, C8.7.1.2).
+
+    At the ground a_0* ≥ a_g S/q, at height a_0* ≥ a_Z(z)/q with a_Z = S_e(T_1) |γ ψ| √(1 + 0.0004 ξ²), not below
+    a_g S (2009: S_e(T_1) ψ γ); q = 1 at SLO and SLD, the behaviour factor at SLV.
+    """
+    q, law = method.behaviour_factor if limit_state in INDEXED else 1.0, LAW[method.circular]
+    solved = _solve_linear(capacity, spectrum, method, q)
+    check = _check(limit_state, solved, capacity, spectrum, method, "linear")
+    by_site, a_g = limit_state in method.site_acceleration, check.demand_a_g_g
+    S, at_rest = 1.0 if by_site else spectrum.S, float(spectrum.acceleration(0.0))
+    if by_site or at_rest <= a_g * S * (1.0 + 1e-9):
+        steps: Trace = (step("a_demand", "a_g_demand*S_demand/q", a_g * S / q, "g", law, a_g_demand=a_g,
+                             S_demand=S, q=q),)  # fmt: skip
+    else:
+        steps = (
+            *spectrum.with_damping(ACTIVATION_DAMPING).steps(0.0),
+            step("a_demand", "S_eZ/q", at_rest / q, "g", law, S_eZ=at_rest, q=q),
+        )
+    return replace(check, demand_a_star_g=steps[-1].result, trace=(*check.trace, *steps))
+
+
+def check_nonlinear(
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
+) -> Check:
+    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
+
+    d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same);
+    T = 1.68 π √(d/a) at 8 % damping,
+    T = 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
+    which the same spectrum reaches d_SLC: the formulas allow it where T_SLV lies on the plateau, and a structure past
+    SLC is past SLV. Circular of 2009:
+    d_u = min(0.40 d_0, local limit), T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u.
+    Raises CapacityError where d_0 is not reached, where no capacity is left at the limit, or where the
+    circular knows no nonlinear check for the limit state.
+    """
+    method = method or Method()
+    solved = _solve_displacement(capacity, limit_state, spectrum, method)
+    if method.circular == "2019":
+        if limit_state == "SLV":
+            with suppress(CapacityError):
+                solved = _first(solved, _solve_displacement(capacity, "SLC", spectrum, method))
+        active = _solve_activation(capacity, spectrum, method)
+        line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
+                    LAW["2019"], a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
+        steps = (*solved.steps, *active.steps, line)
+        if active.a_g > solved.a_g:
+            solved = replace(
+                solved, a_g=active.a_g, base=active.base, governing="activation", notes=active.notes
+            )
+        solved = replace(solved, steps=steps)
+    return _check(limit_state, solved, capacity, spectrum, method, "nonlinear")
+
+
+def _first(life: Solved, collapse: Solved) -> Solved:
+    """Return the solution of SLV, or that of SLC where the same spectrum reaches d_SLC at a smaller a_g."""
+    if collapse.a_g >= life.a_g:
+        return life
+    *steps, last = collapse.steps
+    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"],
+                a_g_life=life.a_g, a_g_collapse=collapse.a_g)  # fmt: skip
+    steps = [*life.steps[:-1], replace(life.steps[-1], symbol="a_g_life"), *steps,
+             replace(last, symbol="a_g_collapse"), line]  # fmt: skip
+    note = message(
+        "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
+        "the plateau): that a_g counts"
+    )
+    governing = f"SLC reached first: {collapse.governing}"
+    return replace(collapse, governing=governing, steps=tuple(steps), notes=(*collapse.notes, note))
+
+
+def _demand(limit_state: str, spectrum: Spectrum, method: Method) -> tuple[float, str, float]:
+    """Return the a_g demanded (g): the `spectrum`'s own, or that of the site; what it refers to, and its S."""
+    reference = (
+        SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK
+    )  # a record's peak is of its own surface
+    site = method.site_acceleration.get(limit_state)
+    return (spectrum.ag, reference, spectrum.S) if site is None else (site, reference, 1.0)
+
+
+def _check(
+    limit_state: str,
+    solved: Solved,
+    capacity: CapacityCurve,
+    spectrum: Spectrum,
+    method: Method,
+    kind: CheckMethod,
+) -> Check:
+    """Return the Check of a solution against the demand."""
+    a_g, S = solved.a_g, solved.base.S
+    demand, reference, S_demand = _demand(limit_state, spectrum, method)
+    given = limit_state in method.site_acceleration
+    pga, demanded = a_g * S, demand * S_demand
+    zeta = pga / demanded
+    law = "NTC 2018, §8.3" if limit_state == INDEX else LAW[method.circular]
+    lines = [
+        datum("a_g_demand", demand, "g", "a_g S of the site" if given else "hazard of the site, or peak of the record"),
+        step("PGA_capacity", "S_capacity*a_g_capacity", pga, "g", _SURFACE_LAW, S_capacity=S, a_g_capacity=a_g),
+        step("PGA_demand", "S_demand*a_g_demand", demanded, "g", _SURFACE_LAW, S_demand=S_demand, a_g_demand=demand),
+        step("zeta_E" if limit_state == INDEX else f"r_{limit_state}", "PGA_capacity/PGA_demand", zeta, "", law,
+             PGA_capacity=pga, PGA_demand=demanded),
+    ]  # fmt: skip
+    if reference == ROCK:
+        known = method.return_periods.get(limit_state)
+        period = capacity_return_period(a_g, pga, demanded, known, method.hazard)
+        lines += [period] if period else []
+    else:
+        period = None
+    return Check(
+        limit_state, kind, demand, reference, S_demand, (*capacity.fit.notes, *solved.notes), solved.d_star,
+        solved.a_star, solved.T, a_g, S, zeta, zeta >= 1.0, solved.damping, period.result if period else None,
+        solved.governing, (*capacity.steps(), *solved.steps, *lines),
+    )  # fmt: skip
+
+
+def _solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
     """Return where S_e(0) = q a_0*, of the rigid multiplier: a_g S at the ground, a_Z at height (C8.7.1.2)."""
     return _solve_acceleration(capacity.a_0_star, "a_0_star", None, 0.0, spectrum, method, q)
 
 
-def solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
-    """Return where S_e(T_0) = a_y*, the end of the elastic branch (Circolare 7/2019, C8.7.1.2).
-
-    Raises CapacityError where the capacity curve has no elastic branch.
-    """
-    if capacity.a_y_star is None or capacity.T_0 is None:
-        raise CapacityError(message("the capacity curve has no elastic branch"))
+def _solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return where S_e(T_0) = a_y*, the end of the elastic branch, of a curve that has one (C8.7.1.2)."""
+    assert capacity.a_y_star is not None and capacity.T_0 is not None
     return _solve_acceleration(
         capacity.a_y_star, "a_y_star", capacity.d_y_star, capacity.T_0, spectrum, method
     )
 
 
-def solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
-    """Return where the capacity curve is left: at a_y* and T_0, or at a_0* where it is rigid (and in 2009)."""
-    rigid = method.circular == "2009" or capacity.T_0 is None
-    return (solve_linear if rigid else solve_elastic)(capacity, spectrum, method)
+def _solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
+    """Return where the capacity curve is left: at a_y* and T_0, or at a_0* where it is rigid."""
+    return (_solve_linear if capacity.T_0 is None else _solve_elastic)(capacity, spectrum, method)
 
 
 def _solve_acceleration(
@@ -153,7 +342,7 @@ def _solve_acceleration(
     return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, (*base.steps(T), line), notes)
 
 
-def solve_displacement(
+def _solve_displacement(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
 ) -> Solved:
     """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve.
@@ -203,8 +392,11 @@ def solve_displacement(
             limit=limit_state, at=at, T=T, least=base.ag * d / highest, a_g=a_g,
         )  # fmt: skip
         notes = (*notes, larger)
+    k = int(np.clip(np.searchsorted(capacity.displacement, d_secant), 1, len(capacity.displacement) - 1))
+    (d_1, d_2), (a_1, a_2) = capacity.displacement[k - 1 : k + 1], capacity.acceleration[k - 1 : k + 1]
     lines += [
-        _curve_step(capacity, f"a_{name}", d_secant, a),
+        step(f"a_{name}", "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", a_1=a_1, a_2=a_2,
+             d=d_secant, d_1=d_1, d_2=d_2),
         step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant, a=a,
              g=GRAVITY),
         *(base.demand_steps(T_0, T) if largest else base.steps(T)),
@@ -250,15 +442,6 @@ def _limit(
     return d, governing, line
 
 
-def _curve_step(capacity: CapacityCurve, symbol: str, d: float, a: float) -> Step:
-    """Return the interpolation of a* on the capacity curve between the two points about d."""
-    k = int(np.clip(np.searchsorted(capacity.displacement, d), 1, len(capacity.displacement) - 1))
-    d_1, d_2 = capacity.displacement[k - 1 : k + 1]
-    a_1, a_2 = capacity.acceleration[k - 1 : k + 1]
-    return step(symbol, "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", a_1=a_1, a_2=a_2,
-                d=d, d_1=d_1, d_2=d_2)  # fmt: skip
-
-
 def _scaled(
     demand: Demand, capacity: float, spectrum: Spectrum, method: Method
 ) -> tuple[Spectrum, tuple[Message, ...]]:
@@ -266,263 +449,6 @@ def _scaled(
     if method.scaling == "shape" or method.hazard is None:
         return spectrum, ()
     return spectrum_at_return_period(demand, capacity, spectrum, method.hazard)
-
-
-__all__ = ["Check", "Method", "check_elastic", "check_linear", "check_nonlinear", "verify"]
-
-CheckMethod = Literal["linear", "elastic", "nonlinear"]
-
-_SURFACE_LAW = "NTC 2018, §3.2.3.2.1"
-_COLLAPSE_FIRST = message(
-    "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
-    "the plateau): that a_g counts"
-)
-_SHAPES = message(
-    "a_g of SLC comes out below that of SLV because their demand spectra differ in shape: the smaller one counts "
-    "for both"
-)
-
-
-@dataclass(frozen=True)
-class Check:
-    """The answer of one check of one limit state.
-
-    method: "linear", "elastic" or "nonlinear". d_star (m), a_star (g): point of the capacity curve that
-    counts; T (s): its period; a_g: capacity, g; demand_a_g: demand, g; zeta_E: their ratio, with S on both
-    sides, which is the index ζ_E at SLV only (§8.3); return_period: of the capacity, years, where the site's
-    hazard, or the return period of the demand, is known. governing: what gave a_g. demand_a_star (g): of the linear
-    check, what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference: of a_g and demand_a_g, "rock"
-    (category A, without S) or, of a record's spectrum, "surface"; S, demand_S: from there to the surface.
-    Numbers are None where the capacity is not defined, and `notes` say why.
-    """
-
-    limit_state: str
-    method: CheckMethod
-    d_star: float | None
-    a_star: float | None
-    T: float | None
-    a_g: float | None
-    demand_a_g: float
-    zeta_E: float | None  # noqa: N815 — the key of the contract
-    verified: bool | None
-    damping: float | None
-    return_period: float | None
-    governing: str
-    trace: Trace
-    notes: tuple[Message, ...] = ()
-    demand_a_star: float | None = None
-    reference: str = ROCK
-    S: float | None = None
-    demand_S: float = 1.0  # noqa: N815
-
-    @property
-    def pga(self) -> float | None:
-        """Capacity at the surface S a_g, g."""
-        return None if self.a_g is None or self.S is None else self.S * self.a_g
-
-    @property
-    def demand_pga(self) -> float:
-        """Demand at the surface S a_g, g."""
-        return self.demand_S * self.demand_a_g
-
-
-def verify(
-    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method | None = None
-) -> dict[str, Check]:
-    """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
-
-    SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, where the curve has
-    one; SLV and SLC: nonlinear. For a mechanism at height the spectra are floor spectra; for the paper's assessment a
-    RecordSpectrum. A capacity that is not defined (d_0 not reached) gives a Check without numbers that says why.
-    Raises ValueError for an unknown limit state or an unsuitable method.
-    """
-    method = method or Method()
-    checks = {}
-    for state, spectrum in demands.items():
-        require(state in EXCEEDANCE, "limit state", state, "one of SLO, SLD, SLV, SLC")
-        if state in {"SLO", "SLD"}:
-            checks[state] = check_linear(capacity, state, spectrum, method)
-            if capacity.T_0 is not None and method.circular == "2019":
-                checks[f"{state} elastic"] = check_elastic(capacity, state, spectrum, method)
-            continue
-        try:
-            checks[state] = check_nonlinear(capacity, state, spectrum, method)
-        except CapacityError as refusal:
-            checks[state] = _refused(state, spectrum, method, refusal.message)
-        if state == "SLV":
-            checks["SLV linear"] = check_linear(capacity, state, spectrum, method)
-    life, collapse = (checks[state].a_g if state in checks else None for state in ("SLV", "SLC"))
-    if life is not None and collapse is not None and collapse < life:
-        checks["SLC"] = replace(checks["SLC"], notes=(*checks["SLC"].notes, _SHAPES))
-    return checks
-
-
-def check_linear(
-    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
-) -> Check:
-    """Return the linear kinematic check of a_0* = α0/(e* F_C), of the rigid multiplier (Circolare 7/2019, C8.7.1.2).
-
-    At the ground a_0* ≥ a_g S/q, at height a_0* ≥ a_Z(z)/q with a_Z = S_e(T_1) |γ ψ| √(1 + 0.0004 ξ²), not below
-    a_g S (2009: S_e(T_1) ψ γ); q = 1 at SLO and SLD, the behaviour factor at SLV.
-    """
-    method = method or Method()
-    q = method.behaviour_factor if limit_state in INDEXED else 1.0
-    solved = solve_linear(capacity, spectrum, method, q)
-    check = _check(limit_state, solved, capacity, spectrum, method, kind="linear")
-    demand, steps = _linear_demand(check.demand_a_g, limit_state, spectrum, method, q)
-    return replace(check, demand_a_star=demand, trace=(*check.trace, *steps))
-
-
-def check_elastic(
-    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
-) -> Check:
-    """Return the check of the end of the elastic branch: a_y* = S_e(T_0, 5 %) (Circolare 7/2019, C8.7.1.2).
-
-    Raises CapacityError where the capacity curve has no elastic branch.
-    """
-    method = method or Method()
-    solved = solve_elastic(capacity, spectrum, method)
-    return _check(limit_state, solved, capacity, spectrum, method, kind="elastic")
-
-
-def check_nonlinear(
-    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
-) -> Check:
-    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
-
-    d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same);
-    T = 1.68 π √(d/a) at 8 % damping,
-    T = 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
-    which the same spectrum reaches d_SLC. Circular of 2009:
-    d_u = min(0.40 d_0, local limit), T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u.
-    Raises CapacityError where d_0 is not reached, where no capacity is left at the limit, or where the
-    circular knows no nonlinear check for the limit state.
-    """
-    method = method or Method()
-    solved = solve_displacement(capacity, limit_state, spectrum, method)
-    if method.circular == "2019":
-        if limit_state == "SLV":
-            solved = _before_collapse(solved, capacity, spectrum, method)
-        solved = _after_activation(solved, limit_state, capacity, spectrum, method)
-    return _check(limit_state, solved, capacity, spectrum, method, kind="nonlinear")
-
-
-def _before_collapse(life: Solved, capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
-    """Return the solution of SLV, or that of SLC where the same spectrum reaches d_SLC at a smaller a_g.
-
-    The formulas allow it where T_SLV lies on the plateau: a structure past SLC is past SLV.
-    """
-    try:
-        collapse = solve_displacement(capacity, "SLC", spectrum, method)
-    except CapacityError:
-        return life
-    if collapse.a_g >= life.a_g:
-        return life
-    *steps, last = collapse.steps
-    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"],
-                a_g_life=life.a_g, a_g_collapse=collapse.a_g)  # fmt: skip
-    steps = [*life.steps[:-1], replace(life.steps[-1], symbol="a_g_life"), *steps,
-             replace(last, symbol="a_g_collapse"), line]  # fmt: skip
-    return replace(
-        collapse, governing=f"SLC reached first: {collapse.governing}", steps=tuple(steps),
-        notes=(*collapse.notes, _COLLAPSE_FIRST),
-    )  # fmt: skip
-
-
-def _after_activation(
-    solved: Solved, limit_state: str, capacity: CapacityCurve, spectrum: Spectrum, method: Method
-) -> Solved:
-    """Return the solution, its a_g in no case below the activation of the mechanism."""
-    active = solve_activation(capacity, spectrum, method)
-    line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
-                LAW["2019"], a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
-    steps = (*solved.steps, *active.steps, line)
-    if active.a_g > solved.a_g:
-        solved = replace(solved, a_g=active.a_g, base=active.base, governing="activation", notes=active.notes)
-    return replace(solved, steps=steps)
-
-
-def _check(
-    limit_state: str,
-    solved: Solved,
-    capacity: CapacityCurve,
-    spectrum: Spectrum,
-    method: Method,
-    *,
-    kind: CheckMethod,
-) -> Check:
-    """Return the Check of the capacity against the demand: `spectrum`'s own a_g, or that of the site."""
-    a_g, S = solved.a_g, solved.base.S
-    site = method.site_acceleration.get(limit_state)
-    demand, S_demand = (spectrum.ag, spectrum.S) if site is None else (site, 1.0)
-    source = "hazard of the site, or peak of the record" if site is None else "a_g S of the site"
-    pga = a_g * S
-    zeta = pga / (demand * S_demand)
-    indexed = limit_state == INDEX
-    symbol, law = ("zeta_E", "NTC 2018, §8.3") if indexed else (f"r_{limit_state}", LAW[method.circular])
-    lines = [
-        datum("a_g_demand", demand, "g", source),
-        step("PGA_capacity", "S_capacity*a_g_capacity", pga, "g", _SURFACE_LAW, S_capacity=S, a_g_capacity=a_g),
-        step("PGA_demand", "S_demand*a_g_demand", demand * S_demand, "g", _SURFACE_LAW, S_demand=S_demand,
-             a_g_demand=demand),
-        step(symbol, "PGA_capacity/PGA_demand", zeta, "", law, PGA_capacity=pga, PGA_demand=demand * S_demand),
-    ]  # fmt: skip
-    T_R = None
-    if not isinstance(spectrum, RecordSpectrum):
-        known = method.return_periods.get(limit_state)
-        line = capacity_return_period(a_g, pga, demand * S_demand, known, method.hazard)
-        if line is not None:
-            T_R = line.result
-            lines.append(line)
-    trace = (*capacity.steps(), *solved.steps, *lines)
-    return Check(
-        limit_state, kind, solved.d_star, solved.a_star, solved.T, a_g, demand, zeta, zeta >= 1.0,
-        solved.damping, T_R, solved.governing, trace, (*capacity.fit.notes, *solved.notes),
-        reference=_reference(spectrum), S=S, demand_S=S_demand,
-    )  # fmt: skip
-
-
-def _reference(spectrum: Spectrum) -> str:
-    """Return where the a_g of a spectrum is: a record's peak is that of its own surface."""
-    return SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK
-
-
-def _linear_demand(
-    a_g: float, limit_state: str, spectrum: Spectrum, method: Method, q: float
-) -> tuple[float, Trace]:
-    """Return what a_0* is compared with (g), and its steps; `a_g`: the demand, on the spectrum's own reference."""
-    S = 1.0 if limit_state in method.site_acceleration else spectrum.S
-    at_rest, law = float(spectrum.acceleration(0.0)), LAW[method.circular]
-    if limit_state in method.site_acceleration or at_rest <= a_g * S * (1.0 + 1e-9):
-        line = step(
-            "a_demand", "a_g_demand*S_demand/q", a_g * S / q, "g", law, a_g_demand=a_g, S_demand=S, q=q
-        )
-        return line.result, (line,)
-    line = step("a_demand", "S_eZ/q", at_rest / q, "g", law, S_eZ=at_rest, q=q)
-    return line.result, (*spectrum.with_damping(ACTIVATION_DAMPING).steps(0.0), line)
-
-
-def _refused(limit_state: str, spectrum: Spectrum, method: Method, reason: Message) -> Check:
-    """Return the Check of a capacity that is not defined."""
-    demand = method.site_acceleration.get(limit_state, spectrum.ag)
-    return Check(
-        limit_state,
-        "nonlinear",
-        None,
-        None,
-        None,
-        None,
-        demand,
-        None,
-        None,
-        None,
-        None,
-        "",
-        (),
-        (reason,),
-        reference=_reference(spectrum),
-        demand_S=1.0 if limit_state in method.site_acceleration else spectrum.S,
-    )
 
 
 THRUSTING_A_G = 0.15
@@ -533,12 +459,14 @@ _SHARE = 0.3  # of the components that are not the leading one, §7.3.5
 
 @dataclass(frozen=True)
 class VerticalComponent:
-    """The linear check with lighter weights: a_v and a_0* (g), α0, the ratio of a_0* to its demand; step by step."""
+    """The linear check with lighter weights: named as in the results, step by step."""
 
-    a_v: float
+    a_v_g: float
     alpha_0: float
-    a_0_star: float
+    a_0_star_g: float
+    demand_a_star_g: float
     ratio: float
+    verified: bool
     trace: Trace
 
 
@@ -568,4 +496,5 @@ def vertical_component(
         step("r_v", "a_0_star_v/a_demand", lighter / demand, "", "Circolare 7/2019, C8.7.1.2",
              a_0_star_v=lighter, a_demand=demand),
     )  # fmt: skip
-    return VerticalComponent(a_v, factor * alpha_0, lighter, lighter / demand, trace)
+    ratio = lighter / demand
+    return VerticalComponent(a_v, factor * alpha_0, lighter, demand, ratio, ratio >= 1.0, trace)

@@ -11,10 +11,11 @@ from dataclasses import dataclass, field
 from itertools import product
 from math import inf, isfinite
 from operator import itemgetter
+from typing import Any
 
 from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.checks.demand import Demands
-from assessment.analyses.found import finest, refined
+from assessment.analyses.found import Found, finest, refined
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.tables import QUOTED
 from assessment.project.project import Project
@@ -22,7 +23,7 @@ from assessment.project.schema import ORIGINAL, SettlementTable, Table
 from assessment.project.structure.model import StateModel, build_model
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity
-from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
 from assessment.results.schema.studies import (
     Capacities,
@@ -55,11 +56,15 @@ class Variant:
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """What the static analyses gave: each state as results.json has it, and the results behind it.
+    """What studies start from: the project, and each state as results.json has it, with the results behind it.
 
     `halvings`: how often the increments of each state were halved; the studies of a state halve theirs as often.
     """
 
+    project: Project
+    models: Mapping[str, StateModel]
+    demands: Demands
+    workers: Workers
     states: Mapping[str, State]
     stages: Sequence[StateResult]
     halvings: Mapping[str, int]
@@ -68,16 +73,17 @@ class Statics:
         """Return the results of a state, one for each contact behaviour."""
         return [stage for stage in self.stages if stage.state == name]
 
+    def capacities_of(self, name: str) -> dict[Direction, Capacities]:
+        """Return the capacity of a state of the project, by direction."""
+        own = [stage for stage in self.stages_of(name) if stage.behaviour in self.project.pushed_contacts]
+        return capacities_of(self.project, own, self.states[name].pushover, self.states[name].capacity)
+
 
 @dataclass
-class Study:
-    """Rows of quality, warnings and failures of the runs of a study, findings about all of them, and their time (s)."""
+class Study(Found[Any]):
+    """What the runs of a study leave beside its part of the results; `findings`: about all of them."""
 
-    quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[Message] = field(default_factory=list)
     findings: list[Message] = field(default_factory=list)
-    failures: list[Message] = field(default_factory=list)
-    seconds: float = 0.0
 
     def take(self, title: str, stages: Iterable[StateResult]) -> None:
         """Add quality, times and messages of the analyses of a variant; the messages get its title."""
@@ -89,7 +95,7 @@ class Study:
 
 
 def analyse(
-    variants: Sequence[Variant], demands: Demands, workers: Workers, study: Study, name: str
+    variants: Sequence[Variant], statics: Statics, study: Study, name: str
 ) -> Iterator[dict[Direction, Capacities]]:
     """Settle and push over every variant; yield the capacity of each by direction, in order; `name`: of the study.
 
@@ -101,14 +107,14 @@ def analyse(
         for behaviour in variant.project.pushed_contacts
     ]
     each = len(requests) // max(1, len(variants))
-    results = iter(analyse_states(requests, workers, name))
+    results = iter(analyse_states(requests, statics.workers, name))
     for variant in variants:
         stages = [next(results) for _ in range(each)]
         study.take(variant.what, stages)
         pushovers = curves(stages)
         checked: dict[Direction, Capacity] = {}
         if variant.project.assessment:
-            found = assess(variant.project, variant.model.assembly, pushovers, demands)
+            found = assess(variant.project, variant.model.assembly, pushovers, statics.demands)
             checked = capacities(found)
             study.warnings += [headed(variant.title, note) for note in told(found)]
         yield capacities_of(variant.project, stages, pushovers, checked)
@@ -130,26 +136,21 @@ def capacities_of(
     `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
     a_g and ζ_E are of the farthest limit state.
     """
-    fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
-    return {
-        direction: _capacities(project, fallen, pushovers.get(direction), checked.get(direction))
-        for direction in directions(project)
-    }
-
-
-def _capacities(
-    project: Project, fallen: bool, pushed: Pushovers | None, capacity: Capacity | None
-) -> Capacities:
-    found = Capacities(collapses=fallen)
-    if "rigid" in project.pushed_contacts:
-        rigid = pushed.rigid if pushed else None
-        found = found.replace(alpha_0=rigid.alpha_0 if rigid else None, d_0_m=rigid.d_0_m if rigid else None)
-    if "elastic" in project.pushed_contacts:
-        elastic = pushed.elastic if pushed else None
-        found = found.replace(alpha_u=elastic.alpha_u if elastic else None)
-    if project.assessment:
-        check = capacity.checks.get(quoted_limit_state(project) or "") if capacity else None
-        found = found.replace(a_g_g=check.a_g_g if check else None, zeta_E=check.zeta_E if check else None)
+    contacts, limit = project.pushed_contacts, quoted_limit_state(project) or ""
+    found: dict[Direction, Capacities] = {}
+    for direction in directions(project):
+        pushed, capacity = pushovers.get(direction), checked.get(direction)
+        made: dict[str, float | None] = {}
+        if "rigid" in contacts:
+            rigid = pushed.rigid if pushed else None
+            made |= {"alpha_0": rigid.alpha_0 if rigid else None, "d_0_m": rigid.d_0_m if rigid else None}
+        if "elastic" in contacts:
+            made["alpha_u"] = pushed.elastic.alpha_u if pushed and pushed.elastic else None
+        if project.assessment:
+            check = capacity.checks.get(limit) if capacity else None
+            made |= {"a_g_g": check.a_g_g if check else None, "zeta_E": check.zeta_E if check else None}
+        fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
+        found[direction] = Capacities(collapses=fallen, **made)
     return found
 
 
@@ -170,50 +171,49 @@ def asks_for_scenarios(project: Project) -> bool:
     return several and project.pushover is not None
 
 
-def scenarios(
-    project: Project,
-    models: Mapping[str, StateModel],
-    statics: Statics,
-    demands: Demands,
-    workers: Workers,
-    study: Study,
-) -> Scenarios:
+def scenarios(statics: Statics, study: Study) -> Scenarios:
     """Return the capacity of every state, and of each part of a movement with a sweep, in the order of the scenarios.
 
     With the quantity that they are compared by (see `quantity`) and the worst point. Parts have the increments of the
     whole movement, halved as often. Messages, certificates and times go to `study`. Raises KilledError where a process
     was ended from outside.
     """
-    swept = [
-        (finer, whole, k)
-        for finer, whole in finest(project, statics.halvings)
-        for k in range(1, whole.steps or 1)
-    ]
-    variants = [
-        Variant(
+    project, models = statics.project, statics.models
+    variants = {
+        (whole.name, k): Variant(
             message("part {number} of {count}", number=k, count=whole.steps or 1),
             finer,
             models[whole.name],
             part(whole, k / (whole.steps or 1)),
         )
-        for finer, whole, k in swept
-    ]
-    keys = [(whole.name, k) for _, whole, k in swept]
-    parts = dict(zip(keys, analyse(variants, demands, workers, study, "scenarios"), strict=True))
-
-    by, original = quantity(project), _of_state(project, statics, ORIGINAL)
-    points = _points(ORIGINAL, 0.0, 0.0, original, original, by)
+        for finer, whole in finest(project, statics.halvings)
+        for k in range(1, whole.steps or 1)
+    }
+    found = analyse(list(variants.values()), statics, study, "scenarios")
+    parts = dict(zip(variants, found, strict=True))
+    by, original = quantity(project), statics.capacities_of(ORIGINAL)
+    sweep = [(ORIGINAL, 0.0, 0.0, original)]
     for settlement in project.settlements:
         *earlier, movement = (
             whole_movement(models[ORIGINAL].settling, each.support, each.displacement_m, each.rotation_rad)
             for each in project.movements_to(settlement.name)
         )
-        steps = settlement.steps or 1
+        name, steps = settlement.name, settlement.steps or 1
         for k in range(1, steps + 1):
-            last = k == steps
-            numbers = _of_state(project, statics, settlement.name) if last else parts[settlement.name, k]
-            length = sum(earlier) + k / steps * movement
-            points += _points(settlement.name, k / steps, length, numbers, original, by)
+            numbers = statics.capacities_of(name) if k == steps else parts[name, k]
+            sweep.append((name, k / steps, sum(earlier) + k / steps * movement, numbers))
+    points = [
+        ScenarioPoint(
+            state=state,
+            share=share,
+            movement_m=movement,
+            direction=direction,
+            **capacities.model_dump(exclude_unset=True),
+            reduction=reduction(compared(original[direction], by), compared(capacities, by)),
+        )
+        for state, share, movement, found_there in sweep
+        for direction, capacities in found_there.items()
+    ]
     return Scenarios(
         quantity=by,
         limit_state=quoted_limit_state(project),
@@ -243,35 +243,6 @@ def worst(points: Sequence[ScenarioPoint], by: str) -> ScenarioPoint | None:
     return min(reached, key=itemgetter(0))[1] if reached else None
 
 
-def _of_state(project: Project, statics: Statics, name: str) -> dict[Direction, Capacities]:
-    """Return the capacity of a state of the project, by direction."""
-    own = [stage for stage in statics.stages_of(name) if stage.behaviour in project.pushed_contacts]
-    state = statics.states[name]
-    return capacities_of(project, own, state.pushover, state.capacity)
-
-
-def _points(
-    state: str,
-    share: float,
-    movement: float,
-    found: Mapping[Direction, Capacities],
-    original: Mapping[Direction, Capacities],
-    by: str,
-) -> list[ScenarioPoint]:
-    """Return the point of a part of a movement (its largest component `movement`, m) in each direction."""
-    return [
-        ScenarioPoint(
-            state=state,
-            share=share,
-            movement_m=movement,
-            direction=direction,
-            **capacities.model_dump(exclude_unset=True),
-            reduction=reduction(compared(original[direction], by), compared(capacities, by)),
-        )
-        for direction, capacities in found.items()
-    ]
-
-
 SCATTER = 0.005  # relative difference of a_g from which scatter is reported: the third digit
 KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
     "friction": ("friction",),
@@ -287,29 +258,27 @@ NAMES = {
 }
 
 
-def sensitivity(
-    project: Project, halvings: Mapping[str, int], demands: Demands, workers: Workers, study: Study
-) -> Sensitivity:
+def sensitivity(statics: Statics, study: Study) -> Sensitivity:
     """Analyse every state with each property lower and higher; return two runs for each property, state and direction.
 
-    `halvings`: how often the increments of each state were halved; the runs halve theirs as often, so that only the
-    property differs. Messages, certificates and times go to `study`. Raises ProjectError or DrawingError where a model
-    cannot be built, KilledError where a process was ended from outside.
+    The runs halve the increments of a state as often as its own, and leave out the search for collapse, so that only
+    the property differs. Messages, certificates and times go to `study`. Raises ProjectError or DrawingError where a
+    model cannot be built, KilledError where a process was ended from outside.
     """
-    assert project.sensitivity is not None
-    factors = [(key, factor) for key, pair in project.sensitivity.factors.items() for factor in pair]
+    project, halvings = statics.project, statics.halvings
+    asked = known(project.sensitivity)
+    factors = [(key, factor) for key, pair in asked.factors.items() for factor in pair]
     varied = {each: with_factor(project, *each) for each in factors}
     models = {each: build_model(changed).states for each, changed in varied.items()}
-    cases = list(product(factors, _states(project, halvings).items()))
-    variants = [
-        Variant(
-            message("{property} × {factor:g}", property=NAMES[key], factor=factor),
-            refined(varied[key, factor], halvings.get(state, 0)),
-            models[key, factor][state],
-            settlement,
-        )
-        for (key, factor), (state, settlement) in cases
-    ]
+    wanted = [name for name in project.states if name in (asked.states or project.states)]
+    cases, variants = list(product(factors, wanted)), []
+    for (key, factor), name in cases:
+        whole = refined(project, halvings.get(name, 0)).settlement_of(name)
+        title = message("{property} × {factor:g}", property=NAMES[key], factor=factor)
+        finer = refined(varied[key, factor], halvings.get(name, 0))
+        movement = whole and whole.model_copy(update={"to_collapse": False})
+        variants.append(Variant(title, finer, models[key, factor][name], movement))
+    found = analyse(variants, statics, study, "sensitivity")
     runs = [
         SensitivityRun(
             state=state,
@@ -318,10 +287,8 @@ def sensitivity(
             direction=direction,
             **capacities.model_dump(exclude_unset=True),
         )
-        for ((key, factor), (state, _)), found in zip(
-            cases, analyse(variants, demands, workers, study, "sensitivity"), strict=True
-        )
-        for direction, capacities in found.items()
+        for ((key, factor), state), ways in zip(cases, found, strict=True)
+        for direction, capacities in ways.items()
     ]
     study.findings += scatter(runs, without_effect(project))
     return Sensitivity(limit_state=quoted_limit_state(project), runs=runs, warnings=list(study.warnings))
@@ -346,37 +313,25 @@ def without_effect(project: Project) -> set[str]:
 
 def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[Message]:
     """Return a finding for each state and direction whose a_g changes with `properties` that it cannot depend on."""
-    found = []
-    varied = properties & {run.property for run in runs}
+    found, varied = [], properties & {run.property for run in runs}
     for state, direction in dict.fromkeys((run.state, run.direction) for run in runs):
-        same = [
-            run.a_g_g
-            for run in runs
-            if (run.state, run.direction) == (state, direction) and run.property in properties
-        ]
+        own = [run for run in runs if (run.state, run.direction) == (state, direction)]
+        same = [run.a_g_g for run in own if run.property in properties]
         known = [value for value in same if value is not None]
-        spread = (
-            (max(known) - min(known)) / max(known)
-            if known and len(known) == len(same)
-            else float(bool(known))
-        )
+        spread = float(bool(known))
+        if known and len(known) == len(same):
+            spread = (max(known) - min(known)) / max(known)
         if spread > SCATTER:
-            found.append(
-                message(
-                    "sensitivity, {state}, {direction}: a_g scatters by {spread:.3g} % with {names}, on which it "
-                    "cannot depend: bars of this size mean nothing; take smaller increments, and see where paths end",
-                    state=state,
-                    direction=direction,
-                    spread=100.0 * spread,
-                    names=_named(varied),
-                )
+            text = message(
+                "sensitivity, {state}, {direction}: a_g scatters by {spread:.3g} % with {names}, on which it "
+                "cannot depend: bars of this size mean nothing; take smaller increments, and see where paths end",
+                state=state,
+                direction=direction,
+                spread=100.0 * spread,
+                names=message("unit weight and depth") if len(varied) > 1 else NAMES[min(varied)],
             )
+            found.append(text)
     return found
-
-
-def _named(properties: Set[str]) -> Message:
-    """Return the names of one or both of depth and unit weight."""
-    return message("unit weight and depth") if len(properties) > 1 else NAMES[min(properties)]
 
 
 def with_factor(project: Project, key: str, factor: float) -> Project:
@@ -395,21 +350,10 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
             "layers": {name: scaled(layer) for name, layer in project.layers.items()},
             "region": tuple(map(scaled, project.region)),
             "strengthening": tuple(
-                made.model_copy(
-                    update={"layers": {name: scaled(layer) for name, layer in made.layers.items()}}
+                each.model_copy(
+                    update={"layers": {name: scaled(layer) for name, layer in each.layers.items()}}
                 )
-                for made in project.strengthening
+                for each in project.strengthening
             ),
         }
     )
-
-
-def _states(project: Project, halvings: Mapping[str, int]) -> dict[str, SettlementTable | None]:
-    """Return the states to vary with their movements, without the search for collapse; None: as drawn."""
-    assert project.sensitivity is not None
-    wanted = project.sensitivity.states or project.states
-    found: dict[str, SettlementTable | None] = {}
-    for name in (each for each in project.states if each in wanted):
-        whole = refined(project, halvings.get(name, 0)).settlement_of(name)
-        found[name] = whole and whole.model_copy(update={"to_collapse": False})
-    return found

@@ -46,7 +46,6 @@ from assessment.workflow.comparison import comparison, strengthened
 from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
-    from assessment.analyses.dynamic.time_history import DynamicResult
     from assessment.project.project import Project
     from assessment.project.structure.model import ProjectModel, StateModel
     from assessment.results.schema.checks import Direction
@@ -137,7 +136,7 @@ class Draft:
         """Add the computing time (s) of a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
-    def add(self, stage: str, found: DynamicResult | searches.Found) -> None:
+    def add(self, stage: str, found: Found[Any]) -> None:
         """Add messages, certificates and time of an analysis of a stage."""
         self.warnings += [*found.warnings, *found.failures]
         self.quality += found.quality
@@ -180,7 +179,8 @@ def _carry_out(draft: Draft) -> None:
     _add_second_solver(draft, _add_capacities(draft, converged, ensembles))
     scans = Scans(project, workers)
     _add_dynamics(draft, converged.stages, scans)
-    _add_studies(draft, Statics(draft.states, converged.stages, converged.halvings), scans)
+    beside = (read.demands, workers, draft.states, converged.stages, converged.halvings)
+    _add_studies(draft, Statics(project, models, *beside), scans)
     if project.assessment or project.incremental:
         draft.put(comparison=comparison(draft.states))
     if project.strengthening:
@@ -310,17 +310,16 @@ def _add_studies(draft: Draft, statics: Statics, scans: Scans) -> None:
 
     Raises ProjectError for a property that gives no model.
     """
-    project, models, workers, demands = draft.project, draft.models, scans.workers, draft.read.demands
-    settling, records = models[ORIGINAL].settling, draft.read.motions.campaign
+    project, workers, settling = draft.project, scans.workers, draft.models[ORIGINAL].settling
     made: dict[str, Callable[[Study], Scenarios | Sensitivity | Identification | Campaign]] = {}
     if project.identification:
         made["identification"] = lambda study: identification(project, settling, workers, study)
     if asks_for_scenarios(project):
-        made["scenarios"] = lambda study: scenarios(project, models, statics, demands, workers, study)
+        made["scenarios"] = lambda study: scenarios(statics, study)
     if project.sensitivity:
-        made["sensitivity"] = lambda study: sensitivity(project, statics.halvings, demands, workers, study)
+        made["sensitivity"] = lambda study: sensitivity(statics, study)
     if project.campaign:
-        made["campaign"] = lambda study: campaign(project, models, records, statics, demands, scans, study)
+        made["campaign"] = lambda study: campaign(statics, draft.read.motions.campaign, scans, study)
     for name, make in made.items():
         study = Study()
         draft.put(**{name: make(study)})

@@ -92,7 +92,8 @@ COMPUTED = {
     "buttressed_arch_elastic": buttressed_peaks,
     "paper_periods": lambda: [paper._capacity(column).T_0 for column in paper.COLUMNS.values()],
     "paper_displacements": lambda: [
-        1000.0 * paper._check(paper._capacity(column), paper.NTC).d_star for column in paper.COLUMNS.values()
+        1000.0 * paper._check(paper._capacity(column), paper.NTC).d_star_m
+        for column in paper.COLUMNS.values()
     ],
     "paper_periods_NC": lambda: [
         paper._check(paper._capacity(column), paper.NTC).T for column in paper.COLUMNS.values()

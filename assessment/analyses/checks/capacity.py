@@ -17,7 +17,7 @@ from assessment.analyses.checks.demand import (
     ground_of,
     site_acceleration,
 )
-from assessment.analyses.found import Found
+from assessment.analyses.found import Found, as_part
 from assessment.analyses.static.lateral import FRICTION
 from assessment.analyses.static.paths import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
@@ -29,7 +29,7 @@ from assessment.ntc.capacity_curve import (
     mechanism_participation,
 )
 from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
-from assessment.ntc.hazard import HazardCurve, stated
+from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import QUOTED
 from assessment.ntc.verification import THRUSTING_A_G, Check, Method, verify, vertical_component
@@ -154,7 +154,20 @@ def _assessed(
         )
         notes.insert(0, beyond)
 
-    made = _capacity(own)
+    fit, moving = capacity.fit, own.law.mechanism
+    made = Capacity(
+        sliding=own.law.sliding,
+        mechanism=parts.Count(hinges=moving.hinges, sliding_joints=len(moving.sliding_joints)),
+        alpha_0=fit.alpha_0,
+        e_star=own.part.e_star,
+        gamma_star=own.part.gamma_star,
+        T_0_s=finite(capacity.T_0),
+        model=fit.model,
+        d_0_star_m=finite(capacity.d_0_star),
+        notes=list(fit.notes),
+        curve=curve_of(capacity),
+        trace=lines((*own.part.steps(), *capacity.steps()[2:])),
+    ).with_checks(checks_of(capacity, checks))
     if curves.run is not None:
         made = made.replace(run=curves.run)
     if other is not None:
@@ -170,7 +183,6 @@ def _assessed(
         made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
     if project.incremental or project.campaign:
         made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
-    fit = capacity.fit
     if elastic is not None and fit.alpha_y is not None and fit.way is not None:
         d_y = float(fit.way.control_point(known(fit.d_y)))
         d_star = (capacity.gamma_star * fit.way.blocks(along_push(elastic.curve, direction)[0])).tolist()
@@ -266,12 +278,11 @@ def _scalings(
     capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method
 ) -> dict[str, parts.ScaledCheck]:
     """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
-    ways = {"shape": "demand-shape", "return_period": "grid"}
-    own = check_of(parts.ScaledCheck, replace(used, trace=()), 0, used=True)
-    found = {ways[method.scaling]: own}
+    ways, common = {"shape": "demand-shape", "return_period": "grid"}, len(capacity.steps())
+    found = {ways[method.scaling]: check_of(parts.ScaledCheck, replace(used, trace=()), 0, used=True)}
     for scaling in ways.keys() - {method.scaling}:
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
-        found[ways[scaling]] = check_of(parts.ScaledCheck, other, len(capacity.steps()), used=False)
+        found[ways[scaling]] = check_of(parts.ScaledCheck, other, common, used=False)
     return found
 
 
@@ -288,17 +299,9 @@ def _vertical(
     )
     if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
         return None
-    assert linear.demand_a_star is not None
-    made = vertical_component(ground, capacity.activation.alpha, capacity.a_0_star, linear.demand_a_star)
-    return parts.VerticalCheck(
-        a_v_g=made.a_v,
-        alpha_0=made.alpha_0,
-        a_0_star_g=made.a_0_star,
-        demand_a_star_g=linear.demand_a_star,
-        ratio=made.ratio,
-        verified=made.ratio >= 1.0,
-        trace=lines(made.trace),
-    )
+    demand = known(linear.demand_a_star_g)
+    made = vertical_component(ground, capacity.activation.alpha, capacity.a_0_star, demand)
+    return as_part(parts.VerticalCheck, made)
 
 
 def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> parts.NominalCheck:
@@ -374,52 +377,12 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     )
 
 
-def _capacity(by: _ByLaw) -> Capacity:
-    """Return capacity curve and checks as a part of the results, with the steps of e* and Γ*."""
-    mechanism, capacity, fit = by.law.mechanism, by.capacity, by.capacity.fit
-    return Capacity(
-        sliding=by.law.sliding,
-        mechanism=parts.Count(hinges=mechanism.hinges, sliding_joints=len(mechanism.sliding_joints)),
-        alpha_0=fit.alpha_0,
-        e_star=by.part.e_star,
-        gamma_star=by.part.gamma_star,
-        T_0_s=finite(capacity.T_0),
-        model=fit.model,
-        d_0_star_m=finite(capacity.d_0_star),
-        notes=list(fit.notes),
-        curve=curve_of(capacity),
-        trace=lines((*by.part.steps(), *capacity.steps()[2:])),
-    ).with_checks(checks_of(capacity, by.checks))
-
-
 def check_of(kind: type[Kind], check: Check, common: int, **more: Any) -> Kind:
     """Return a check as a part of the results of that kind, with what such a part has `more`; null: not finite.
 
     Its trace leaves out the `common` first steps, those of the capacity curve.
     """
-    return kind(
-        method=check.method,
-        d_star_m=finite(check.d_star),
-        a_star_g=finite(check.a_star),
-        T_s=finite(check.T),
-        a_g_g=finite(check.a_g),
-        demand_a_g_g=check.demand_a_g,
-        demand_a_star_g=finite(check.demand_a_star),
-        pga_g=finite(check.pga),
-        demand_pga_g=finite(check.demand_pga),
-        S=finite(check.S),
-        demand_S=finite(check.demand_S),
-        reference=check.reference,
-        zeta_E=finite(check.zeta_E),
-        verified=check.verified,
-        damping=finite(check.damping),
-        return_period_years=finite(check.return_period),
-        return_period_stated=stated(check.return_period),
-        governing=check.governing,
-        notes=list(check.notes),
-        trace=lines(check.trace[common:]),
-        **more,
-    )
+    return as_part(kind, check, **{"trace": lines(check.trace[common:])} | more)
 
 
 def checks_of(curve: CapacityCurve, checks: Mapping[str, Check]) -> dict[str, parts.Check]:

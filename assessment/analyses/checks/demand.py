@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from assessment.analyses.found import as_part
 from assessment.ntc.calculation import Trace
 from assessment.ntc.floor_spectrum import (
     FloorSpectrum,
@@ -23,7 +24,7 @@ from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, confidence_f
 from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.project.schema import AssessmentTable, KnowledgeTable, SiteTable
+from assessment.project.schema import AssessmentTable, KnowledgeTable
 from assessment.results.quality import lines
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity, Direction, Governing, Indices, Knowledge, SafetyIndex
@@ -101,7 +102,12 @@ def _site_spectra(project: Project, assessment: AssessmentTable) -> Demands:
     site = assessment.site
     if site is None:
         raise ProjectError(f"{project.source}: assessment.site: missing; give the site's hazard")
-    curve = _hazard_curve(project, site)
+    curve = None
+    if not site.typed:
+        try:
+            curve = site_curve(site.grid and project.path(site.grid), site.latitude, site.longitude)
+        except HazardError as error:
+            raise ProjectError(f"{project.source}: assessment.site: {error}") from None
     spectra: dict[str, Spectrum] = {}
     for limit_state in assessment.limit_states:
         if curve is not None:
@@ -129,15 +135,6 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     )
 
 
-def _hazard_curve(project: Project, site: SiteTable) -> HazardCurve | None:
-    if site.typed:
-        return None
-    try:
-        return site_curve(site.grid and project.path(site.grid), site.latitude, site.longitude)
-    except HazardError as error:
-        raise ProjectError(f"{project.source}: assessment.site: {error}") from None
-
-
 def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum]:
     """Return the demand spectra by limit state: ordinates at 5 % and at the damping of the check, and parameters.
 
@@ -153,20 +150,30 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum
         ground = ground_of(spectrum)
         if ground is not None:
             steps = (*_hazard_steps(project.assessment, demands, name, spectrum), *ground.parameter_steps())
-            part = _with_parameters(part, ground).replace(trace=lines(steps))
+            part = part.replace(
+                F0=ground.F0,
+                Tc_star_s=ground.Tc_star,
+                soil=ground.soil,
+                topography=ground.topography,
+                T_B_s=ground.T_B,
+                T_C_s=ground.T_C,
+                T_D_s=ground.T_D,
+                trace=lines(steps),
+            )
         found[name] = part
     return found
 
 
 def _ordinates(spectrum: Spectrum, damping: float) -> DemandSpectrum:
     """Return a spectrum at PERIODS, with 5 % damping and with that of the check."""
-    damped = spectrum.with_damping(damping)
+    damped, recorded = spectrum.with_damping(damping), isinstance(spectrum, RecordSpectrum)
+    built: Literal["ground", "floor"] = "ground" if ground_of(spectrum) is spectrum else "floor"
     return DemandSpectrum(
-        kind=_kind(spectrum),
+        kind="record" if recorded else built,
         a_g_g=spectrum.ag,
         S=spectrum.S,
         pga_g=spectrum.ag * spectrum.S,
-        reference=SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK,
+        reference=SURFACE if recorded else ROCK,
         T_s=PERIODS.tolist(),
         S_e_g=spectrum.acceleration(PERIODS).tolist(),
         S_De_m=spectrum.displacement(PERIODS).tolist(),
@@ -188,30 +195,11 @@ def _hazard_steps(assessment: AssessmentTable, demands: Demands, name: str, spec
     return steps
 
 
-def _kind(spectrum: Spectrum) -> Literal["ground", "floor", "record"]:
-    if isinstance(spectrum, RecordSpectrum):
-        return "record"
-    return "ground" if isinstance(spectrum, ElasticSpectrum) else "floor"
-
-
 def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
     """Return the spectrum at the ground; None for that of a record."""
     if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
         return spectrum.ground
     return spectrum if isinstance(spectrum, ElasticSpectrum) else None
-
-
-def _with_parameters(part: DemandSpectrum, ground: ElasticSpectrum) -> DemandSpectrum:
-    """Return the demand with what its spectrum at the ground follows from."""
-    return part.replace(
-        F0=ground.F0,
-        Tc_star_s=ground.Tc_star,
-        soil=ground.soil,
-        topography=ground.topography,
-        T_B_s=ground.T_B,
-        T_C_s=ground.T_C,
-        T_D_s=ground.T_D,
-    )
 
 
 def state_indices(
@@ -234,35 +222,21 @@ def state_indices(
     damage, collapse = _least(_at(capacities, "SLD", "SLD elastic")), _least(_at(capacities, "SLC"))
     T_SLD = capacities[damage.direction].checks[damage.check].return_period_years if damage else None
     use_class, T_R = assessment.site.use_class, demand_return_periods(project).get("SLV")
-    found = heritage_and_risk_indices(
-        known(check.a_g_g),
-        check.demand_a_g_g,
-        zeta,
-        use_class,
-        check.return_period_years,
-        T_R,
-        T_SLD,
-    )
-    made = Indices(
+    T_SLV = check.return_period_years
+    a_g, demanded = known(check.a_g_g), check.demand_a_g_g
+    made = as_part(
+        Indices,
+        heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
         direction=direction,
         check=limit,
         zeta_SLV=zeta,
         zeta_SLC=collapse.ratio if collapse else None,
         ratio_SLD=damage.ratio if damage else None,
-        T_SLV_years=check.return_period_years,
+        T_SLV_years=T_SLV,
         T_SLV_stated=check.return_period_stated,
         T_R_SLV_years=T_R,
-        I_S=found.I_S,
-        f_a=found.f_a,
-        acceptable_nominal_life_years=found.nominal_life,
-        IS_V=found.is_v,
-        IS_V_class=found.is_v_class,
-        PAM=found.pam,
-        PAM_class=found.pam_class,
-        risk_class=found.risk_class,
         use_class=use_class,
         required_zeta=required_zeta(zeta, use_class),
-        trace=lines(found.trace),
     )
     if before is None:
         return made
@@ -273,14 +247,8 @@ def state_indices(
 
 def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:
     """Return F_C, its components, and the calculation of F_C from them."""
-    found = confidence_factor(knowledge.level, knowledge.components)
-    return Knowledge(
-        F_C=found.factor,
-        level=knowledge.level,
-        components=knowledge.components,
-        origins=knowledge.origins,
-        trace=lines(found.trace),
-    )
+    line = confidence_factor(knowledge.level, knowledge.components)
+    return as_part(Knowledge, knowledge, F_C=line.result, trace=lines([line]))
 
 
 def confidence_source(assessment: AssessmentTable | None) -> str:
@@ -293,23 +261,19 @@ def confidence_source(assessment: AssessmentTable | None) -> str:
     knowledge = assessment.knowledge
     if knowledge is None:
         return CONFIDENCE_FACTOR
-    return confidence_factor(knowledge.level, knowledge.components).trace[-1].paragraph
+    return confidence_factor(knowledge.level, knowledge.components).paragraph
 
 
 def governing(capacities: Mapping[Direction, Capacity]) -> Governing | None:
     """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
     least = _least({direction: each.ratios for direction, each in capacities.items()})
-    if least is None:
-        return None
-    return Governing(direction=least.direction, limit_state=least.check, ratio=least.ratio)
+    return least and Governing(direction=least.direction, limit_state=least.check, ratio=least.ratio)
 
 
 def safety_index(capacities: Mapping[Direction, Capacity]) -> SafetyIndex | None:
     """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
     least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
-    if least is None:
-        return None
-    return SafetyIndex(direction=least.direction, limit_state=least.check, zeta_E=least.ratio)
+    return least and SafetyIndex(direction=least.direction, limit_state=least.check, zeta_E=least.ratio)
 
 
 class _Least(NamedTuple):
@@ -322,14 +286,8 @@ class _Least(NamedTuple):
 
 def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> _Least | None:
     """Return the least of the ratios by direction and check; None where there is none."""
-    return min(
-        (
-            _Least(ratio, direction, check)
-            for direction, each in ratios.items()
-            for check, ratio in each.items()
-        ),
-        default=None,
-    )
+    pairs = ((direction, *each) for direction, checks in ratios.items() for each in checks.items())
+    return min((_Least(ratio, direction, check) for direction, check, ratio in pairs), default=None)
 
 
 def _at(capacities: Mapping[Direction, Capacity], *limit_states: str) -> dict[Direction, dict[str, float]]:

@@ -16,7 +16,7 @@ else                                         the levels converge to nothing that
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from statistics import median
@@ -24,7 +24,7 @@ from statistics import median
 import numpy as np
 
 from assessment.analyses.dynamic.time_history import (
-    DynamicResult,
+    FoundHistory,
     MotionInputs,
     Shaking,
     history,
@@ -128,7 +128,7 @@ def lowest_median_highest(
 PEAK = "peak_displacement_m"
 
 
-def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[DynamicResult]:
+def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[FoundHistory]:
     """Return every time history that the project asks for, state by state."""
     accuracy, scatter, states = accuracy_of(inputs.project), scatter_of(inputs.project), inputs.project.states
     tables = zip(inputs.project.history, motions, strict=True)
@@ -259,7 +259,7 @@ class Study:
     task: Shaking
     accuracy: Accuracy
     scatter: Scatter
-    members: dict[int, dict[int, DynamicResult]] = field(default_factory=dict)
+    members: dict[int, dict[int, FoundHistory]] = field(default_factory=dict)
 
     @property
     def pair(self) -> range:
@@ -271,14 +271,14 @@ class Study:
         """The members that are still to be run at the finest time step."""
         first = self.members[self.finest]
         same = enough(_courses(first), self.scatter, self.task.model.size)
-        done = not self._starts or _failures(first) or same
+        done = not self._starts or _failures(first.values()) or same
         return range(0) if done else range(len(first), self.scatter.members)
 
     @property
     def finest(self) -> int:
         """The halvings of the finest time step before any that fails."""
         sound = 0
-        while sound + 1 in self.members and not _failures(self.members[sound + 1]):
+        while sound + 1 in self.members and not _failures(self.members[sound + 1].values()):
             sound += 1
         return sound
 
@@ -312,7 +312,7 @@ class Study:
             motion = motion.at_half_step()
         return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
 
-    def result(self) -> DynamicResult:
+    def result(self) -> FoundHistory:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
         title, tolerance = history_title(self.task), self.accuracy.tolerance
         found = together(title, list(self.members[self.finest].values()))
@@ -320,7 +320,7 @@ class Study:
         if tolerance is None or not self._starts or found.numbers.collapsed is None:
             return found
         if self.finest < max(self.members):
-            reason = linked(_failures(self.members[self.finest + 1]))
+            reason = linked(_failures(self.members[self.finest + 1].values()))
             found.warnings.append(headed(title, message("a finer time step fails: {reason}", reason=reason)))
         row = self.refinement.row(self.task.state, self.task.motion.name, tolerance)
         found.convergence = row.replace(halvings=self.finest)
@@ -332,7 +332,7 @@ class Study:
         return not isinstance(self.task.start, str)
 
 
-def together(title: Message, members: Sequence[DynamicResult]) -> DynamicResult:
+def together(title: Message, members: Sequence[FoundHistory]) -> FoundHistory:
     """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
     A collapse is worse than any peak, an earlier collapse worse than a later one.
@@ -340,10 +340,15 @@ def together(title: Message, members: Sequence[DynamicResult]) -> DynamicResult:
     finished = [each for each in members if each.numbers.collapsed is not None]
     if not finished or len(members) == 1:
         return members[0]
-    worst = max(finished, key=lambda each: (_of(each, inf), -(each.numbers.time_of_collapse_s or 0.0)))
+
+    def badness(each: FoundHistory) -> tuple[float, float]:
+        found = peak(each)
+        return inf if found is None else found, -(each.numbers.time_of_collapse_s or 0.0)
+
+    worst = max(finished, key=badness)
     low, middle, high = lowest_median_highest([peak(each) for each in finished])
     fallen = sum(bool(each.numbers.collapsed) for each in finished)
-    found = worst.numbers.replace(
+    value = worst.numbers.replace(
         members=len(finished),
         members_collapsed=fallen,
         peak_displacement_m_range=[low, high],
@@ -353,7 +358,11 @@ def together(title: Message, members: Sequence[DynamicResult]) -> DynamicResult:
     rows = [row for each in members for row in each.quality]
     warnings = list(worst.warnings)
     if len(finished) > PAIR:
-        found = found.replace(band=_band(finished, known(found.curve).time_s))
+        time_s = known(value.curve).time_s
+        curves = [np.interp(time_s, one.time, one.displacement) for one in map(_course, finished)]
+        value = value.replace(  # one that collapsed keeps its last displacement
+            band=Band(low_m=np.min(curves, axis=0).tolist(), high_m=np.max(curves, axis=0).tolist())
+        )
         if fallen:
             text = message(
                 "{fallen} of {count} records within 1 % of the one given end in collapse, which counts",
@@ -370,38 +379,23 @@ def together(title: Message, members: Sequence[DynamicResult]) -> DynamicResult:
                 middle=known(middle),
             )
         warnings.append(headed(title, text))
-    quality, failures = (
-        joined(worst.state, rows[0].stage, rows),
-        [x for each in members for x in each.failures],
-    )
-    return DynamicResult(worst.state, worst.stage, found, [quality], warnings, failures)
+    quality = [joined(worst.state, rows[0].stage, rows)]
+    return FoundHistory(value, warnings, _failures(members), quality, state=worst.state)
 
 
-def _band(members: Sequence[DynamicResult], time: Sequence[float]) -> Band:
-    """Return the least and largest control displacement of all members, m; one that collapsed keeps its last."""
-    each = [np.interp(time, one.time, one.displacement) for one in map(_course, members)]
-    return Band(low_m=np.min(each, axis=0).tolist(), high_m=np.max(each, axis=0).tolist())
-
-
-def peak(result: DynamicResult) -> float | None:
+def peak(result: FoundHistory) -> float | None:
     """Return the peak displacement of a history, m; None for a collapse."""
     return None if result.numbers.collapsed else result.numbers.peak_displacement_m
 
 
-def _of(result: DynamicResult, collapse: float) -> float:
-    """Return the peak of a history, m, or what stands for a collapse."""
-    found = peak(result)
-    return collapse if found is None else found
-
-
-def _course(member: DynamicResult) -> Course:
+def _course(member: FoundHistory) -> Course:
     curve = known(member.numbers.curve)
     return Course(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
 
 
-def _courses(members: dict[int, DynamicResult]) -> list[Course]:
+def _courses(members: dict[int, FoundHistory]) -> list[Course]:
     return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 
-def _failures(members: dict[int, DynamicResult]) -> list[Message]:
-    return [text for each in members.values() for text in each.failures]
+def _failures(members: Iterable[FoundHistory]) -> list[Message]:
+    return [text for each in members for text in each.failures]

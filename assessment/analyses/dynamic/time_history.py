@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
+from assessment.analyses.found import Found
 from assessment.analyses.static.states import StateResult
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
@@ -196,21 +196,17 @@ MOST_POINTS = 2000  # of a curve kept for figures
 
 
 @dataclass
-class DynamicResult:
-    """One time history from one state.
+class FoundHistory(Found[History]):
+    """One time history from a state of that name; `convergence`: its row of that table."""
 
-    `numbers`: the part of the results; `quality`, `convergence`: its rows of these tables; `failures`: why it could not
-    be completed; `seconds`: computing time.
-    """
-
-    state: str
-    stage: str
-    numbers: History
-    quality: list[QualityRow] = field(default_factory=list)
-    warnings: list[Message] = field(default_factory=list)
-    failures: list[Message] = field(default_factory=list)
-    seconds: float = 0.0
+    value: History | None = None
+    state: str = ""
     convergence: ConvergenceRow | None = None
+
+    @property
+    def numbers(self) -> History:
+        """The part of the results."""
+        return known(self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,49 +220,41 @@ class Shaking:
     start: Start
 
 
-def history(shaking: Shaking) -> DynamicResult:
+def history(shaking: Shaking) -> FoundHistory:
     """Return one time history; displacements are horizontal, of the control point, from the state's own rest, m.
 
     Times count from the first sample of the record's file, the window's start included. The largest displacement from
     which the structure came back is "sustained_displacement_m", at "time_of_peak_s", with "peak_configuration".
     """
-    model, motion, start = shaking.model, shaking.motion, shaking.start
-    title = history_title(shaking)
+    model, motion, setting, start = shaking.model, shaking.motion, shaking.setting, shaking.start
+    title, state = history_title(shaking), shaking.state
     if isinstance(start, str):
-        nothing = _unanswered(motion, shaking.setting, start)
-        return DynamicResult(shaking.state, "history", nothing, warnings=[headed(title, start)])
+        return FoundHistory(_unanswered(motion, setting, start), [headed(title, start)], state=state)
     began = time.perf_counter()
     try:
-        response = respond(model, motion, shaking.setting, start)
+        response = respond(model, motion, setting, start)
     except ConvergenceError as error:
-        nothing = _unanswered(motion, shaking.setting, error.message)
-        return DynamicResult(shaking.state, "history", nothing, failures=[headed(title, error.message)])
+        nothing = _unanswered(motion, setting, error.message)
+        return FoundHistory(nothing, failures=[headed(title, error.message)], state=state)
     seconds = time.perf_counter() - began
 
-    found = _answered(model, motion, shaking.setting, response).replace(seconds=seconds)
-    table = shaking.setting.table
-    if isinstance(table, HistoryTable) and table.animation:
-        found = found.replace(frames=frames(response, motion.start, model.initial.positions))
-    result = DynamicResult(shaking.state, "history", found, seconds=seconds)
-    programs = response.counts()["programs"]
-    result.quality.append(quality_row(shaking.state, f"history, {motion.name}", programs, response.worst))
-    result.warnings += [headed(title, note) for note in response.notes]
-    last = response.last
+    value = _answered(model, motion, setting, response).replace(seconds=seconds)
+    if isinstance(setting.table, HistoryTable) and setting.table.animation:
+        value = value.replace(frames=frames(response, motion.start, model.initial.positions))
+    notes, last = list(response.notes), response.last
     if last.collapsed:
-        collapse = message(
-            "collapse at {time:.4g} s: {reason}",
-            time=known(result.numbers.time_of_collapse_s),
-            reason=last.collapse_reason,
-        )
-        result.warnings.append(headed(title, collapse))
+        at = known(value.time_of_collapse_s)
+        notes.append(message("collapse at {time:.4g} s: {reason}", time=at, reason=last.collapse_reason))
     elif speed := speed_at_end(model, last):
         moving = message(
             "blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this moment, "
             "not of rest",
             speed=speed,
         )
-        result.warnings.append(headed(title, moving))
-    return result
+        notes.append(moving)
+    row = quality_row(state, f"history, {motion.name}", response.counts()["programs"], response.worst)
+    warnings = [headed(title, note) for note in notes]
+    return FoundHistory(value, warnings, quality=[row], seconds=seconds, state=state)
 
 
 def history_title(shaking: Shaking) -> Message:
@@ -417,31 +405,24 @@ class MotionInputs:
     ) -> list[Shaking]:
         """Return the motions from every state that the table asks for, `integrated` as the table says or otherwise."""
         control, sliding = self.project.control_point(table.control), self.project.contacts.sliding
+        if integrated is None:  # without its choice of states: one analysis does not depend on the others
+            integrated = table.model_copy(update={"states": None})
         found = []
         for state in self.project.states:
             if table.states is None or state in table.states:
-                resting, ultimate = (
-                    self.starts[state, table.contacts],
-                    self.ultimates.get((state, control.name)),
-                )
-                setting = Setting(integrated or _own(table), control, ultimate, sliding)
+                resting = self.starts[state, table.contacts]
+                setting = Setting(integrated, control, self.ultimates.get((state, control.name)), sliding)
                 found += [Shaking(resting.model, each, setting, state, resting.start) for each in motions]
         return found
 
     def each(
-        self, stage: str, function: Callable[[Shaking], DynamicResult], tasks: Sequence[tuple[Shaking]]
-    ) -> list[DynamicResult]:
+        self, stage: str, function: Callable[[Shaking], FoundHistory], tasks: Sequence[tuple[Shaking]]
+    ) -> list[FoundHistory]:
         """Return function(task) for every task, in order."""
         samples = [shaking.motion.record.acceleration.size for (shaking,) in tasks]
         work = sum(len(shaking.model.contacts) * n for (shaking,), n in zip(tasks, samples, strict=True))
         titles = [f"{shaking.state}, {shaking.motion.name}" for (shaking,) in tasks]
         return self.workers.each(stage, function, tasks, titles, work > WORTHWHILE, samples)
-
-
-def _own(table: MotionTable) -> MotionTable:
-    """Return the table without its choice of states and records: one analysis does not depend on the others."""
-    choice: dict[str, Any] = {"states": None, "records": ()}
-    return table.model_copy(update={key: choice[key] for key in choice if key in type(table).model_fields})
 
 
 def starts_of(

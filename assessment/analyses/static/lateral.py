@@ -323,13 +323,11 @@ def push(
     behaviour, parts = setting.behaviour, []
     followed: tuple[ControlTable, Pushover] | None = None
     for direction, control in zip(directions, controls, strict=True):
-        began = time.perf_counter()
-        found = Found[Pushed]()
+        began, found, image = time.perf_counter(), Found[Pushed](), None
         title = pushover_title(name, direction, behaviour)
         # where the control point of the first direction does not move, that of the other has its own curve
-        image = None
-        if followed is not None and followed[0] == controls[0]:
-            image = mirror_of(model, behaviour).pushover(followed[1])
+        if followed is not None and followed[0] == controls[0] and (mirror := Mirror.of(model, behaviour)):
+            image = mirror.pushover(followed[1])
         if image is not None:
             followed = control, image
         else:
@@ -361,13 +359,6 @@ def pushover_title(state: str, direction: Direction, behaviour: Behaviour) -> Me
         direction=direction,
         contacts=behaviour,
     )
-
-
-def mirror_of(model: Assembly, behaviour: Behaviour) -> Mirror:
-    """Return the mirror of a model that has one."""
-    mirror = Mirror.of(model, behaviour)
-    assert mirror is not None
-    return mirror
 
 
 def _path(

@@ -158,12 +158,8 @@ class StateResult:
     @property
     def parts(self) -> dict[str, list[Found[Any]]]:
         """What was found, by stage."""
-        found: dict[str, list[Found[Any]]] = {}
-        if self.moved is not None:
-            found["pushdown"] = [self.moved]
-        if self.pushed:
-            found["pushover"] = list(self.pushed.values())
-        return found
+        found: dict[str, list[Found[Any]]] = {"pushdown": [self.moved]} if self.moved else {}
+        return found | ({"pushover": list(self.pushed.values())} if self.pushed else {})
 
     @property
     def warnings(self) -> list[Message]:
@@ -173,10 +169,8 @@ class StateResult:
     @property
     def failures(self) -> list[Message]:
         """Why analyses could not be completed."""
-        return [
-            *(text for parts in self.parts.values() for each in parts for text in each.failures),
-            *self.own_failures,
-        ]
+        found = [text for parts in self.parts.values() for each in parts for text in each.failures]
+        return [*found, *self.own_failures]
 
     @property
     def quality(self) -> list[QualityRow]:
@@ -202,9 +196,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     settled = _settled(requests, workers, prefix)
     begun, restless = _beginnings(requests, settled, workers, prefix)
     standing = [request for request in requests if id(request) in begun]
-    pushing = [
-        (request, together) for request in standing for together in _together(request, begun[id(request)])
-    ]
+    pushing = [(each, together) for each in standing for together in _together(each, begun[id(each)])]
     pushing.sort(key=lambda each: each[0].behaviour, reverse=True)  # rigid first: they take longest
     pushed = _pushed(pushing, begun, workers, prefix)
     again = _of_other_points(standing, pushed)
@@ -241,17 +233,20 @@ def _pushed(
     points: Mapping[Pushing, ControlTable] | None = None,
 ) -> dict[tuple[int, Direction], Found[Pushed]]:
     """Return the curves of requests by their ids and direction; `points`: where not that of the project is followed."""
-    tasks = list(pushing)
-    found = workers.each(
-        f"{prefix}pushover",
-        push,
-        [
-            _push_arguments(request, together, begun[id(request)], (points or {}).get((request, together)))
-            for request, together in tasks
-        ],
-        [f"{request.title}, {' and '.join(together)}" for request, together in tasks],
-        large(*(begun[id(request)].model for request, _ in tasks)),
-    )
+    tasks, arguments = list(pushing), []
+    for request, together in tasks:
+        project, point, own = request.project, (points or {}).get((request, together)), begun[id(request)]
+        controls = tuple(point or project.pushover_control(direction) for direction in together)
+        # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
+        whole = request.behaviour == "rigid" or (
+            project.assessment and project.assessment.model == "bilinear"
+        )
+        increment, until = known(project.pushover).increment_m, 0.0 if whole else PAST_PEAK
+        setting = PushSetting(request.behaviour, request.sliding, increment, until)
+        arguments.append((own.model, request.state, own.state, setting, together, controls))
+    titles = [f"{request.title}, {' and '.join(together)}" for request, together in tasks]
+    models = (begun[id(request)].model for request, _ in tasks)
+    found = workers.each(f"{prefix}pushover", push, arguments, titles, large(*models))
     return {
         (id(request), direction): part
         for (request, together), parts in zip(tasks, found, strict=True)
@@ -303,22 +298,20 @@ def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict
                 title = path_title(each.settlement.name, each.behaviour)
                 found[each] = Found(failures=[headed(title, missing)])
         followed = [each for each in ready if each not in found]
+        tasks = [
+            (
+                each.model,
+                each.settlement.model_copy(update={"steps": None}),  # the whole movement knows no sweep
+                each.behaviour,
+                waiting[each].sliding,
+                next(iter(each.project.control), None),
+                _reached(found[each.before]) if each.before else None,
+            )
+            for each in followed
+        ]
+        titles = [f"{waiting[each].what}{each.title}" for each in followed]
         moved = workers.each(
-            f"{prefix}pushdown",
-            settle,
-            [
-                (
-                    each.model,
-                    each.settlement.model_copy(update={"steps": None}),  # the whole movement knows no sweep
-                    each.behaviour,
-                    waiting[each].sliding,
-                    next(iter(each.project.control), None),
-                    _reached(found[each.before]) if each.before else None,
-                )
-                for each in followed
-            ],
-            [f"{waiting[each].what}{each.title}" for each in followed],
-            large(*(each.model for each in followed)),
+            f"{prefix}pushdown", settle, tasks, titles, large(*(each.model for each in followed))
         )
         for each, path in zip(followed, moved, strict=True):
             reached = _reached(path)
@@ -357,13 +350,10 @@ def _beginnings(
     elastic joints are not as drawn.
     """
     resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
-    rests = workers.each(
-        f"{prefix}rest",
-        rest_as_drawn,
-        [(request.model.settling, request.sliding) for request in resting],
-        [f"{request.title}, at rest" for request in resting],
-        large(*(request.model.settling for request in resting)),
-    )
+    tasks = [(request.model.settling, request.sliding) for request in resting]
+    titles = [f"{request.title}, at rest" for request in resting]
+    models = (request.model.settling for request in resting)
+    rests = workers.each(f"{prefix}rest", rest_as_drawn, tasks, titles, large(*models))
     at_rest = dict(zip(map(id, resting), rests, strict=True))
     found, restless = {}, {}
     for request in requests:
@@ -421,18 +411,3 @@ def _result(request: Request, settled: Found[Settled] | None, begun: Beginning |
         if begun.state is not None and settled is not None:
             result.configuration = configuration(begun.model, begun.state)
     return result
-
-
-def _push_arguments(
-    request: Request, together: tuple[Direction, ...], begun: Beginning, point: ControlTable | None
-) -> tuple[Any, ...]:
-    """Return the arguments of `push`; `point`: followed in the place of that of the project."""
-    project = request.project
-    assert project.pushover is not None
-    controls = tuple(point or project.pushover_control(direction) for direction in together)
-    # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
-    whole = request.behaviour == "rigid" or (project.assessment and project.assessment.model == "bilinear")
-    setting = PushSetting(
-        request.behaviour, request.sliding, project.pushover.increment_m, 0.0 if whole else PAST_PEAK
-    )
-    return begun.model, request.state, begun.state, setting, together, controls

@@ -187,7 +187,7 @@ class KnowledgeTable(Table):
             yield wrong[0], f"{given[wrong[0]]:g} is none of {choices}; write one of these"
         elif project.assessment:
             factor = project.assessment.confidence_factor
-            follows = confidence_factor(self.level, given).factor
+            follows = confidence_factor(self.level, given).result
             if abs(follows - factor) > 1e-9:
                 text = f"{factor:g}, but assessment.knowledge makes {follows:g}; write {follows:g}, or correct it"
                 yield Problem(("assessment", "confidence_factor"), text)

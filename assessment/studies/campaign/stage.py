@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from assessment.analyses.checks.capacity import assess, capacities, told
@@ -24,8 +24,7 @@ from assessment.analyses.found import finest
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
-from assessment.project.schema import ORIGINAL, CampaignTable, SettlementTable
-from assessment.project.structure.model import StateModel
+from assessment.project.schema import ORIGINAL, CampaignTable
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import (
     Campaign,
@@ -35,9 +34,9 @@ from assessment.results.schema.dynamic import (
     CampaignSpectrum,
     SameAs,
 )
+from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
 from assessment.results.table import compared
-from assessment.runtime.tasks import Workers
 from assessment.studies.campaign.scans import (
     Asked,
     Scans,
@@ -90,28 +89,32 @@ def moved_title(settlement: str, share: float) -> Message:
     return message("{state} × {share:g}", state=settlement, share=share)
 
 
-def moved_states(
-    project: Project,
-    models: Mapping[str, StateModel],
-    statics: Statics,
-    demands: Demands,
-    workers: Workers,
-    study: Study,
-) -> list[Moved]:
+def moved_states(statics: Statics, study: Study) -> list[Moved]:
     """Return the states after each share of each movement that [campaign] asks for, settled and pushed over.
 
     The original state and whole movements are taken from `statics`. Messages, certificates and times go to `study`.
     Raises KilledError where a process was ended from outside.
     """
-    table = project.campaign
-    assert table is not None
+    project, table = statics.project, known(statics.project.campaign)
     asked, beside = table.settlements or project.unstrengthened[1:], _beside(project, table)
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
-    parts = _parts(movements, models, table, workers)
-    point, drawn = project.control_point(table.control).name, models[ORIGINAL].assembly
+    requests = {  # of shares between none and the whole, under every behaviour that is needed
+        (whole.name, share, behaviour): Request(
+            finer, statics.models[whole.name], part(whole, share), behaviour, f"× {share:g}: "
+        )
+        for finer, whole in movements
+        for share in table.shares
+        if 0.0 < share < 1.0
+        for behaviour in dict.fromkeys([*finer.pushed_contacts, table.contacts])
+    }
+    parts: dict[tuple[str, float], list[StateResult]] = {}
+    results = analyse_states(list(requests.values()), statics.workers, "campaign")
+    for (name, share, _), result in zip(requests, results, strict=True):
+        parts.setdefault((name, share), []).append(result)
+    point, drawn = project.control_point(table.control).name, statics.models[ORIGINAL].assembly
     found = []
     for _, whole in movements:
-        model = models[whole.name].assembly
+        model = statics.models[whole.name].assembly
         length = whole_movement(model, whole.support, whole.displacement_m, whole.rotation_rad)
         for share in table.shares:
             name = whole.name if share else ORIGINAL
@@ -124,43 +127,16 @@ def moved_states(
                     study.quality += stage.quality
                     study.seconds += sum(stage.seconds.values())
                     study.warnings += [headed(moved_title(*place), text) for text in stage.failures]
-            start = drawn.initial if not share else _rest(stages, table)
-            static = _static(
-                beside, model if share else drawn, stages if share else [], pushed, demands, warnings
-            )
+            start: Start = drawn.initial
+            if share:  # at rest under the contacts of the campaign, or why that was not reached
+                [own] = [stage for stage in stages if stage.behaviour == table.contacts]
+                start = own.reached if own.reached is not None else why_not_reached(own)
+            on = model if share else drawn
+            static = _static(beside, on, stages if share else [], pushed, statics.demands, warnings)
             # of the control point, m: where the static capacity vanishes
             ultimate = ultimates({ORIGINAL: pushed}).get((ORIGINAL, point))
-            found.append(Moved(*place, share * length, model if share else drawn, start, static, ultimate))
+            found.append(Moved(*place, share * length, on, start, static, ultimate))
     return found
-
-
-def _parts(
-    movements: Sequence[tuple[Project, SettlementTable]],
-    models: Mapping[str, StateModel],
-    table: CampaignTable,
-    workers: Workers,
-) -> dict[tuple[str, float], list[StateResult]]:
-    """Analyse the shares of movements between none and the whole, under every behaviour that is needed."""
-    keys, requests = [], []
-    for finer, whole in movements:
-        for share in table.shares:
-            if not 0.0 < share < 1.0:
-                continue
-            for behaviour in dict.fromkeys([*finer.pushed_contacts, table.contacts]):
-                keys.append((whole.name, share))
-                requests.append(
-                    Request(finer, models[whole.name], part(whole, share), behaviour, f"× {share:g}: ")
-                )
-    parts: dict[tuple[str, float], list[StateResult]] = {}
-    for key, result in zip(keys, analyse_states(requests, workers, "campaign"), strict=True):
-        parts.setdefault(key, []).append(result)
-    return parts
-
-
-def _rest(stages: Iterable[StateResult], table: CampaignTable) -> Start:
-    """Return the state at rest under the contacts of the campaign, or why it was not reached."""
-    [own] = [stage for stage in stages if stage.behaviour == table.contacts]
-    return own.reached if own.reached is not None else why_not_reached(own)
 
 
 def _beside(project: Project, table: CampaignTable) -> Project:
@@ -193,9 +169,7 @@ def _static(
         assessed = assess(project, model, pushed, demands)
         warnings += told(assessed)
         checked, limit = capacities(assessed), quoted_limit_state(project) or ""
-        checks = [
-            checked[each].checks.get(limit) if each in checked else None for each in directions(project)
-        ]
+        checks = [way in checked and checked[way].checks.get(limit) for way in directions(project)]
         values = [check.pga_g if check else None for check in checks]
     else:
         own = [stage for stage in stages if stage.behaviour in project.pushover.contacts]
@@ -206,81 +180,53 @@ def _static(
     return min(known) if known and len(known) == len(values) else None
 
 
-@dataclass(frozen=True, eq=False)
-class RecordSet:
-    """The motions of a campaign; `ratios`: intensity measure of each motion over its PGA.
-
-    `spectrum`: mean spectrum and target, None if no record is made or scaled to a target.
-    """
-
-    motions: Sequence[BaseMotion]
-    ratios: Sequence[float]
-    spectrum: CampaignSpectrum | None
-
-    def rows(self, table: CampaignTable) -> list[CampaignRecord]:
-        """Return a row of results for each motion."""
-        return [
-            CampaignRecord(
-                record=motion.name,
-                record_pga_g=motion.pga,
-                scale=motion.scale,
-                duration_s=motion.record.duration,
-                time_step_s=motion.record.time_step,
-                **({"sa_g": ratio * motion.pga} if table.period_s else {}),
-            )
-            for motion, ratio in zip(self.motions, self.ratios, strict=True)
-        ]
-
-
 def record_set(
-    project: Project, table: CampaignTable, motions: Sequence[BaseMotion], demands: Demands, workers: Workers
-) -> RecordSet:
+    statics: Statics, table: CampaignTable, motions: Sequence[BaseMotion]
+) -> tuple[list[BaseMotion], CampaignSpectrum | None]:
     """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for.
 
-    Raises KilledError where a process was ended from outside.
+    With their mean spectrum and the target, None if no record is made or scaled to it. Raises KilledError where a
+    process was ended from outside.
     """
-    found, spectrum = list(motions), None
-    if table.generated or table.spectrum_compatible:
-        target = Target.of(demands.spectra)
-        if table.generated:
-            seeds = range(1, table.generated + 1)
-            tasks, titles = [(target.spectrum, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
-            made = workers.each("campaign: records", made_record, tasks, titles, table.generated > 1)
-            found = [motion_of(project, "campaign", table, record) for record in made]
-        if table.spectrum_compatible:
-            found = scaled_to(target, found, table)
-        spectrum = compatibility(target, found, table)
-    ratios = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in found]
-    return RecordSet(found, ratios, spectrum)
+    if not (table.generated or table.spectrum_compatible):
+        return list(motions), None
+    found, target = list(motions), Target.of(statics.demands.spectra)
+    if table.generated:
+        seeds = range(1, table.generated + 1)
+        tasks, titles = [(target.spectrum, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
+        made = statics.workers.each("campaign: records", made_record, tasks, titles, table.generated > 1)
+        found = [motion_of(statics.project, "campaign", table, record) for record in made]
+    if table.spectrum_compatible:
+        found = scaled_to(target, found, table)
+    return found, compatibility(target, found, table)
 
 
-def campaign(
-    project: Project,
-    models: Mapping[str, StateModel],
-    motions: Sequence[BaseMotion],
-    statics: Statics,
-    demands: Demands,
-    scans: Scans,
-    study: Study,
-) -> Campaign:
+def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, study: Study) -> Campaign:
     """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names.
 
     Combinations that could not be completed are in study.failures, and in the results with their reason. Raises
     KilledError where a process was ended from outside.
     """
-    table = project.campaign
-    assert table is not None
-    records = record_set(project, table, motions, demands, scans.workers)
+    project, table = statics.project, known(statics.project.campaign)
+    records, spectrum = record_set(statics, table, motions)
+    ratio = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
     reported = {note for motion in motions for note in motion.notes}
-    study.warnings += [note for motion in records.motions for note in motion.notes if note not in reported]
-    moved = moved_states(project, models, statics, demands, scans.workers, study)
+    study.warnings += [note for motion in records for note in motion.notes if note not in reported]
+    moved = moved_states(statics, study)
     reach = Reach(table.max_scale, stripes=tuple(table.levels_g)) if table.levels_g else reach_of(project)
-    image = mirror_image(project, models[ORIGINAL].assembly, table)
-    asked = asked_for(_shakings(project, table, records, moved), table.signs, reach, image)
+    image = mirror_image(project, statics.models[ORIGINAL].assembly, table)
+    point, sliding = project.control_point(table.control), project.contacts.sliding
+    shakings = []
+    for state in moved:
+        setting = Setting(own_setting(table), point, state.ultimate, sliding)
+        for motion, each in zip(records, ratio, strict=True):
+            shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
+            shakings.append((state.settlement, shaking, each, state))
+    asked = asked_for(shakings, table.signs, reach, image)
     scans.settle("campaign", asked, 0 if table.levels_g else len(table.signs), study)
     rows = _rows(asked, scans, table, study)
     measures = Measures(project)
-    ratios = measures.of(records.motions)
+    ratios = measures.of(records)
     by_state = {
         state: [(each, row) for each, row in zip(asked, rows, strict=True) if each.state is state]
         for state in moved
@@ -302,8 +248,18 @@ def campaign(
         members=project.scatter,
         symmetric=any(each.run_sign != each.sign for each in asked),
         static_quantity=quantity(project) if project.pushover else None,
-        records=records.rows(table),
-        spectrum=records.spectrum,
+        records=[
+            CampaignRecord(
+                record=motion.name,
+                record_pga_g=motion.pga,
+                scale=motion.scale,
+                duration_s=motion.record.duration,
+                time_step_s=motion.record.time_step,
+                **({"sa_g": each * motion.pga} if table.period_s else {}),
+            )
+            for motion, each in zip(records, ratio, strict=True)
+        ],
+        spectrum=spectrum,
         combinations=rows,
         computed=len({each.key for each in asked if each.starts}),
         failures=list(study.failures),
@@ -313,18 +269,6 @@ def campaign(
     )
     study.findings += [message("campaign: {text}", text=text) for text in _findings(found)]
     return found
-
-
-def _shakings(
-    project: Project, table: CampaignTable, records: RecordSet, moved: Sequence[Moved]
-) -> Iterator[tuple[str, Shaking, float, Moved]]:
-    """Yield every state under every record, with its settlement and the ratio of the record's measure to its PGA."""
-    point = project.control_point(table.control)
-    for state in moved:
-        setting = Setting(own_setting(table), point, state.ultimate, project.contacts.sliding)
-        for motion, ratio in zip(records.motions, records.ratios, strict=True):
-            shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
-            yield state.settlement, shaking, ratio, state
 
 
 def _rows(

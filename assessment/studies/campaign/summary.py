@@ -239,18 +239,18 @@ DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
 
 
 @dataclass
-class Found(Study):
+class Searched(Study):
     """What the analysis leaves beside what every study does: each state's part, and errors of the time step."""
 
     states: dict[str, Incremental] = field(default_factory=dict)
     errors: list[ConvergenceRow] = field(default_factory=list)
 
 
-def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Found:
+def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Searched:
     """Scan every record, of both signs, from every state, and sum them up by state."""
     project, table = inputs.project, inputs.project.incremental
     assert table is not None
-    drawn, found = inputs.starts[ORIGINAL, table.contacts].model, Found()
+    drawn, found = inputs.starts[ORIGINAL, table.contacts].model, Searched()
     tasks = [("", task, 1.0, None) for task in inputs.tasks(table, motions, own_setting(table))]
     asked = asked_for(tasks, tuple(DIRECTIONS), reach_of(project), mirror_image(project, drawn, table))
     scans.settle(

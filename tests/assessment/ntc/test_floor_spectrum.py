@@ -91,7 +91,7 @@ def test_capacity_starts_at_the_ground_and_never_rises_with_height(
     method, curve = Method(circular=circular), capacity(alpha_0, d_0, model)
 
     def borne(spectrum):
-        return [check.a_g for check in verify(curve, dict.fromkeys(limits, spectrum), method).values()]
+        return [check.a_g_g for check in verify(curve, dict.fromkeys(limits, spectrum), method).values()]
 
     at = [borne(floor_spectrum(circular, ground, z, period)) for z in np.linspace(0.0, H, 9)]
     np.testing.assert_allclose(at[0], borne(ground), rtol=1e-12)
@@ -105,7 +105,7 @@ def test_a_block_just_above_the_ground_bears_no_more_than_on_it(z):
     ground = ElasticSpectrum(0.104, 2.33, 0.28, "B")
     floor = floor_spectrum("2019", ground, z)
     curve = capacity(0.1, 0.4)
-    on_it, above = (verify(curve, {"SLD": spectrum})["SLD"].a_g for spectrum in (ground, floor))
+    on_it, above = (verify(curve, {"SLD": spectrum})["SLD"].a_g_g for spectrum in (ground, floor))
     assert above <= on_it
 
 

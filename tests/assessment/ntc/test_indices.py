@@ -20,15 +20,15 @@ def test_heritage_indices_by_hand():
     PAM = 0.0035 + 0.00364286·0.65 + 0.01785714·0.325 + 0.01675·0.11 + 0.05825·0.035 = 0.0155526: class C; IS-V 0.6: B.
     """
     found = heritage_and_risk_indices(0.15, 0.25, 0.6, "II", 140.0, 475.0, 40.0)
-    assert (found.f_a, found.is_v) == (pytest.approx(0.6), pytest.approx(0.6))
-    assert found.is_v_class == "B"
+    assert (found.f_a, found.IS_V) == (pytest.approx(0.6), pytest.approx(0.6))
+    assert found.IS_V_class == "B"
     assert pytest.approx(0.294737, abs=1e-6) == found.I_S
-    assert found.nominal_life == pytest.approx(14.7505, abs=1e-4)
+    assert found.acceptable_nominal_life_years == pytest.approx(14.7505, abs=1e-4)
     third = heritage_and_risk_indices(0.15, 0.25, 0.6, "III", 140.0, 475.0)
-    assert third.nominal_life == pytest.approx(9.83365, abs=1e-4)
-    assert (third.pam, third.risk_class) == (None, None)
-    assert found.pam == pytest.approx(0.0155527, abs=1e-7)
-    assert (found.pam_class, found.risk_class) == ("C", "C")
+    assert third.acceptable_nominal_life_years == pytest.approx(9.83365, abs=1e-4)
+    assert (third.PAM, third.risk_class) == (None, None)
+    assert pytest.approx(0.0155527, abs=1e-7) == found.PAM
+    assert (found.PAM_class, found.risk_class) == ("C", "C")
     units = {line.symbol: line.unit for line in found.trace}
     assert units["a_g_SLV"] == units["a_g_demand"] == "g"
     assert units["T_SLV"] == units["T_R_SLV"] == units["T_SLD"] == "years"
@@ -43,7 +43,7 @@ def test_a_new_building_loses_1_1_per_cent_a_year():
     """
     assert expected_annual_loss(50.0, 475.0)[0] == pytest.approx(0.0113503, abs=1e-7)
     found = heritage_and_risk_indices(0.25, 0.25, 1.0, "II", 475.0, 475.0, 50.0)
-    assert (found.is_v_class, found.pam_class, found.risk_class) == ("A+", "B", "B")
+    assert (found.IS_V_class, found.PAM_class, found.risk_class) == ("A+", "B", "B")
 
 
 @pytest.mark.parametrize(
@@ -51,12 +51,17 @@ def test_a_new_building_loses_1_1_per_cent_a_year():
     [(1.0, "A+"), (0.99, "A"), (0.8, "A"), (0.6, "B"), (0.45, "C"), (0.3, "D"), (0.15, "E"), (0.14, "F")],
 )
 def test_classes_of_is_v(zeta, expected):
-    assert heritage_and_risk_indices(zeta, 1.0, zeta, "II").is_v_class == expected
+    assert heritage_and_risk_indices(zeta, 1.0, zeta, "II").IS_V_class == expected
 
 
 def test_unknown_return_periods_leave_their_indices_out():
     found = heritage_and_risk_indices(0.1, 0.2, 0.5, "II")
-    assert (found.I_S, found.nominal_life, found.pam, found.risk_class) == (None, None, None, None)
+    assert (found.I_S, found.acceptable_nominal_life_years, found.PAM, found.risk_class) == (
+        None,
+        None,
+        None,
+        None,
+    )
 
 
 def test_a_capacity_lost_at_once_costs_no_more_than_all():
@@ -99,8 +104,8 @@ def test_an_intervention_is_attained_from_the_state_before():
 
 def test_confidence_factor_by_hand():
     """C8.5.4: LC2 1.20; D.P.C.M.: 1 + 0.05 + 0.12 + 0.06 + 0.03 = 1.26."""
-    assert confidence_factor("LC2", {}).factor == 1.20
+    assert confidence_factor("LC2", {}).result == 1.20
     parts = {"geometry": 0.05, "construction": 0.12, "mechanical": 0.06, "ground": 0.03}
     found = confidence_factor(None, parts)
-    assert found.factor == pytest.approx(1.26)
-    assert found.trace[0].formula == "1 + F_C1 + F_C2 + F_C3 + F_C4"
+    assert found.result == pytest.approx(1.26)
+    assert found.formula == "1 + F_C1 + F_C2 + F_C3 + F_C4"

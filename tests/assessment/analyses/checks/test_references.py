@@ -28,7 +28,7 @@ def test_static_capacity_is_brought_to_the_reference_of_the_dynamic_one():
     assert found["dynamic_to_static"] == pytest.approx(1.265609, rel=2e-6)
     life = _nominal(capacity, {"SLV": demands["SLV"]}, Method())
     assert life.pga_g == pytest.approx(0.383616, rel=2e-6)
-    assert verify(capacity, demands)["SLV"].pga < life.pga_g
+    assert verify(capacity, demands)["SLV"].pga_g < life.pga_g
     assert brought_together(None, 0.6) == {"static_surface_pga_g": None, "dynamic_to_static": None}
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from assessment.analyses.dynamic import histories
 from assessment.analyses.dynamic.histories import Course, Scatter, agree, lowest_median_highest, together
-from assessment.analyses.dynamic.time_history import DynamicResult, Setting, Shaking, quality_row, respond
+from assessment.analyses.dynamic.time_history import FoundHistory, Setting, Shaking, quality_row, respond
 from assessment.analyses.found import Accuracy
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
@@ -154,7 +154,7 @@ def member(peak=0.1, collapsed=False, time=None):
         "time_of_collapse_s": time,
         "curve": {"time_s": time_s, "displacement_m": [0.0, peak]},
     }
-    return DynamicResult("s", "history", made(History, numbers), quality=[row(2, peak)], seconds=1.0)
+    return FoundHistory(made(History, numbers), quality=[row(2, peak)], seconds=1.0, state="s")
 
 
 def row(solves, residual):
@@ -180,7 +180,7 @@ def test_a_collapse_is_beyond_any_peak_and_the_earliest_counts():
 
 
 def test_a_member_that_fails_is_told_and_the_others_count():
-    failed = DynamicResult("s", "history", made(History, {"reason": "no"}), failures=["s, r: no"])
+    failed = FoundHistory(made(History, {"reason": "no"}), failures=["s, r: no"], state="s")
     found = together("s, r", [member(0.1), failed])
     assert found.failures == ["s, r: no"] and found.numbers.members == 1
     assert together("s, r", [failed, failed]) is failed

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.dynamic import histories
-from assessment.analyses.dynamic.time_history import DynamicResult, Setting, Shaking, respond
+from assessment.analyses.dynamic.time_history import FoundHistory, Setting, Shaking, respond
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History
@@ -46,7 +46,7 @@ class Asked:
         return found
 
 
-def bounded(found: DynamicResult, exact: float) -> dict:
+def bounded(found: FoundHistory, exact: float) -> dict:
     """Check a history's estimate against the true error of its peak; return its row."""
     row, peak = found.convergence, found.numbers.peak_displacement_m
     assert row is not None and row.met
@@ -128,11 +128,11 @@ def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
         if motion.amplitude < 1.0:
             peak = weaker
         if peak is None:
-            return DynamicResult(state, "history", made(History), failures=["no step is solved"])
+            return FoundHistory(made(History), failures=["no step is solved"], state=state)
         curve = {"time_s": [0.0, 1.0, 2.0], "displacement_m": [0.0, peak, 0.0]}
         numbers = {"peak_displacement_m": peak, "collapsed": fell, "curve": curve}
         numbers["time_of_collapse_s"] = 2.0 if fell else None
-        return DynamicResult(state, "history", made(History, numbers), [made(QualityRow, {"solves": 1})])
+        return FoundHistory(made(History, numbers), quality=[made(QualityRow, {"solves": 1})], state=state)
 
     monkeypatch.setattr(histories, "history", moved)
     asked = Asked(block_on_base(), SINE, accuracy)
