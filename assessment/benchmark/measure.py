@@ -23,7 +23,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from assessment.benchmark.table import Row
-from assessment.runtime.fingerprint import installed
+from assessment.runtime.cache import installed
 from mechanics import (
     Assembly,
     CollapseError,

@@ -46,10 +46,7 @@ UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of w
 
 def implausible(project: Project, model: Assembly) -> list[Message]:
     """Return a warning for each value that is implausible for the project's model or for any masonry."""
-    low, high = (
-        bound(np.concatenate([b.polygon for b in model.blocks]), axis=0) for bound in (np.min, np.max)
-    )
-    size = float(np.max(high - low))
+    size = float(np.ptp(np.concatenate([block.polygon for block in model.blocks]), axis=0).max())
     found = [*_sizes(project, size), *_materials(project)]
     if project.elastic:
         found += _soft(project, model)
@@ -115,25 +112,22 @@ def _materials(project: Project) -> Iterator[Told]:
         weight, friction = values.unit_weight_kN_m3, values.friction
         if weight is not None and not LIGHT <= weight <= HEAVY:
             meant = [(u, f"{f * weight:.3g}") for u, f in UNITS if LIGHT <= f * weight <= HEAVY]
-            hint = _if_meant(*meant[:1]) or message(
-                "masonry has {least:g} to {most:g}", least=LIGHT, most=HEAVY
-            )
+            usual = message("masonry has {least:g} to {most:g}", least=LIGHT, most=HEAVY)
+            hint = _if_meant(*meant[:1]) or usual
             odd = message("{weight:g} kN/m³ is no masonry's; {hint}", weight=weight, hint=hint)
             yield f"{table}.unit_weight_kN_m3", odd
         if friction is not None and STEEPEST < friction < math.inf:
             hint = message("stone on stone has 0.4 to 0.8; write inf where joints do not slide")
             if ANGLES[0] <= friction < ANGLES[1]:
                 tangent = f"{math.tan(math.radians(friction)):.2g}"
-                hint = message(
+                text = message(
                     "write {meant} if an angle of {angle:g}° was meant", meant=tangent, angle=friction
                 )
-            degrees = math.degrees(math.atan(friction))
+                hint = text
             steep = message(
                 "{friction:g} is the tangent of {angle:.3g}°; {hint}",
-                friction=friction,
-                angle=degrees,
-                hint=hint,
-            )
+                friction=friction, angle=math.degrees(math.atan(friction)), hint=hint,
+            )  # fmt: skip
             yield f"{table}.friction", steep
 
 
@@ -250,11 +244,8 @@ def _hazards(values: Mapping[str, tuple[str, Hazard]]) -> Iterator[Told]:
             )  # fmt: skip
             yield f"{key}.F0", odd
         if not TC_RANGE[0] <= hazard.Tc_star <= TC_RANGE[1]:
-            meant = (
-                [("ms", f"{1e-3 * hazard.Tc_star:g}")]
-                if TC_RANGE[0] <= 1e-3 * hazard.Tc_star <= TC_RANGE[1]
-                else []
-            )
+            shorter = 1e-3 * hazard.Tc_star
+            meant = [("ms", f"{shorter:g}")] if TC_RANGE[0] <= shorter <= TC_RANGE[1] else []
             odd = message(
                 "{value:g} s is outside {least:g} to {most:g} s, which Italian sites have (Allegato B); {hint}",
                 value=hazard.Tc_star, least=TC_RANGE[0], most=TC_RANGE[1], hint=_if_meant(*meant) or compare,

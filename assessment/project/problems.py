@@ -17,7 +17,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.schema.content import ProjectContent
+from assessment.project.schema import ProjectContent
 from assessment.project.schema.index import keys_at, tables_of
 from assessment.project.schema.values import (
     DISTINCT,
@@ -63,11 +63,14 @@ _EXPECTED = {
 
 def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath, str]) -> ProjectError:
     """The problems of one file as one error of one screen; `cells`: where the values are in a spreadsheet."""
-    lines = [f"{file}: {key_of(path)}{_cell(path, cells)}: {text}" for path, text in problems]
-    told = list(dict.fromkeys(lines))
-    if (more := len(told) - _MOST_TOLD) > 0:
-        told = [*told[:_MOST_TOLD], f"{file}: project: {more} more problems; correct these first"]
-    return ProjectError("\n".join(told))
+    told = dict[str, None]()
+    for path, text in problems:
+        at = next((cells[path[:n]] for n in range(len(path), 0, -1) if path[:n] in cells), "")
+        told[f"{file}: {key_of(path)}{f' ({at})' if at else ''}: {text}"] = None
+    lines = [*told]
+    if (more := len(lines) - _MOST_TOLD) > 0:
+        lines[_MOST_TOLD:] = [f"{file}: project: {more} more problems; correct these first"]
+    return ProjectError("\n".join(lines))
 
 
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[Problem]:
@@ -78,22 +81,24 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
     for detail in error.errors(include_url=False):
         kind, context = detail["type"], detail.get("ctx", {})
         path, node = _walk(detail["loc"], content)
+        value = detail["input"]
+        at_outline = path[-1:] == ("region_m",) and isinstance(value, list)
         if kind == "extra_forbidden":
             problems[path] = f"unknown key; {nearest(str(path[-1]), keys_at(path[:-1]))}"
             unknown.setdefault(path[:-1], {})[path] = None
         elif kind == "missing" and isinstance(node, dict):
             key = str(detail["loc"][-1])
             problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
-        elif _pairs(path, detail["input"]):
-            outline = path[: path.index("region_m") + 1]
-            flat = f"{_shown(detail['input'])} is wrong; write one flat list: [x1, z1, x2, z2, …]"
-            problems.setdefault(outline, flat)
+        elif "region_m" in path and any(
+            isinstance(part, list) for part in (value if at_outline else [value])
+        ):
+            flat = f"{_shown(value)} is wrong; write one flat list: [x1, z1, x2, z2, …]"
+            problems.setdefault(path[: path.index("region_m") + 1], flat)
         elif kind == "value_error":
             problems[path] = str(context["error"])
         else:
-            phrase = _brackets(path, kind, detail["input"]) or _phrase(kind, context, detail)
-            expected.setdefault(path, []).append(phrase.replace("'", '"'))
-            problems[path] = f"{_shown(detail['input'])} is wrong; write {' or '.join(expected[path])}"
+            expected.setdefault(path, []).append(_phrase(path, detail).replace("'", '"'))
+            problems[path] = f"{_shown(value)} is wrong; write {' or '.join(expected[path])}"
     for table, paths in unknown.items():
         if len(paths) > _MOST_UNKNOWN:
             named = ", ".join(_shown(path[-1]) for path in islice(paths, _MOST_UNKNOWN))
@@ -102,12 +107,6 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
     # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
     return [Problem(path, text) for path, text in problems.items() if path not in shallow]
-
-
-def _pairs(path: KeyPath, value: Any) -> bool:
-    """Return whether a value is a pair of an outline, which is one flat list, or an outline of pairs."""
-    parts = value if path[-1:] == ("region_m",) and isinstance(value, list) else [value]
-    return "region_m" in path and any(isinstance(part, list) for part in parts)
 
 
 def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:
@@ -121,18 +120,13 @@ def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:
     return path, node
 
 
-def _brackets(path: KeyPath, kind: str, value: Any) -> str:
-    """Return the remedy where a table has the wrong number of brackets."""
+def _phrase(path: KeyPath, detail: Mapping[str, Any]) -> str:
+    """Return what is expected in the place of a value that pydantic refuses."""
+    kind, context, value = detail["type"], detail.get("ctx", {}), detail["input"]
     if kind == "tuple_type" and isinstance(value, dict) and len(path) == 1:
         return f"[[{path[-1]}]] with double brackets, one per entry"
     if kind == "model_type" and isinstance(value, list):
         return f"[{key_of(path)}] with single brackets, once"
-    return ""
-
-
-def _phrase(kind: str, context: Mapping[str, Any], detail: Mapping[str, Any]) -> str:
-    """Return what is expected in the place of a value that pydantic refuses."""
-    value = detail["input"]
     if kind == "greater_than_equal" and 0.0 < context["ge"] < 0.01 and not value > 0.0:
         return "a number greater than 0"
     if kind == "too_long" and context["max_length"] == 2:  # [0,6] of one number, or [0,6, 0,8] of two
@@ -161,13 +155,6 @@ def _pruned(value: Any, levels: int = 3) -> Any:
     if isinstance(value, dict):
         return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), SHOWN)}
     return [_pruned(each, levels - 1) for each in value[:SHOWN]]
-
-
-def _cell(path: KeyPath, cells: Mapping[KeyPath, str]) -> str:
-    for n in range(len(path), 0, -1):
-        if path[:n] in cells:
-            return f" ({cells[path[:n]]})"
-    return ""
 
 
 MOST_LOOKED_AT = 20_000  # names in folders that the search for a pattern reads at most
@@ -247,15 +234,11 @@ def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Prob
 
 def _record_problems(folder: Path, path: KeyPath, pattern: str) -> Iterator[Problem]:
     """Yield a problem for a pattern that no file matches; "generate:7" is none."""
-    if pattern.startswith("generate:"):
-        return
     try:
-        found = matches(folder, pattern)
+        if not pattern.startswith("generate:") and not matches(folder, pattern):
+            yield from missing_file(folder, path, pattern)
     except ValueError as error:
         yield Problem(path, f'"{pattern}": {error}')
-        return
-    if not found:
-        yield from missing_file(folder, path, pattern)
 
 
 FILES = {"file": missing_file, "pattern": _record_problems, "picture": attachment_problems}

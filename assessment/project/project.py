@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -87,23 +88,16 @@ class Project(ProjectContent):
             names.append(self.assessment.site.grid)
         for history in self.history:
             names += [name for name in (history.record, history.vertical_record) if name]
-        names += map(self._name, (*self.incremental_records(), *self.campaign_records()))
+        for path in (*self.incremental_records(), *self.campaign_records()):
+            names.append(path.as_posix())
+            with suppress(ValueError):  # on another drive
+                names[-1] = Path(os.path.relpath(path, self.folder)).as_posix()
         return {name: file_digest(self.path(name)) for name in names}
-
-    def _name(self, path: Path) -> str:
-        try:
-            return Path(os.path.relpath(path, self.folder)).as_posix()
-        except ValueError:  # on another drive
-            return path.as_posix()
 
     def content(self, defaults: bool = True) -> dict[str, Any]:
         """Return the content of the file as plain values, without absent tables; by default with all defaults."""
-        return self.model_dump(
-            mode="json",
-            exclude={"folder", "source", "moved_contacts"},
-            exclude_none=True,
-            exclude_unset=not defaults,
-        )
+        own = {"folder", "source", "moved_contacts"}
+        return self.model_dump(mode="json", exclude=own, exclude_none=True, exclude_unset=not defaults)
 
     def echoed(self) -> dict[str, Any]:
         """Return the content with all defaults but those of [[region]], which are no keys over those of a layer."""

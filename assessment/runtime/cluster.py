@@ -15,8 +15,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypeVar, TypeVarTuple
 
+from assessment.runtime.cache import program
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.fingerprint import program
 from assessment.runtime.pool import KilledError, Pool
 
 Arguments = TypeVarTuple("Arguments")
@@ -61,7 +61,7 @@ class Cluster(Pool):
         self._client = _connected(address, patience.answer)
         self._workers = self._client.get_executor(pure=False)
         self._open: set[Future[Any]] = set()
-        self._board = None
+        self._board = []
         self._closed = threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
@@ -113,9 +113,8 @@ def _connected(address: str, seconds: float) -> Any:
     try:
         from distributed import Client
     except ImportError:
-        raise ProjectError(
-            '--scheduler: dask.distributed is not installed; install it: pip install "assesto[cluster]"'
-        ) from None
+        text = 'dask.distributed is not installed; install it: pip install "assesto[cluster]"'
+        raise ProjectError(f"--scheduler: {text}") from None
     # `close` closes it; one that could not begin waits 20 s for that when it is deleted, and prints a traceback
     connect: Any = type("Client", (Client,), {"__del__": lambda _: None})
     found = _within(2.0 * seconds, lambda: connect(address, timeout=seconds, set_as_default=False))

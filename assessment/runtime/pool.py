@@ -13,6 +13,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from functools import partial
 from typing import Any, Self, TypeVar, TypeVarTuple
 
@@ -53,12 +54,13 @@ class Pool:
         self, processes: int, held: Any = None, ended: Callable[[Callable[..., Any]], object] | None = None
     ) -> None:
         self.held, self._ended = held, ended
-        self._board = _cells() if processes else None
-        self._executor = (
-            ProcessPoolExecutor(processes, initializer=_begin, initargs=(held, self._board))
-            if processes
-            else None
-        )
+        self._board: list[Any] = []  # memory shared with the processes to come, where the system gives any
+        self._executor = None
+        if processes:
+            with suppress(OSError):
+                self._board = [multiprocessing.RawArray("d", [NOTHING] * CELLS)]
+            own = (held, self._board)
+            self._executor = ProcessPoolExecutor(processes, initializer=_begin, initargs=own)
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
         """Start function(*arguments) and return its future; without processes it is computed at once.
@@ -91,8 +93,7 @@ class Pool:
 
     def shares(self) -> Mapping[int, float]:
         """Return the share that is done of the tasks at work, by the numbers under which they report it."""
-        reported = [value for value in self._board or () if value >= 0.0]
-        return {int(value): value % 1.0 for value in reported}
+        return {int(value): value % 1.0 for board in self._board for value in board if value >= 0.0}
 
     def __enter__(self) -> Self:
         return self
@@ -172,17 +173,9 @@ def _apply(function: Callable[..., Result], arguments: tuple[Any, ...]) -> Resul
     return function(_held[0], *arguments)
 
 
-def _cells() -> Any:
-    """Return memory shared with the processes to come; None, and no shares are reported, where there is none."""
-    try:
-        return multiprocessing.RawArray("d", [NOTHING] * CELLS)
-    except OSError:
-        return None
-
-
-def _begin(held: Any, board: Any) -> None:
+def _begin(held: Any, board: list[Any]) -> None:
     """Prepare a process: interruptions are left to the parent, with which it ends however that ends."""
-    _held[:], _board[:] = [held], [board] if board is not None else []
+    _held[:], _board[:] = [held], board
     signal.set_wakeup_fd(-1)  # the parent's own
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

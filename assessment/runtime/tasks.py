@@ -16,8 +16,7 @@ from functools import partial
 from itertools import repeat
 from typing import TYPE_CHECKING, Any, Self, TypeVar, TypeVarTuple
 
-from assessment.runtime.cache import Store, packed, returned, unpacked
-from assessment.runtime.fingerprint import fingerprint
+from assessment.runtime.cache import Store, fingerprint, packed, returned, unpacked
 from assessment.runtime.pool import KilledError, Pool, finished, processes
 from assessment.runtime.progress import SILENCE, Show
 

@@ -29,7 +29,7 @@ from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.static import Settlement, Strengthening
 from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
-from assessment.runtime.fingerprint import installed
+from assessment.runtime.cache import installed
 from mechanics.faults import visible
 from mechanics.messages import Message
 from mechanics.records import Record
@@ -49,10 +49,8 @@ def describe(project: Project, model: ProjectModel) -> Results:
 
     Raises OSError for a file of the project that cannot be read.
     """
-    pushed = (
-        project.pushover or project.history or project.incremental or project.campaign or project.mechanism
-    )
-    states = project.states if pushed else project.unstrengthened[1:]
+    moving = (project.pushover, project.history, project.incremental, project.campaign, project.mechanism)
+    states = project.states if any(moving) else project.unstrengthened[1:]
     return Results(
         format=FORMAT, assesto=installed("assesto"), title=project.title, summary=EMPTY,
         inputs={visible(name): digest for name, digest in project.digests().items()},

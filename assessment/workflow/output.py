@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assessment.report.formats.pdf import printable
-from assessment.runtime import fingerprint
+from assessment.runtime import cache
 from assessment.runtime.cache import FOLDER, Store, unpacked
 from assessment.runtime.files import SCRATCH, file_digest, put_in_place, write_atomically
 from assessment.runtime.pool import KilledError, Pool, processes, result_of
@@ -47,9 +47,9 @@ def keys_of(project: Project) -> Keys:
     """Return the keys of a run of the project; a change of comments in its file changes the page alone."""
     content, inputs = project.content(), project.digests()
     source = inputs.pop(project.source)
-    software = [fingerprint.program(), fingerprint.printing()]
+    software = [cache.program(), cache.printing()]
     settings = {key: value for key, value in content.items() if key not in {"title", "report"}}
-    results = fingerprint.digest([software, project.source, settings, inputs])
+    results = cache.digest([software, project.source, settings, inputs])
     return Keys(results, page_key(project, source))
 
 
@@ -57,7 +57,7 @@ def page_key(project: Project, source: str | None) -> str:
     """Return the key of a project's title page; `source`: digest of the project file that the results are of."""
     content = project.content()
     attached = [file_digest(path) for path in project.attachments()]
-    return fingerprint.digest([content["title"], content["report"], attached, source])
+    return cache.digest([content["title"], content["report"], attached, source])
 
 
 @dataclass(frozen=True)

@@ -126,9 +126,8 @@ def new_folder(folder: Path) -> Iterator[Path]:
     if CONTROL.search(str(folder.absolute())):
         from mechanics.faults import visible  # late: the mechanics take their time
 
-        raise ProjectError(
-            f"{visible(str(folder))}: folder: control characters in the name; give another one"
-        )
+        shown = visible(str(folder))
+        raise ProjectError(f"{shown}: folder: control characters in the name; give another one")
     if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
     temporary = temporary_of(folder)

@@ -27,9 +27,8 @@ def read_toml(path: Path) -> dict[str, Any]:
     with path.open("rb") as file:
         raw = file.read(MOST_BYTES + 1)
     if len(raw) > MOST_BYTES:
-        raise ProjectError(
-            f"{path.name}: file: more than {MOST_BYTES} bytes; keep what describes the project"
-        )
+        text = f"more than {MOST_BYTES} bytes; keep what describes the project"
+        raise ProjectError(f"{path.name}: file: {text}")
     raw = raw.removeprefix(_BYTE_ORDER_MARK)
     try:
         text = raw.decode("utf-8")
@@ -38,9 +37,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ProjectError(f"{path.name}: line {number}: not UTF-8 text; save the file as UTF-8") from None
     if key := _LONG_KEY.search(text):  # no key has so many, and the time to read one grows with their square
         number = text.count("\n", 0, key.start()) + 1
-        raise ProjectError(
-            f"{path.name}: line {number}: a key of 40 parts or more; write [table] and key = value"
-        )
+        text = "a key of 40 parts or more; write [table] and key = value"
+        raise ProjectError(f"{path.name}: line {number}: {text}")
     try:
         return tomllib.loads(text)
     except RecursionError:

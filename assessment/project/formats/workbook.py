@@ -70,7 +70,14 @@ def _archive(path: Path) -> BytesIO:
             size = sum(entry.file_size for entry in archive.infolist())
             damaged = archive.testzip() if size <= MOST_BYTES else None
             whole = damaged is None and size <= MOST_BYTES
-            missing, longest = (_missing(archive), _longest(archive)) if whole else (False, 0)
+            # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that is
+            # there it reads on to the end, whatever it is asked for
+            sheets = [*filter(_SHEET_PART.search, archive.namelist())] if whole else []
+            declared = (
+                _SHEET.findall(archive.read(_WORKBOOK)) if whole and _WORKBOOK in archive.namelist() else []
+            )
+            missing = len(declared) > len(sheets)
+            longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
     except _UNREADABLE:
         raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from None
     if size > MOST_BYTES:
@@ -84,19 +91,6 @@ def _archive(path: Path) -> BytesIO:
     if damaged is not None or missing:
         raise ProjectError(f"{path.name}: {_NO_WORKBOOK}")
     return packed
-
-
-def _longest(archive: ZipFile) -> int:
-    """Return the rows of the longest sheet: openpyxl reads on to the end of one, whatever it is asked for."""
-    sheets = filter(_SHEET_PART.search, archive.namelist())
-    return max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
-
-
-def _missing(archive: ZipFile) -> bool:
-    """Whether the part of a sheet is missing, which openpyxl passes over: its stage would be switched off."""
-    parts = archive.namelist()
-    declared = _SHEET.findall(archive.read(_WORKBOOK)) if _WORKBOOK in parts else []
-    return len(declared) > sum(bool(_SHEET_PART.search(part)) for part in parts)
 
 
 def _rows(sheet: Any) -> Rows:

@@ -10,21 +10,10 @@ from pydantic import ConfigDict, Field
 
 from assessment.ntc.tables import COMPONENTS, confidence_factor, return_period
 from assessment.project.schema import values as kinds
-from assessment.project.schema.values import (
-    MOST_ENTRIES,
-    MOST_LAYERS,
-    ORIGINAL,
-    Contradiction,
-    FileName,
-    NameOf,
-    Problem,
-    Table,
-    absent,
-    entry,
-)
+from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
 
 if TYPE_CHECKING:
-    from assessment.project.schema.content import ProjectContent
+    from assessment.project.schema import ProjectContent
 
 HIGHEST = 40.0  # m: of a building whose period T_1 = 0.05 H^(3/4) gives (Circolare 7/2019, C7.3.3.2)
 RETURN_PERIOD_TOL = 0.02  # relative: typed values are rounded, 475 years for 474.6
@@ -190,7 +179,7 @@ class KnowledgeTable(Table):
             follows = confidence_factor(self.level, given).result
             if abs(follows - factor) > 1e-9:
                 text = f"{factor:g}, but assessment.knowledge makes {follows:g}; write {follows:g}, or correct it"
-                yield Problem(("assessment", "confidence_factor"), text)
+                yield kinds.Problem(("assessment", "confidence_factor"), text)
 
 
 class AssessmentTable(Table):
@@ -232,7 +221,7 @@ class AssessmentTable(Table):
             yield (), "there is no pushover to assess; add [pushover] or leave [assessment] out"
         elif missing := [contacts for contacts in needed if contacts not in project.pushover.contacts]:
             text = f"{' and '.join(missing)} missing, but assessment.model asks for it; write {json.dumps(needed)}"
-            yield Problem(("pushover", "contacts"), text)
+            yield kinds.Problem(("pushover", "contacts"), text)
         if self.spectrum == "record" and not project.history:
             text = 'there is no record to take the spectrum of; add [[history]] or write spectrum = "ntc"'
             yield "spectrum", text
@@ -253,18 +242,22 @@ class MechanismTable(Table):
     )
     layers: kinds.Names | None = absent("layers of the macro-block; default all, where a region is given")
     region_m: (
-        Annotated[tuple[kinds.Coordinate, ...], Field(strict=False, min_length=1, max_length=MOST_ENTRIES)]
+        Annotated[
+            tuple[kinds.Coordinate, ...], Field(strict=False, min_length=1, max_length=kinds.MOST_ENTRIES)
+        ]
         | None
     ) = absent(
         "x and z, m, of two opposite corners of a box, or of the corners of a polygon: the movable "
         "blocks of the layers whose centroid lies in it"
     )
     blocks: (
-        Annotated[tuple[kinds.BlockNumber, ...], Field(strict=False, min_length=1, max_length=MOST_LAYERS)]
+        Annotated[
+            tuple[kinds.BlockNumber, ...], Field(strict=False, min_length=1, max_length=kinds.MOST_LAYERS)
+        ]
         | None
     ) = absent("numbers of further blocks, as in tables/blocks.csv")
     state: Annotated[kinds.Name, NameOf("state")] = entry(
-        "state in whose configuration the mechanism and its points are taken", ORIGINAL
+        "state in whose configuration the mechanism and its points are taken", kinds.ORIGINAL
     )
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:

@@ -10,19 +10,10 @@ from pydantic import AfterValidator, Field
 
 from assessment.project.schema import values as kinds
 from assessment.project.schema.structure import LEAST_MOVEMENT
-from assessment.project.schema.values import (
-    ENTRIES,
-    Contradiction,
-    FileName,
-    NameOf,
-    Table,
-    absent,
-    entry,
-    unique,
-)
+from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
 
 if TYPE_CHECKING:
-    from assessment.project.schema.content import ProjectContent
+    from assessment.project.schema import ProjectContent
 
 
 GENERATE = re.compile(r"generate:([1-9]\d{0,2})")
@@ -216,7 +207,7 @@ class SensitivityTable(Table):
 
 
 Unknown = Literal["x", "z", "rotation"]
-Unknowns = Annotated[tuple[Unknown, ...], ENTRIES, AfterValidator(unique)]
+Unknowns = Annotated[tuple[Unknown, ...], kinds.ENTRIES, AfterValidator(kinds.unique)]
 Hypothesis = Annotated[dict[kinds.Name, Unknowns], Field(min_length=1, max_length=20)]
 MeasuredKind = Literal["crack", "slip", "lean", "relative"]
 Millimetres = Annotated[float, Field(ge=-1e6, le=1e6)]

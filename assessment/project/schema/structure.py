@@ -10,24 +10,11 @@ from pydantic import ConfigDict, Field
 
 from assessment.ntc.tables import OWN_PSI_2, PSI_2
 from assessment.project.schema import values as kinds
-from assessment.project.schema.values import (
-    DISTINCT,
-    MOST_ENTRIES,
-    MOST_LAYERS,
-    ORIGINAL,
-    Contradiction,
-    FileName,
-    NameOf,
-    Problem,
-    Table,
-    absent,
-    entry,
-    without_default,
-)
+from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
 from assessment.runtime.errors import nearest
 
 if TYPE_CHECKING:
-    from assessment.project.schema.content import ProjectContent
+    from assessment.project.schema import ProjectContent
 
 MOST_INCREMENTS = 100_000
 LEAST_MOVEMENT = 1e-7
@@ -64,12 +51,12 @@ class MaterialTable(Table):
     tangential_stiffness_kN_m3: kinds.Rigidity = entry(
         "tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
         math.inf,
-        json_schema_extra=without_default,
+        json_schema_extra=kinds.without_default,
     )
     compressive_strength_kN_m2: kinds.Strength = entry(
         "compressive strength of a joint, kN/m²; inf (default): no crushing",
         math.inf,
-        json_schema_extra=without_default,
+        json_schema_extra=kinds.without_default,
     )
 
 
@@ -145,7 +132,7 @@ class RegionTable(LayerTable):
 
     name: kinds.Name = entry("name of the region")
     outline_m: Annotated[
-        tuple[kinds.Pair, ...], Field(strict=False, min_length=3, max_length=MOST_ENTRIES)
+        tuple[kinds.Pair, ...], Field(strict=False, min_length=3, max_length=kinds.MOST_ENTRIES)
     ] = entry("x and z, m, of each corner of the outline; of a block in several regions the last one counts")
 
 
@@ -196,8 +183,8 @@ class SettlementTable(Table):
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield movements of nothing, increments too long or too short, and what a movement cannot begin after."""
-        if self.name == ORIGINAL:
-            yield "name", f'"{ORIGINAL}" is the state before any settlement; write another name'
+        if self.name == kinds.ORIGINAL:
+            yield "name", f'"{kinds.ORIGINAL}" is the state before any settlement; write another name'
         shift = max(map(abs, self.displacement_m))
         least = self.largest / (self.steps or 1)
         if self.largest == 0.0:
@@ -235,7 +222,7 @@ class SettlementTable(Table):
         campaign = project.campaign
         if campaign and self.name in (campaign.settlements or settlements):
             text = f'shares of a movement begin as drawn, "{self.name}" does not; write the names of others'
-            yield Problem(("campaign", "settlements"), text)
+            yield kinds.Problem(("campaign", "settlements"), text)
 
 
 class PushoverTable(Table):
@@ -260,7 +247,7 @@ class TieTable(Table):
         "force, kN, at which it lengthens without bearing more: of bar, anchorage or masonry under the "
         "plate, the least; inf (default): none",
         math.inf,
-        json_schema_extra=without_default,
+        json_schema_extra=kinds.without_default,
     )
     stiffness_kN_m: kinds.BarStiffness | None = absent(
         "stiffness E A / L of the whole tie, kN/m; absent: rigid"
@@ -305,9 +292,9 @@ class StrengtheningTable(Table):
 
     name: kinds.Name = entry("name of the strengthened state, for `states` of its ties")
     of: kinds.Name = entry('state that it strengthens: "original" or the name of a settlement')
-    layers: Annotated[dict[kinds.Name, ChangedLayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = entry(
-        "layers whose joints it changes", {}
-    )
+    layers: Annotated[
+        dict[kinds.Name, ChangedLayerTable], Field(max_length=kinds.MOST_LAYERS), kinds.DISTINCT
+    ] = entry("layers whose joints it changes", {})
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield a name that another state has, a strengthening of none, or one that changes nothing."""

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from assessment.runtime.errors import shortened
 
 if TYPE_CHECKING:
-    from assessment.project.schema.content import ProjectContent
+    from assessment.project.schema import ProjectContent
 
 KeyPath = tuple[str | int, ...]
 """Where a value stands in the project's content, list entries counted from 0."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from shapely.ops import unary_union
 
 from assessment.ntc.tables import psi_2
 from assessment.project.catalogue.geometry import courses, fitted, rectangle, running_bond, tidied
-from assessment.project.schema import BondTable, LayerTable, RegionTable
+from assessment.project.schema import BondTable, LayerTable
 from assessment.runtime.errors import ProjectError
 from mechanics import Block, Material
 from mechanics.messages import layer_key
@@ -37,11 +37,21 @@ def as_built(project: Project, drawing: Drawing) -> Drawing:
     tables = (*project.layers.values(), *project.region)
     if not project.region and not any(each.bond for each in tables):
         return drawing
-    outlines = [_outline(project, region) for region in project.region]
-    blocks = [*_in_regions(project, outlines, _bonded(project, outlines, drawing.blocks))]
-    for region in project.region:
+    keys = [f"{project.source}: region.{region.name}.outline_m" for region in project.region]
+    outlines = [Polygon(region.outline_m) for region in project.region]
+    for key, outline in zip(keys, outlines, strict=True):
+        if not outline.is_valid or not outline.area:
+            raise ProjectError(f"{key}: crosses itself or has no area; write its corners in order")
+    blocks = []
+    for block in _bonded(project, outlines, drawing.blocks):
+        name = _region_at(project, outlines, block)
+        table = table_of(project, block.layer, name)
+        if not name:
+            blocks.append(block)
+        elif not table.ignore:
+            blocks.append(replace(block, **of_block(layer_of(project, table)), region=name))
+    for key, region in zip(keys, project.region, strict=True):
         if not region.ignore and all(block.region != region.name for block in blocks):
-            key = f"{project.source}: region.{region.name}.outline_m"
             raise ProjectError(f"{key}: no block has its centroid in it; correct its corners, in m")
     return replace(drawing, blocks=tuple(blocks))
 
@@ -91,29 +101,10 @@ def table_of(project: Project, layer: str, region: str) -> LayerTable:
     return table.model_copy(update={key: getattr(given, key) for key in over})
 
 
-def _outline(project: Project, region: RegionTable) -> Polygon:
-    outline = Polygon(region.outline_m)
-    if not outline.is_valid or not outline.area:
-        key = f"{project.source}: region.{region.name}.outline_m"
-        raise ProjectError(f"{key}: crosses itself or has no area; write its corners in order")
-    return outline
-
-
 def _region_at(project: Project, outlines: Sequence[Polygon], block: Block) -> str:
     place = shapely.Point(block.centroid)
     found = [r.name for r, o in zip(project.region, outlines, strict=True) if o.intersects(place)]
     return found[-1] if found else ""
-
-
-def _in_regions(project: Project, outlines: Sequence[Polygon], blocks: Sequence[Block]) -> Iterator[Block]:
-    """Yield the blocks as their regions want them, without those that are ignored."""
-    for block in blocks:
-        region = _region_at(project, outlines, block)
-        table = table_of(project, block.layer, region)
-        if region and not table.ignore:
-            yield replace(block, **of_block(layer_of(project, table)), region=region)
-        elif not region:
-            yield block
 
 
 def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block]) -> list[Block]:
@@ -159,9 +150,8 @@ def running(
         raise ValueError(f"course_m: {str(error).partition(': ')[2]}") from None
     along = max(1, round((high - low) / bond.block_m))
     if along * len(levels) > MOST_BLOCKS:
-        raise ValueError(
-            f"block_m: {bond.block_m:g} makes more than {MOST_BLOCKS} blocks; write a longer one"
-        )
+        text = f"{bond.block_m:g} makes more than {MOST_BLOCKS} blocks; write a longer one"
+        raise ValueError(f"block_m: {text}")
     walled = outline.difference(unary_union([*openings, *others]))
     lintels = []
     for opening in openings:

@@ -60,10 +60,8 @@ def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
         before = found.get(entry.name, Chosen(entry.name, entry.state, ()))
         for part in before.parts:
             if (twice := np.intersect1d(part.blocks, blocks)).size:
-                text = (
-                    f'block {twice[0]} is in another macro-block of "{entry.name}"; a block has one rotation'
-                )
-                raise ProjectError(f"{key}: {text}")
+                text = f'block {twice[0]} is in another macro-block of "{entry.name}"'
+                raise ProjectError(f"{key}: {text}; a block has one rotation")
         part = MacroBlock(model.from_origin(entry.about_m), entry.rotation, blocks)
         found[entry.name] = replace(before, parts=(*before.parts, part))
     return [*found.values()]
@@ -89,22 +87,16 @@ def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp
     if entry.layers:
         chosen &= np.isin([layer_key(block.layer) for block in model.blocks], [*map(layer_key, entry.layers)])
     if entry.region_m:
-        region = _region(entry.region_m, key)
+        corners = np.reshape(entry.region_m, (-1, 2))
+        if len(corners) == 2:
+            region = shapely.box(*corners.min(axis=0), *corners.max(axis=0))
+        elif not (region := shapely.Polygon(corners)).is_valid:
+            raise ProjectError(f"{key}.region_m: the outline crosses itself; write its corners in order")
         chosen &= shapely.intersects(region, shapely.points([block.centroid for block in model.blocks]))
     chosen[list(entry.blocks or ())] = True
     if not chosen.any():
         raise ProjectError(f"{key}: no movable block is chosen; correct layers, region_m or blocks")
     return np.flatnonzero(chosen)
-
-
-def _region(corners: tuple[float, ...], key: str) -> shapely.Polygon:
-    points = np.reshape(corners, (-1, 2))
-    if len(points) == 2:
-        return shapely.box(*points.min(axis=0), *points.max(axis=0))
-    polygon = shapely.Polygon(points)
-    if not polygon.is_valid:
-        raise ProjectError(f"{key}.region_m: the outline crosses itself; write its corners in order")
-    return polygon
 
 
 FAR = 0.5  # of a block's size: a joint farther from the point of a crack is not the one that was measured
@@ -139,23 +131,21 @@ def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
 
 def readings(model: Assembly, found: Sequence[Gauge], positions: Array) -> Array:
     """Return what the gauges show (m,) at positions (b, 3): mm, of a lean mrad."""
-    drawn = len(model.joints.a)
-    places = model.contacts.places(positions)[:drawn]
-    gaps, slips = end_gaps(places), places[:, V]
-    return np.array([_reading(model, each, positions, gaps, slips) for each in found])
-
-
-def _reading(model: Assembly, gauge: Gauge, positions: Array, gaps: Array, slips: Array) -> float:
-    if gauge.kind == "crack":
-        return 1000.0 * float(gaps[gauge.joint, gauge.end])
-    if gauge.kind == "slip":
-        return 1000.0 * abs(float(slips[gauge.joint]))
-    if gauge.kind == "lean":
-        return 1000.0 * float(positions[gauge.block, 2])
-    moved = model.point_displacement(gauge.point, gauge.block, positions)
-    if gauge.origin is not None and gauge.origin_block is not None:
-        moved = moved - model.point_displacement(gauge.origin, gauge.origin_block, positions)
-    return 1000.0 * float(moved[gauge.axis])
+    places = model.contacts.places(positions)[: len(model.joints.a)]
+    gaps, shown = end_gaps(places), []
+    for each in found:
+        if each.kind == "crack":
+            shown.append(gaps[each.joint, each.end])
+        elif each.kind == "slip":
+            shown.append(abs(places[each.joint, V]))
+        elif each.kind == "lean":
+            shown.append(positions[each.block, 2])
+        else:
+            moved = model.point_displacement(each.point, each.block, positions)
+            if each.origin is not None and each.origin_block is not None:
+                moved = moved - model.point_displacement(each.origin, each.origin_block, positions)
+            shown.append(moved[each.axis])
+    return 1000.0 * np.array(shown, dtype=float)
 
 
 def _gauge(project: Project, model: Assembly, each: MeasurementTable) -> Gauge:

@@ -16,7 +16,7 @@ from assessment.analyses.found import LEVELS, accuracy_of
 from assessment.project.schema import MotionTable
 from assessment.results.schema.dynamic import Scanned
 from assessment.results.schema.studies import ConvergenceRow
-from assessment.runtime.fingerprint import fingerprint
+from assessment.runtime.cache import fingerprint
 from assessment.runtime.tasks import From
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import Mirror

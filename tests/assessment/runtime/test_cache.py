@@ -14,7 +14,7 @@ from assessment.results.schema.checks import Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import QualityRow
 from assessment.runtime.cache import Store, packed, unpacked
-from assessment.runtime.fingerprint import fingerprint as digest
+from assessment.runtime.cache import fingerprint as digest
 from assessment.workflow.stages import run
 from mechanics import State
 from mechanics.messages import Message, headed, message

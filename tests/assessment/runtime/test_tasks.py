@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from assessment.runtime.cache import Store
-from assessment.runtime.fingerprint import fingerprint
+from assessment.runtime.cache import Store, fingerprint
 from assessment.runtime.tasks import From, Workers
 from tests.support.told import Seen, quarter
 

@@ -13,7 +13,7 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.figures import index as figures
 from assessment.results.plain import plain
-from assessment.runtime import fingerprint
+from assessment.runtime import cache
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
@@ -173,7 +173,7 @@ def test_another_record_leaves_the_first_as_it_is(done):
 
 def test_another_version_of_the_program_takes_over_nothing(done, capsys, monkeypatch):
     every = sum(planned(done).values())
-    monkeypatch.setattr(fingerprint, "program", lambda: "of tomorrow")
+    monkeypatch.setattr(cache, "program", lambda: "of tomorrow")
     assert counts(done, capsys) == (every, 0)
 
 
