@@ -158,7 +158,6 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
 
 def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
     from openpyxl.styles import Font
-    from openpyxl.utils import get_column_letter
 
     for number, row in enumerate(rows, 1):
         for column, value in enumerate(row, 1):
@@ -167,9 +166,9 @@ def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
                 cell.data_type = "s"  # a text that begins with = is no formula
             if number == 1:
                 cell.font = Font(bold=True)
-    for column, cells in enumerate(sheet.columns, 1):
+    for column, cells in enumerate(sheet.columns):
         longest = max(len(str(cell.value or "")) for cell in cells)
-        sheet.column_dimensions[get_column_letter(column)].width = min(longest, WIDEST) + 2
+        sheet.column_dimensions[_letter(column)].width = min(longest, WIDEST) + 2
     sheet.freeze_panes = "A2"
 
 
@@ -186,35 +185,41 @@ def _offer(sheet: Any, cells: Iterable[tuple[str, KeyPath]]) -> None:
 
 def _choices(path: KeyPath) -> str:
     """Return the formula of a drop-down list of the key at a path; empty where nothing is to be chosen."""
-    from openpyxl.utils import get_column_letter
-
     if path[-1] == ACTIVE:
         return f'"{YES[0]},{NO[0]}"'
     kinds = alternatives(annotation_at(path))
     sheet = _OF.get(named_at(path) or "")
     if sheet and str in kinds:
-        column = next(_list_rows(sheet, {})).index("support" if sheet == "layers" else "name") + 1
-        return f"={sheet}!${get_column_letter(column)}$2:${get_column_letter(column)}${LAST}"
-    chosen = [str(each) for kind in kinds if get_origin(kind) is Literal for each in get_args(kind)]
+        column = _letter(next(_list_rows(sheet, {})).index("support" if sheet == "layers" else "name"))
+        return f"={sheet}!${column}$2:${column}${LAST}"
+    chosen = [*map(str, _words(kinds))]
     for kind in (kind for kind in kinds if get_origin(kind) is tuple):
-        members = [
-            m for one in alternatives(get_args(kind)[0]) if get_origin(one) is Literal for m in get_args(one)
-        ]
+        members = _words(alternatives(get_args(kind)[0]))
         if all(isinstance(member, str) for member in members) and members:
             chosen += [*members, "; ".join(members)]
     return f'"{",".join(chosen)}"' if chosen else f'"{YES[0]},{NO[0]}"' if bool in kinds else ""
 
 
+def _words(kinds: Iterable[Any]) -> list[Any]:
+    """Return what the literal ones of some types allow."""
+    return [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
+
+
 def _unevaluated(formulas: Rows, values: Rows) -> str | None:
     """Return the first cell that has a formula and no value, which would else pass for an empty one."""
-    from openpyxl.utils import get_column_letter
-
     for number, row in formulas.items():
         known = values.get(number, ())
         for column, text in enumerate(row):
             if isinstance(text, str) and text.startswith("=") and known[column : column + 1] in {(), (None,)}:
-                return f"{get_column_letter(column + 1)}{number}"
+                return f"{_letter(column)}{number}"
     return None
+
+
+def _letter(column: int) -> str:
+    """Return the letters of a column, counted from 0."""
+    from openpyxl.utils import get_column_letter
+
+    return str(get_column_letter(column + 1))
 
 
 def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
@@ -256,8 +261,6 @@ def _listed(path: KeyPath) -> bool:
 
 
 def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
-    from openpyxl.utils import get_column_letter
-
     header, *entries = [*rows.items()] or [(0, ())]
     keys = [_text(key).strip() for key in header[1]]
     first = 1 if name in _NAME else 0
@@ -267,7 +270,7 @@ def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
         for column, value in enumerate(row[first:], first):
             if value is not None:
                 path = _path(entry, keys[column] if column < len(keys) else "")
-                place = f", cell {get_column_letter(column + 1)}{number}"
+                place = f", cell {_letter(column)}{number}"
                 yield _Entry(path, _typed(value, annotation_at(path)), place)
 
 
@@ -291,7 +294,7 @@ def _typed(value: Any, annotation: Any) -> Any:
     """Return the content of a cell as the type its key asks for; left as it is where that cannot be."""
     value = value.strip() if isinstance(value, str) else value
     kinds = alternatives(annotation)
-    members = [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
+    members = _words(kinds)
     lists = [kind for kind in kinds if get_origin(kind) is tuple]
     words = any(isinstance(member, str) for member in members)
     takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
@@ -300,9 +303,7 @@ def _typed(value: Any, annotation: Any) -> Any:
         if pairs := [kind for kind in alternatives(member) if get_origin(kind) is tuple]:
             flat = _typed(value, tuple[get_args(pairs[0])[0], ...])  # type: ignore[misc]
             return [flat[k : k + 2] for k in range(0, len(flat), 2)]
-        if {int, float} & {
-            *alternatives(member)
-        }:  # in a list of numbers only a separator is followed by a blank
+        if {int, float} & {*alternatives(member)}:  # only a separator is followed by a blank there
             parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
         else:
             one_line = _text(value).replace("\r", ";").replace("\n", ";")
