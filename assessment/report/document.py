@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import itertools
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -104,7 +105,7 @@ def render_html(
         chapters=[name for name in CHAPTERS if there.get(name, True)],
         annexes=[name for name in ANNEXES if there.get(name, True)],
         attached=attached,
-        count=Counter(),
+        count={kind: itertools.count(1) for kind in ("figure", "table")},
         viewer=interactive,
         figures=_embedded(results, figures, words, full),
         grids=grids.printed_tables(results, words),
@@ -139,18 +140,6 @@ class Said:
         raise AttributeError(name)
 
 
-class Counter:
-    """Numbers of figures and tables, in the order in which they are printed."""
-
-    def __init__(self) -> None:
-        self._last: dict[str, int] = {}
-
-    def next(self, kind: str) -> int:
-        """Return 1, 2, 3… for each kind."""
-        self._last[kind] = self._last.get(kind, 0) + 1
-        return self._last[kind]
-
-
 @dataclass(frozen=True)
 class Embedded:
     """A picture of the page: its `file` in the output folder, its caption, and its content as a data address.
@@ -168,24 +157,25 @@ def _embedded(results: Results, folder: Path, words: Words, full: bool) -> dict[
     found: dict[str, list[Embedded]] = {}
     for picture in pictures(results):
         if full or not picture.full:
-            svg = base64.b64encode((folder / f"{picture.name}.svg").read_bytes()).decode()
             what = words(f"caption.{picture.caption}", **picture.fields)
-            address = f"data:image/svg+xml;base64,{svg}"
-            found.setdefault(picture.section, []).append(
-                Embedded(f"figures/{picture.name}.png", what, address)
-            )
+            address = _address((folder / f"{picture.name}.svg").read_bytes(), "svg+xml")
+            shown = Embedded(f"figures/{picture.name}.png", what, address)
+            found.setdefault(picture.section, []).append(shown)
     return found
 
 
 def _attached(results: Results, folder: Path) -> list[Embedded]:
-    """Return the pictures that the project attaches."""
+    """Return the pictures that the project attaches: what each shows is the name of its file, in words."""
     found = []
     for number, name in enumerate(results.echo.report.attachments, 1):
         file = stored(number, name)
-        kind = "png" if file.endswith("png") else "jpeg"
-        content = base64.b64encode((folder / file).read_bytes()).decode()
-        found.append(Embedded(file, caption(name), f"data:image/{kind};base64,{content}"))
+        address = _address((folder / file).read_bytes(), "png" if file.endswith("png") else "jpeg")
+        found.append(Embedded(file, Path(name).stem.replace("_", " "), address))
     return found
+
+
+def _address(content: bytes, kind: str) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def references(results: Results) -> list[str]:
@@ -229,11 +219,6 @@ def write_attachments(pictures: Sequence[Path], folder: Path) -> None:
 def stored(number: int, name: str) -> str:
     """Return where in the output folder the picture of that number (from 1) stands."""
     return f"{FOLDER}/{number:02d}.{_kind(name)}"
-
-
-def caption(name: str) -> str:
-    """Return what a picture shows: the name of its file, in words."""
-    return Path(name).stem.replace("_", " ")
 
 
 def _kind(name: str) -> str:

@@ -52,20 +52,13 @@ def settlement_lines(ready: ReadySettlement) -> list[str]:
 
 def movement_text(each: SupportMovement) -> str:
     """Return a movement on one line, in mm and mrad, with the standard errors that are known."""
-    parts = [
-        ("x", "mm", each.x_m, each.x_standard_error_m, "x_standard_error_m"),
-        ("z", "mm", each.z_m, each.z_standard_error_m, "z_standard_error_m"),
-        (
-            *("rotation", "mrad", each.rotation_rad, each.rotation_standard_error_rad),
-            "rotation_standard_error_rad",
-        ),
-    ]
-    told = [
-        f"{name} {1e3 * value:.3g}"
-        + (f" {unit} (not determined)" if error is None else f" ± {1e3 * error:.2g} {unit}")
-        for name, unit, value, error, key in parts
-        if key in each.model_fields_set
-    ]
+    told = []
+    for name, unit in (("x", "m"), ("z", "m"), ("rotation", "rad")):
+        key = f"{name}_standard_error_{unit}"
+        if key in each.model_fields_set:
+            value, error = getattr(each, f"{name}_{unit}"), getattr(each, key)
+            known = f" m{unit} (not determined)" if error is None else f" ± {1e3 * error:.2g} m{unit}"
+            told.append(f"{name} {1e3 * value:.3g}{known}")
     return f"{each.support}: {', '.join(told)}"
 
 

@@ -34,14 +34,5 @@ def _worst(rows: Sequence[QualityRow]) -> dict[str, float]:
 
 def lines(trace: Iterable[Step]) -> list[Line]:
     """Return the steps of a calculation as lines of results.json, in their order."""
-    return [
-        Line(
-            symbol=step.symbol,
-            formula=step.formula,
-            inputs=dict(step.inputs),
-            result=step.result,
-            unit=step.unit,
-            paragraph=step.paragraph,
-        )
-        for step in trace
-    ]
+    told = [{name: getattr(step, name) for name in Line.model_fields} for step in trace]
+    return [Line(**each | {"inputs": dict(each["inputs"])}) for each in told]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from typing import Any
 
 from assessment.ntc.tables import INDEXED, SURFACE
 from assessment.results.asked import directions_asked, limit_states
 from assessment.results.schema import Results, State
-from assessment.results.schema.checks import Capacity, Check, Direction
+from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
 from assessment.results.schema.summary import (
     Summary,
@@ -46,119 +47,77 @@ def _row(
     states: dict[str, State], name: str, direction: Direction | None, limits: Iterable[str]
 ) -> SummaryRow:
     """Return the row of a state in a direction, its losses from the original state in the same direction."""
-    state, original = states[name], states.get(ORIGINAL)
-    capacity = state.capacity.get(direction) if direction else None
-    pushed = state.pushover.get(direction) if direction else None
+
+    def there(of: State | None) -> tuple[Capacity | None, Pushovers | None]:
+        return (of.capacity.get(direction), of.pushover.get(direction)) if of and direction else (None, None)
+
+    state, original = states[name], states.get(ORIGINAL) if name != ORIGINAL else None
+    (capacity, pushed), (was, before) = there(state), there(original)
     checks = {limit: _counting(capacity, limit) for limit in limits}
-    if original is not None and name != ORIGINAL:
-        was = original.capacity.get(direction) if direction else None
-        checks = {
-            limit: check.replace(loss=reduction(_counting(was, limit).zeta_E, check.zeta_E))
-            for limit, check in checks.items()
-        }
+    for limit, check in checks.items() if original else ():
+        checks[limit] = check.replace(loss=reduction(_counting(was, limit).zeta_E, check.zeta_E))
     if (made := state.strengthening) is not None and made.of in states:
-        was = states[made.of].capacity.get(direction) if direction else None
-        checks = {
-            limit: check.replace(gain=_opposite(reduction(_counting(was, limit).zeta_E, check.zeta_E)))
-            for limit, check in checks.items()
-        }
+        for limit, check in checks.items():
+            change = reduction(_counting(there(states[made.of])[0], limit).zeta_E, check.zeta_E)
+            checks[limit] = check.replace(gain=None if change is None else -change)
     ratios = {limit: ratio for limit, check in checks.items() if (ratio := check.zeta_E) is not None}
     indexed = [limit for limit in INDEXED if limit in checks] or list(checks)
-    farthest = quoted_limit_state(capacity.checks) if capacity else None
-    row = SummaryRow(
-        state=name,
-        direction=direction,
-        reached=_reached(states, state),
-        checks=checks,
-        governing=min(ratios, key=lambda limit: ratios[limit], default=None),
-        verified=_all(checks[limit].verified for limit in indexed),
-        limit_state=farthest,
-        static_pga_g=static_pga(capacity),
-    )
-    if direction is not None:
-        row = _with_curves(row, pushed, original.pushover.get(direction) if original else None)
+    row: dict[str, Any] = {"state": name, "direction": direction, "checks": checks}
+    row["reached"] = _reached(states, state)
+    row["governing"] = min(ratios, key=lambda limit: ratios[limit], default=None)
+    row["verified"] = _all(checks[limit].verified for limit in indexed)
+    row["limit_state"] = quoted_limit_state(capacity.checks) if capacity else None
+    row["static_pga_g"] = static_pga(capacity)
+    if pushed is not None:
+        rigid, elastic = pushed.rigid, pushed.elastic
+        row |= {"control": pushed.control, "run": pushed.run}
+        row |= {"alpha_u": elastic.alpha_u} if elastic else {}
+        if rigid is not None:
+            row |= {"alpha_0": rigid.alpha_0, "d_0_m": rigid.d_0_m, "mechanism": _mechanism(rigid.mechanism)}
+            if (law := rigid.other_law) is not None:
+                row["other_law"] = OtherLaw(sliding=law.sliding, alpha_0=law.alpha_0)
+        if before and rigid and before.rigid:
+            row["alpha_loss"] = reduction(before.rigid.alpha_0, rigid.alpha_0)
+        elif before and elastic and before.elastic:
+            row["alpha_loss"] = reduction(before.elastic.alpha_u, elastic.alpha_u)
     if capacity and capacity.alpha_0 is not None and capacity.other_law:
-        row = row.replace(alpha_0=capacity.alpha_0, other_law=capacity.other_law)
+        row |= {"alpha_0": capacity.alpha_0, "other_law": capacity.other_law}
     if state.incremental.records is not None:
-        dynamic = state.incremental.pga_collapse_g
+        dynamic, loss = state.incremental.pga_collapse_g, state.incremental.loss
         nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
-        row = row.replace(
-            dynamic_pga_g=dynamic,
-            static_nominal_pga_g=nominal,
-            dynamic_to_static=dynamic / nominal if dynamic is not None and nominal else None,
-        )
-        if original is not None and name != ORIGINAL:
-            loss = state.incremental.loss
-            row = row.replace(
-                dynamic_loss=loss.dynamic if loss else reduction(original.incremental.pga_collapse_g, dynamic)
-            )
-    return row
-
-
-def _with_curves(row: SummaryRow, pushed: Pushovers | None, before: Pushovers | None) -> SummaryRow:
-    """Return the row with the run, the multipliers and the mechanism of its curves, and the loss of its multiplier."""
-    if pushed is None:
-        return row
-    rigid, elastic = pushed.rigid, pushed.elastic
-    row = row.replace(control=pushed.control, run=pushed.run)
-    if elastic is not None:
-        row = row.replace(alpha_u=elastic.alpha_u)
-    if rigid is not None:
-        row = row.replace(alpha_0=rigid.alpha_0, d_0_m=rigid.d_0_m, mechanism=_mechanism(rigid.mechanism))
-        if (law := rigid.other_law) is not None:
-            row = row.replace(other_law=OtherLaw(sliding=law.sliding, alpha_0=law.alpha_0))
-    if row.state == ORIGINAL or before is None:
-        return row
-    if rigid is not None and before.rigid is not None:
-        return row.replace(alpha_loss=reduction(before.rigid.alpha_0, rigid.alpha_0))
-    if elastic is not None and before.elastic is not None:
-        return row.replace(alpha_loss=reduction(before.elastic.alpha_u, elastic.alpha_u))
-    return row
+        row |= {"dynamic_pga_g": dynamic, "static_nominal_pga_g": nominal}
+        row["dynamic_to_static"] = dynamic / nominal if dynamic is not None and nominal else None
+        if original is not None:
+            lost = reduction(original.incremental.pga_collapse_g, dynamic)
+            row["dynamic_loss"] = loss.dynamic if loss else lost
+    return SummaryRow(**row)
 
 
 def _mechanism(found: Mechanism) -> SummaryMechanism:
     slides, turns = len(found.sliding_joints), found.hinges
-    return SummaryMechanism(
-        kind="mixed"
-        if slides and turns
-        else "sliding"
-        if slides
-        else "overturning"
-        if turns == 1
-        else "hinges",
-        hinges=turns,
-        sliding_joints=slides,
-        moving_weight_kN=found.moving_weight_kN,
-    )
+    alone = "overturning" if turns == 1 else "hinges"
+    kind: Any = ("mixed" if turns else "sliding") if slides else alone
+    weight = found.moving_weight_kN
+    return SummaryMechanism(kind=kind, hinges=turns, sliding_joints=slides, moving_weight_kN=weight)
 
 
 def _counting(capacity: Capacity | None, limit: str) -> SummaryCheck:
     """Return the check that counts at a limit state; without numbers where none has a ratio."""
-    made = _of_limit(capacity.checks if capacity else {}, limit)
-    known = [(check.zeta_E, name, check) for name, check in made if check.zeta_E is not None]
+    made = capacity.checks if capacity else {}
+    names = [name for name in (limit, f"{limit} linear", f"{limit} elastic") if name in made]  # its own first
+    known = [(ratio, name) for name in names if (ratio := made[name].zeta_E) is not None]
     if not known:
         return SummaryCheck(check=limit, zeta_E=None, verified=None)
     # at SLV the linear check stands in for the nonlinear one
-    ratio, name, check = known[0] if limit in INDEXED else min(known, key=lambda each: each[0])
-    found = SummaryCheck(check=name, zeta_E=ratio, verified=check.verified)
-    return found.replace(zeta_E_range=check.zeta_E_range) if check.zeta_E_range else found
-
-
-def _of_limit(checks: dict[str, Check], limit: str) -> Iterator[tuple[str, Check]]:
-    """Yield the checks at a limit state by their names, its own first."""
-    for name in (limit, f"{limit} linear", f"{limit} elastic"):
-        if name in checks:
-            yield name, checks[name]
+    ratio, name = known[0] if limit in INDEXED else min(known, key=lambda each: each[0])
+    found = SummaryCheck(check=name, zeta_E=ratio, verified=made[name].verified)
+    return found.replace(zeta_E_range=each) if (each := made[name].zeta_E_range) else found
 
 
 def _reached(states: dict[str, State], state: State) -> bool:
     """Whether a state was reached: where it was not, its configuration is that of the drawing."""
     before = states.get(state.strengthening.of) if state.strengthening else state
     return before is None or before.settlement is None or any(map(any, state.configuration))
-
-
-def _opposite(change: float | None) -> float | None:
-    return None if change is None else -change
 
 
 def _all(verified: Iterable[bool | None]) -> bool | None:

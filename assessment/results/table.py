@@ -9,21 +9,10 @@ from typing import Any
 from assessment.ntc.tables import INDEXED, QUOTED, ROCK, SURFACE
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, StrengtheningRow
-from assessment.results.schema.part import Part
+from assessment.results.schema.part import QUANTITIES, Part, plain_value
 from assessment.results.schema.studies import Capacities, Scenarios
 
 Row = dict[str, Any]
-
-COMPARISON = (
-    "state",
-    "direction",
-    "limit_state",
-    "static_pga_g",
-    "static_reduction",
-    "dynamic_pga_g",
-    "dynamic_reduction",
-)
-"""Columns of the capacities of a state beside those of the original one."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +35,14 @@ def reduction(original: float | None, settled: float | None) -> float | None:
 
 
 def columns_of(row: type) -> tuple[str, ...]:
-    """Return the columns of a table whose rows are of a dataclass: its fields, in their order."""
-    return tuple(field.name for field in fields(row))
+    """Return the columns of a table whose rows are of a class: fields of a dataclass, of a part those with a label."""
+    if issubclass(row, Part):
+        described = row.model_fields.items()
+        return tuple(
+            name for name, field in described if name in QUANTITIES and plain_value(field.annotation)
+        )
+    found: Any = row
+    return tuple(field.name for field in fields(found))
 
 
 def cells(part: Part, columns: Iterable[str]) -> Row:
@@ -81,8 +76,8 @@ def brought_together(static: float | None, dynamic: float | None) -> Row:
 
 def compared(found: Capacities, quantity: str) -> float | None:
     """Return the quantity that capacities are compared by: a_g (g), α_0 or α_u."""
-    of: dict[str, float | None] = {"a_g_g": found.a_g_g, "alpha_0": found.alpha_0, "alpha_u": found.alpha_u}
-    return of[quantity]
+    value: float | None = getattr(found, quantity)
+    return value
 
 
 def among_known(found: Scenarios) -> tuple[int, int] | None:
@@ -94,13 +89,9 @@ def among_known(found: Scenarios) -> tuple[int, int] | None:
 
 def gains_by(row: StrengtheningRow) -> str | None:
     """Return the quantity that the gain of a strengthened state is of: the first that is known before."""
-    before: dict[str, float | None] = {
-        "a_g_g": row.a_g_before_g,
-        "alpha_0": row.alpha_0_before,
-        "alpha_u": row.alpha_u_before,
-        "dynamic_pga_g": row.dynamic_pga_before_g,
-    }
-    return next((quantity for quantity, value in before.items() if value is not None), None)
+    quantities = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")
+    before = (row.a_g_before_g, row.alpha_0_before, row.alpha_u_before, row.dynamic_pga_before_g)
+    return next((name for name, value in zip(quantities, before, strict=True) if value is not None), None)
 
 
 def reference_of(results: Results) -> str:

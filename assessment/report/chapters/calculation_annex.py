@@ -158,12 +158,9 @@ def _tables(
     for start in range(0, len(titles), COLUMNS):
         shown = {title: columns[title] for title in titles[start : start + COLUMNS]}
         head = [heading("symbol", words), heading("formula", words), *map(Markup.escape, shown)]
-        yield Grid(
-            caption,
-            [*head, heading("paragraph", words)],
-            [_row(line, shown.values(), words, digits) for line in _merged(shown.values())],
-            [True, True, *[False] * len(shown), True],
-        )
+        rows = [_row(line, shown.values(), words, digits) for line in _merged(shown.values())]
+        texts = [True, True, *[False] * len(shown), True]
+        yield Grid(caption, [*head, heading("paragraph", words)], rows, texts)
 
 
 def _merged(columns: Iterable[Column]) -> list[Line]:
@@ -181,32 +178,20 @@ def _merged(columns: Iterable[Column]) -> list[Line]:
 
 
 def _row(line: Line, columns: Iterable[Column], words: Words, digits: int) -> list[Markup]:
-    unit = words.name("unit", line.unit)
-    return [
-        typeset(line.symbol, words) + (f" [{unit}]" if unit else ""),
-        typeset(line.formula, words) or words("value.datum"),
-        *(
-            Markup.escape(_digits(column[line], words, digits)) if line in column else words("value.none")
-            for column in columns
-        ),
-        _source(line.paragraph, words),
-    ]
-
-
-def _digits(value: float, words: Words, digits: int) -> str:
-    text, mark = words.number(value, digits), words.plain("value.decimal_mark")
-    return text.rstrip("0").rstrip(mark) if mark in text and "·" not in text else text
-
-
-def _source(paragraph: str, words: Words) -> Markup:
-    """Write where a number comes from in the language of the report; paragraphs of standards stay as they are."""
-    text = translated(paragraph, words)
-    if text == paragraph:
-        text = "; ".join(
-            ": ".join(words.name("source", part) for part in phrase.split(": "))
-            for phrase in paragraph.split("; ")
-        )
-    return Markup(re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text))))
+    """Write a line with its result in each column; where a number comes from in the language of the report."""
+    unit, mark = words.name("unit", line.unit), words.plain("value.decimal_mark")
+    cells = [typeset(line.symbol, words) + (f" [{unit}]" if unit else "")]
+    cells.append(typeset(line.formula, words) or words("value.datum"))
+    for column in columns:
+        text = words.number(column[line], digits) if line in column else words("value.none")
+        decimal = mark in text and "·" not in text
+        cells.append(Markup.escape(text.rstrip("0").rstrip(mark) if decimal else text))
+    text = translated(line.paragraph, words)
+    if text == line.paragraph:  # paragraphs of standards stay as they are
+        phrases = (phrase.split(": ") for phrase in text.split("; "))
+        text = "; ".join(": ".join(words.name("source", part) for part in phrase) for phrase in phrases)
+    text = re.sub(r"\b([A-Za-zα-ω])_(\w+)", r"\1<sub>\2</sub>", str(Markup.escape(text)))
+    return [*cells, Markup(text)]
 
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -221,7 +206,8 @@ _SIGNS = {
     "psi": "ψ",
 }
 _SIGNS |= {"xi": "ξ", "Sigma": "Σ", "delta": "δ", "zeta": "ζ", "theta": "θ", "lambda": "λ"}
-_WHOLE = {  # names whose parts are no subscripts: sums over the weights that move, and an index of D.M. 58/2017
+# names whose parts are no subscripts: sums over the weights that move, and an index of D.M. 58/2017
+_WHOLE = {
     "Sigma_P": "ΣP",
     "Sigma_P_delta": "ΣPδ<sub>x</sub>",
     "Sigma_P_delta_2": "ΣPδ<sub>x</sub>²",

@@ -15,12 +15,12 @@ from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_peri
 from assessment.report.tables import capacity as checked
 from assessment.report.tables import dynamic, structure
 from assessment.report.tables.cracks import reported_cracks, survey_table
-from assessment.report.tables.mechanisms import all_mechanisms, mechanism_name, mechanisms, second_solver
-from assessment.report.tables.rows import pushes, without
+from assessment.report.tables.equilibrium import balance, hand_check, reactions
+from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
+from assessment.report.tables.rows import TABLES, pushes, without
 from assessment.report.tables.studies import (
     Range,
     ranges,
-    reported_convergence,
     reported_identification,
     reported_studies,
 )
@@ -30,17 +30,18 @@ from assessment.results.configurations.hand_check import (
     BY_HAND,
     figures_of,
     governing_mechanisms,
-    hand_check,
     rigid_push,
     ties_in,
     virtual_work_table,
 )
-from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.schema import Results
 from assessment.results.schema.part import present
 from assessment.results.summary import index_limit, index_of, least_row
 from assessment.results.table import Row, Table, cells, reference_of
 
+AS_THEY_ARE = """ties settlements tie_tensions knowledge chosen_checks all_mechanisms linear_checks scalings history
+history_ranges history_energy shaken_ties incremental incremental_states fragility_measures static_dynamic convergence
+history_convergence incremental_convergence quality"""  # tables that the report prints as the CSV files have them
 SIGNIFICANT = {"hand_check": 4, "second_solver": 5}  # digits of tables that show how near two values are
 CHECKED = "direction limit_state d_star_m a_star_g T_s pga_g demand_pga_g zeta_E return_period_years verified governing"
 
@@ -70,15 +71,14 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     found = [
         _validation(words),
-        _layers(results),
+        without(
+            structure.layers(results), *["vertical_load_kN"] * bool(results.loads)
+        ),  # loads have their own table
         structure.reported_loads(results, words),
-        structure.ties(results),
         *reported_identification(results),
-        structure.settlements(results),
         reported_cracks(results),
         survey_table(results),
         _mechanisms(results, words),
-        structure.tie_tensions(results),
         structure.tie_demands(results),
         reactions(results),
         balance(results),
@@ -87,28 +87,14 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         *checked.reported_indices(results),
         checked.reported_interventions(results, words),
         _interventions(results),
-        checked.knowledge(results),
         _chosen(results),
-        checked.chosen_checks(results),
-        all_mechanisms(results),
-        checked.linear_checks(results),
-        checked.scalings(results),
         *reported_studies(results),
-        dynamic.histories(results),
-        dynamic.ranges(results),
-        dynamic.energy(results),
-        structure.shaken_ties(results),
-        dynamic.incremental(results),
-        dynamic.incremental_states(results),
         *dynamic.reported_campaign(results),
-        dynamic.measures(results),
-        dynamic.static_dynamic(results),
-        *reported_convergence(results, words),
-        structure.quality(results),
         hand_check(results),
-        _second_solver(results, words),
+        without(second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
         ranges_table(ranges(results), words, reference_of(results)),
+        *(TABLES[name](results) for name in AS_THEY_ARE.split()),
     ]
     reference = reference_of(results)
     return {
@@ -156,12 +142,6 @@ def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> It
             yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)
 
 
-def _layers(results: Results) -> Table:
-    """Return the layers; their loads stand in a table of their own, where there are any."""
-    table = structure.layers(results)
-    return without(table, "vertical_load_kN") if results.loads else table
-
-
 def _chosen(results: Results) -> Table:
     """Return the mechanisms of the user's that are none of the refused ones."""
     table = checked.chosen_mechanisms(results)
@@ -177,16 +157,6 @@ def _mechanisms(results: Results, words: Words) -> Table:
         named = Markup.escape(mechanism_name(results, *where, words))
         rows.append(row | {"mechanism": named} | cells(rigid_push(results, *where), ["alpha_onset"]))
     return Table("mechanisms", rows, (*table.columns[:2], "mechanism", "alpha_onset", *table.columns[2:]))
-
-
-def _second_solver(results: Results, words: Words) -> Table:
-    """Return the comparison of two programs without the friction law, the difference in two digits."""
-    table, key = without(second_solver(results), "sliding"), "relative_difference"
-    rows = [
-        row if row[key] is None else row | {key: Markup.escape(words.number(row[key], 2))}
-        for row in table.rows
-    ]
-    return Table(table.name, rows, table.columns)
 
 
 def _action(results: Results) -> Table:

@@ -16,23 +16,20 @@ from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
+from assessment.report.tables.equilibrium import balances
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
-from assessment.report.text.language import COARSE, Words, check_name, merged, plain_text
+from assessment.report.text.language import COARSE, Words, check_name, merged, plain_text, written
 from assessment.results.asked import determined_indices
 from assessment.results.configurations.hand_check import hand_checks
-from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
 from assessment.results.schema.part import present
 from assessment.results.table import among_known, compared, reference_of
 from assessment.runtime.errors import ProjectError
 
-RESIDUALS = {  # of the solutions, relative to the weight: what needs no word
-    "equilibrium_residual": 1e-6,
-    "cone_violation": 1e-6,
-    "complementarity": 1e-3,
-}
+# of the solutions, relative to the weight: what needs no word
+RESIDUALS = {"equilibrium_residual": 1e-6, "cone_violation": 1e-6, "complementarity": 1e-3}
 BALANCED = 1e-3  # reactions less loads, relative to the weight
 AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
 ONE_PER_CENT = 0.01  # losses no larger have no sign worth a remark
@@ -93,20 +90,18 @@ def _chosen(results: Results, words: Words) -> Iterator[Markup]:
 def _interventions(results: Results, words: Words) -> Iterator[Markup]:
     """Yield which interventions of NTC 2018, §8.4, each strengthening amounts to."""
     for state, found in determined_indices(results).items():
-        told = Markup("; ").join(
-            words(
-                f"judgement.{'attained' if reached else 'not_attained'}",
-                kind=words(f"judgement.of_{kind}"),
-                least=words.ratio(found.required_zeta[kind] or 0.0),
-            )
-            for kind, reached in (found.attained or {}).items()
-            if kind != "improvement_school" or used_as(results, SCHOOL)
-        )
+        told = []
+        for kind, reached in (found.attained or {}).items():
+            if kind != "improvement_school" or used_as(results, SCHOOL):
+                least = words.ratio(found.required_zeta[kind] or 0.0)
+                key = f"judgement.{'attained' if reached else 'not_attained'}"
+                told.append(words(key, kind=words(f"judgement.of_{kind}"), least=least))
         if told:
-            was = found.zeta_before
-            before = words.plain("value.not_determined") if was is None else words.ratio(was)
-            zeta = words.ratio(found.zeta_SLV)
-            yield words("judgement.interventions", state=state, zeta=zeta, before=before, told=told)
+            zetas = {
+                "zeta": words.ratio(found.zeta_SLV),
+                "before": written("zeta_before", found.zeta_before, words),
+            }
+            yield words("judgement.interventions", state=state, told=Markup("; ").join(told), **zetas)
 
 
 def _ties(results: Results, words: Words) -> Iterator[Markup]:
@@ -154,33 +149,22 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
     before = {fit.settlement: fit.median_g for fit in campaign.fragility if fit.share == 0.0}
     rows = list(zip(campaign.fragility, campaign.loss, strict=True))
     for settlement in dict.fromkeys(fit.settlement for fit, _ in rows):
-        fit, loss = max(
-            (row for row in rows if row[0].settlement == settlement), key=lambda row: row[0].share
-        )
+        own = [row for row in rows if row[0].settlement == settlement]
+        fit, loss = max(own, key=lambda row: row[0].share)
         was = before.get(settlement)
         if fit.share == 0.0 or was is None or fit.median_g is None or loss.dynamic is None:
             continue
-        pair = (loss.dynamic, loss.static)
-        kind = "alone" if loss.static is None else "opposed" if _opposed(*pair) else "beside"
-        indistinct = loss.distinguishable is False
-        yield words(
-            f"judgement.campaign_{'beside' if indistinct and kind == 'opposed' else kind}",
-            settlement=settlement,
-            share=words.comma(f"{100.0 * fit.share:g}"),
-            measure="PGA" if campaign.measure == "PGA" else words.plain("judgement.campaign_sa"),
-            before=was,
-            after=fit.median_g,
-            dynamic=_signed(loss.dynamic, words),
-            static=None if loss.static is None else _signed(loss.static, words),
-        )
+        indistinct, pair = loss.distinguishable is False, (loss.dynamic, loss.static or 0.0)
+        # one a gain, both of them more than nothing as they are printed
+        opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT and not indistinct
+        kind = "alone" if loss.static is None else "opposed" if opposed else "beside"
+        measure = "PGA" if campaign.measure == "PGA" else words.plain("judgement.campaign_sa")
+        what = {"settlement": settlement, "share": words.comma(f"{100.0 * fit.share:g}"), "measure": measure}
+        losses = {"dynamic": _signed(pair[0], words), "static": _signed(pair[1], words)}
+        yield words(f"judgement.campaign_{kind}", **what, before=was, after=fit.median_g, **losses)
         if indistinct:
             low, high = (_signed(bound or 0.0, words) for bound in loss.dynamic_range)
             yield words("judgement.campaign_indistinct", settlement=settlement, low=low, high=high)
-
-
-def _opposed(dynamic: float, static: float | None) -> bool:
-    """Return whether one of two losses is a gain, both of them more than nothing as they are printed."""
-    return static is not None and dynamic * static < 0.0 and min(abs(dynamic), abs(static)) >= ONE_PER_CENT
 
 
 def _signed(loss: float, words: Words) -> str:
@@ -198,16 +182,14 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     if found and (worst := found.worst):
         counts = None if worst.collapses else among_known(found)
         among = words("judgement.worst_among", known=counts[0], total=counts[1]) if counts else ""
-        sentence = words(
-            f"judgement.worst_{'collapses' if worst.collapses else found.quantity}",
-            state=worst.state,
-            movement=words.millimetres(worst.movement_m),
-            direction=worst.direction,
-            capacity=compared(worst, found.quantity),
-            limit=found.limit_state,
-            reference=_reference(results, words),
-            among=among,
-        )
+        where = {
+            "state": worst.state,
+            "movement": words.millimetres(worst.movement_m),
+            "direction": worst.direction,
+        }
+        what = {"capacity": compared(worst, found.quantity), "limit": found.limit_state, "among": among}
+        key = f"judgement.worst_{'collapses' if worst.collapses else found.quantity}"
+        sentence = words(key, **where, **what, reference=_reference(results, words))
         if not worst.collapses and worst.reduction is not None:
             loss = words.per_cent(worst.reduction)
             sentence += Markup(" ") + words("judgement.worst_reduction", reduction=loss)
@@ -219,16 +201,11 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
     wide = [(bar.swing_g, bar) for bar in every if bar.swing_g]
     if found and wide:
         _, widest = max(wide, key=itemgetter(0))
+        what = {"property": words.plain(f"value.{widest.property}"), "reference": _reference(results, words)}
+        factors = {"low": widest.low_factor, "high": widest.high_factor}
+        ends = {"least": min(widest.capacities()), "most": max(widest.capacities())}
         yield words(
-            "judgement.sensitive",
-            limit=found.limit_state,
-            property=words.plain(f"value.{widest.property}"),
-            state=widest.state,
-            low=widest.low_factor,
-            high=widest.high_factor,
-            least=min(widest.capacities()),
-            most=max(widest.capacities()),
-            reference=_reference(results, words),
+            "judgement.sensitive", limit=found.limit_state, state=widest.state, **what, **factors, **ends
         )
     if without := dict.fromkeys(bar.property for bar in every if bar.swing_g is None):
         names = ", ".join(words.plain(f"value.{name}") for name in without)
@@ -239,13 +216,9 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
     for where, path in moves(results):
         ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
         if ultimate:
-            yield words(
-                "judgement.margin" if applied < ultimate else "judgement.no_margin",
-                **where,
-                applied=1000.0 * applied,
-                share=words.per_cent(applied / ultimate),
-                ultimate=1000.0 * ultimate,
-            )
+            key = "judgement.margin" if applied < ultimate else "judgement.no_margin"
+            lengths = {"applied": 1000.0 * applied, "ultimate": 1000.0 * ultimate}
+            yield words(key, **where, **lengths, share=words.per_cent(applied / ultimate))
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:
@@ -268,10 +241,8 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
     unbalanced = [each.unbalanced for each in balances(results)]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is
-        yield words(
-            f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}",
-            unbalanced=words.number(worst, COARSE),
-        )
+        key = f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}"
+        yield words(key, unbalanced=words.number(worst, COARSE))
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))

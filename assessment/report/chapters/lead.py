@@ -7,16 +7,8 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
+from assessment.results import summary
 from assessment.results.schema import Results
-from assessment.results.summary import (
-    ORIGINAL,
-    index_limit,
-    index_of,
-    least_row,
-    rows_of,
-    settled,
-    worst_settled,
-)
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 
@@ -28,7 +20,7 @@ def lead(results: Results, words: Words) -> list[Markup]:
     """
     if not results.model.self_weight_stable:
         return [words("judgement.unstable")]
-    worst = worst_settled(results) or ORIGINAL
+    worst = summary.worst_settled(results) or summary.ORIGINAL
     sentences = [_of_state(results, worst, words)]
     sentences += [
         _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
@@ -40,12 +32,12 @@ def lead(results: Results, words: Words) -> list[Markup]:
 
 def _of_state(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on the original or the worst settled state: its index, and what it was before."""
-    row, limit = least_row(results, name), index_limit(results)
-    if any(not each.reached for each in rows_of(results, name)):
+    row, limit = summary.least_row(results, name), summary.index_limit(results)
+    if any(not each.reached for each in summary.rows_of(results, name)):
         return words("synthesis.collapses", state=name)
     if row is None:
-        return Markup("") if rows_of(results, name) else words("synthesis.nothing")
-    check = index_of(row, limit)
+        return Markup("") if summary.rows_of(results, name) else words("synthesis.nothing")
+    check = summary.index_of(row, limit)
     quantity = "zeta_E" if check else "alpha_u" if row.alpha_0 is None else "alpha_0"
     value = check.zeta_E if check else getattr(row, quantity)
     loss = check.loss if check else row.alpha_loss
@@ -56,10 +48,10 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
         "where": ", ".join([*([limit] if check and limit else []), direction_name(row.direction or "")]),
         "outcome": outcome,
     }
-    if name == ORIGINAL:
+    if name == summary.ORIGINAL:
         return words("synthesis.original", **place)
-    key = "current" if len(settled(results)) == 1 else "worst"
-    said = words(f"synthesis.{key}", state=name, count=len(settled(results)), **place)
+    key = "current" if len(summary.settled(results)) == 1 else "worst"
+    said = words(f"synthesis.{key}", state=name, count=len(summary.settled(results)), **place)
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
         change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=words.per_cent(abs(loss)))
@@ -69,35 +61,33 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
 
 def _outcome(results: Results, name: str, words: Words) -> str:
     """Return whether a state is verified in every direction, as a sentence."""
-    verified = [row.verified for row in rows_of(results, name)]
+    verified = [row.verified for row in summary.rows_of(results, name)]
     kind = "not_verified" if False in verified else "undetermined" if None in verified else "verified"
     return words.plain(f"synthesis.{kind}")
 
 
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on what an intervention gives back, in the direction that is weakest after it."""
-    row, limit = least_row(results, name), index_limit(results)
-    check = index_of(row, limit) if row else None
+    row, limit = summary.least_row(results, name), summary.index_limit(results)
+    check = summary.index_of(row, limit) if row else None
     if row is None or check is None or check.zeta_E is None or check.gain is None or check.gain <= -1.0:
         return Markup("")
-    return words(
-        "synthesis.strengthened",
-        state=name,
-        before=words.ratio(check.zeta_E / (1.0 + check.gain)),
-        after=words.ratio(check.zeta_E),
-        gain=words.per_cent(check.gain),
-        where=f"{limit}, {direction_name(row.direction or '')}",
-        outcome=_outcome(results, name, words),
-    )
+    ratios = {"before": check.zeta_E / (1.0 + check.gain), "after": check.zeta_E}
+    said = {key: words.ratio(value) for key, value in ratios.items()} | {"gain": words.per_cent(check.gain)}
+    said |= {
+        "where": f"{limit}, {direction_name(row.direction or '')}",
+        "outcome": _outcome(results, name, words),
+    }
+    return words("synthesis.strengthened", state=name, **said)
 
 
 def _open(results: Results, words: Words) -> Iterator[Markup]:
     """Yield the states and directions without an index, in one sentence."""
-    limit = index_limit(results)
+    limit = summary.index_limit(results)
     where = [
         words("synthesis.open_at", state=row.state, direction=row.direction or "")
         for row in results.summary.rows
-        if row.checks and limit and row.reached and index_of(row, limit) is None
+        if row.checks and limit and row.reached and summary.index_of(row, limit) is None
     ]
     if where:
         yield words("synthesis.open", where=Markup("; ").join(where), annex=QUALITY_ANNEX)
@@ -105,7 +95,7 @@ def _open(results: Results, words: Words) -> Iterator[Markup]:
 
 def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
     """Yield the dynamic capacity beside the static one on the same reference, and what the motions lose of it."""
-    row = least_row(results, name) or next(iter(rows_of(results, name)), None)
+    row = summary.least_row(results, name) or next(iter(summary.rows_of(results, name)), None)
     if row is not None and (dynamic := row.dynamic_pga_g) is not None:
         static = row.static_nominal_pga_g
         kind = "dynamic" if static is None else "dynamic_static"

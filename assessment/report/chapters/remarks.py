@@ -12,27 +12,13 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import QUOTED
 from assessment.ntc.verification import THRUSTING_A_G
+from assessment.report.tables import structure
 from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.report.tables.rows import capacities
-from assessment.report.tables.structure import (
-    bounded,
-    crushes,
-    edge_pressures,
-    printed,
-    tensions,
-    tie_strength,
-)
 from assessment.report.text.language import COARSE, Words, told, translated
-from assessment.results.asked import (
-    collisions,
-    coulomb,
-    determined_indices,
-    limit_states,
-    local_limit,
-    segments,
-)
+from assessment.results import asked
 from assessment.results.configurations.hand_check import (
     BY_HAND,
     block_size,
@@ -75,8 +61,7 @@ def contacts_of(results: Results) -> list[Contacts]:
 
 def farthest_limit_state(results: Results) -> str:
     """Return the farthest limit state asked for, that of the losses printed; empty where none was."""
-    asked = limit_states(results.echo)
-    return next((limit for limit in QUOTED if limit in asked), "")
+    return next((limit for limit in QUOTED if limit in asked.limit_states(results.echo)), "")
 
 
 def members(results: Results) -> int:
@@ -105,7 +90,7 @@ def assumptions(results: Results, words: Words) -> Sentences:
     yield from (words(f"text.{key}") for key in ("blocks_rigid", "plane", "no_tension"))
     yield from joint_law(results, words, "elastic" in contacts)
     yield words("text.supports_rigid")
-    if ties := tie_strength(results):
+    if ties := structure.tie_strength(results):
         yield words("text.ties")
         yield from (words(f"text.ties_{kind}") for kind in contacts)
         if unlimited := [name for name, limit in ties.items() if limit is None]:
@@ -118,7 +103,7 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Sentences:
     yield words("text.joints")
     if not elastic:
         yield words("text.rigid_joints")
-    elif found := segments(results.echo):
+    elif found := asked.segments(results.echo):
         yield words("text.bed_points", segments=", ".join(map(str, found)))
     else:
         yield words("text.bed_exact")
@@ -127,18 +112,13 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Sentences:
     strength = "; ".join(told("compressive_strength_kN_m2", each, words) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=strength)
-    pressed = edge_pressures(results)
-    if pressed and bounded(pressed):
-        most = pressed[0]
-        yield words(
-            "text.greatest_pressure",
-            pressure=told("edge_pressure_kN_m2", most.edge_pressure_kN_m2, words),
-            state=most.state,
-            first=most.block_a,
-            second=most.block_b,
-        )
-    yield words("text.sliding_coulomb" if coulomb(results.echo) else "text.sliding")
-    yield words("text.collisions" if collisions(results.echo) else "text.no_collisions")
+    pressed = structure.edge_pressures(results)
+    if pressed and structure.bounded(pressed):
+        place = {"state": pressed[0].state, "first": pressed[0].block_a, "second": pressed[0].block_b}
+        pressure = told("edge_pressure_kN_m2", pressed[0].edge_pressure_kN_m2, words)
+        yield words("text.greatest_pressure", pressure=pressure, **place)
+    yield words("text.sliding_coulomb" if asked.coulomb(results.echo) else "text.sliding")
+    yield words("text.collisions" if asked.collisions(results.echo) else "text.no_collisions")
 
 
 def strengthened(results: Results, words: Words) -> Sentences:
@@ -158,7 +138,7 @@ def cracks(results: Results, words: Words) -> Sentences:
     """Yield what the table of cracks holds, what of it is not among those `printed`, or has no width."""
     yield words("text.cracks", seen=words.comma(f"{1000.0 * SEEN:g}"))
     by_state = [cracks_of(results, state) for state in results.states]
-    most = printed(results)
+    most = structure.printed(results)
     if any(len(found) > most for found in by_state):
         yield words("text.cracks_printed", printed=most)
     if any(crack.opening_m is None for found in by_state for crack in found[:most]):
@@ -169,27 +149,22 @@ def survey(results: Results, words: Words) -> Sentences:
     """Yield how many of the surveyed cracks lie at joints that open or slip in each settled state, and which do not."""
     for state in results.states:
         if found := surveyed(results, state):
-            open_ = ", ".join(each.mark for each in found if not each.seen)
-            yield words(
-                "text.survey_missing" if open_ else "text.survey_met",
-                state=state,
-                count=len(found),
-                met=sum(each.seen for each in found),
-                seen=words.comma(f"{1000.0 * SEEN:g}"),
-                marks=open_,
-            )
+            open_ = [each.mark for each in found if not each.seen]
+            seen = {"seen": words.comma(f"{1000.0 * SEEN:g}"), "marks": ", ".join(open_)}
+            counts = {"count": len(found), "met": len(found) - len(open_)}
+            yield words(f"text.survey_{'missing' if open_ else 'met'}", state=state, **counts, **seen)
 
 
 def pressures(results: Results, words: Words) -> Sentences:
     """Yield what the table of edge pressures holds, or why it is left out; nothing where no forces are known."""
-    found = edge_pressures(results)
-    if found and not bounded(found):
+    found = structure.edge_pressures(results)
+    if found and not structure.bounded(found):
         yield words("text.unbounded_pressures")
     elif found:
         yield words("text.edge_pressures")
-        if len(found) > printed(results):
-            yield words("text.edge_pressures_printed", count=printed(results))
-        if crushes(results):
+        if len(found) > structure.printed(results):
+            yield words("text.edge_pressures_printed", count=structure.printed(results))
+        if structure.crushes(results):
             yield words("text.crushing")
 
 
@@ -225,16 +200,9 @@ def onsets(results: Results, words: Words) -> Sentences:
         near = Markup("")
         if earlier is not None:
             near = words("text.onset_near", near=alpha[earlier], place=_place(rigid, earlier, words))
-        yield words(
-            "text.onset",
-            state=name,
-            direction=direction,
-            onset=rigid.alpha_onset,
-            least=min(alpha[: peak + 1]),
-            near=near,
-            alpha_0=rigid.alpha_0,
-            place=_place(rigid, peak, words),
-        )
+        numbers = {"onset": rigid.alpha_onset, "least": min(alpha[: peak + 1]), "alpha_0": rigid.alpha_0}
+        place = {"state": name, "direction": direction, "place": _place(rigid, peak, words)}
+        yield words("text.onset", near=near, **numbers, **place)
 
 
 def _place(rigid: RigidPush, point: int, words: Words) -> str:
@@ -249,22 +217,21 @@ def displacement_limits(results: Results, words: Words) -> Sentences:
     if {"SLV linear", "SLV"} <= {name for name, _ in checks}:
         yield words("text.linear_beside")
     yield from lost_before_zero(results, words)
-    limit, reason = local_limit(results.echo)
+    limit, reason = asked.local_limit(results.echo)
     if limit is not None:
         reason = reason or words.plain("value.no_reason")
         yield words("text.local_limit", limit=1000.0 * limit, reason=reason)
     else:
         for name, direction, rigid in mechanisms(results):
             if loss := rigid.local_loss:  # a joint that bears: the local limit of its direction
-                yield words(
-                    "text.local_loss",
-                    state=name,
-                    direction=direction,
-                    first=loss.blocks[0],
-                    second=loss.blocks[1],
-                    overlap=1000.0 * loss.overlap_m,
-                    limit=1000.0 * loss.displacement_m,
-                )
+                place = {
+                    "state": name,
+                    "direction": direction,
+                    "first": loss.blocks[0],
+                    "second": loss.blocks[1],
+                }
+                lengths = {"overlap": 1000.0 * loss.overlap_m, "limit": 1000.0 * loss.displacement_m}
+                yield words("text.local_loss", **place, **lengths)
     if any(ELASTIC_END in (check.governing or "") for _, check in checks):
         yield words("text.elastic_end")
 
@@ -283,17 +250,7 @@ def lost_before_zero(results: Results, words: Words) -> Sentences:
 def fitted_above(results: Results, words: Words) -> Sentences:
     """Yield where the fitted curve lies far above the elastic one at a displacement that is checked."""
     if found := list(excesses(results)):
-        listed = [
-            words(
-                "text.fitted_above_at",
-                state=each.state,
-                direction=each.direction,
-                limit=each.limit_state,
-                fitted=each.fitted_g,
-                elastic=each.elastic_g,
-            )
-            for each in found
-        ]
+        listed = [words("text.fitted_above_at", **each._asdict()) for each in found]
         least = min(math.sqrt(each.elastic_g / each.fitted_g) for each in found)
         yield words("text.fitted_above", where=Markup("; ").join(listed), factor=words.number(least, 2))
 
@@ -313,14 +270,14 @@ def vertical(results: Results, words: Words) -> Sentences:
 def indices(results: Results, words: Words) -> Sentences:
     """Yield what the indices of the tables are: those that need a return period only where one is known."""
     yield words("text.indices")
-    if any(each.I_S is not None for each in determined_indices(results).values()):
+    if any(each.I_S is not None for each in asked.determined_indices(results).values()):
         yield words("text.indices_known")
 
 
 def yielding(results: Results, words: Words) -> Sentences:
     """Yield which ties yield on the way to the activation of a mechanism, or at it."""
     found: dict[str, dict[str, None]] = {}
-    for where, each in tensions(results):
+    for where, each in structure.tensions(results):
         if each.yields and "direction" in where:
             found.setdefault(each.tie, {})[words.at(*where.values())] = None
     for tie, places in found.items():
@@ -329,17 +286,19 @@ def yielding(results: Results, words: Words) -> Sentences:
 
 def nearly_yielding(results: Results, words: Words) -> Sentences:
     """Yield the ties that come within a hundredth of their yield force without being found to yield."""
-    strength = tie_strength(results)
-    for where, each in sorted(tensions(results), key=lambda found: "direction" not in found[0]):
+    strength = structure.tie_strength(results)
+    for where, each in sorted(structure.tensions(results), key=lambda found: "direction" not in found[0]):
         limit = strength[each.tie]
         if limit is None or each.greatest_kN is None or each.yields or each.greatest_kN < NEARLY * limit:
             continue
+        place = words.at(where["state"], where.get("direction"), where["contacts"])
+        share = words.number(100.0 * each.greatest_kN / limit, 4)
         yield words(
             "text.tie_nearly",
             tie=each.tie,
-            where=words.at(where["state"], where.get("direction"), where["contacts"]),
+            where=place,
             greatest=words.number(each.greatest_kN, 6),
-            share=words.number(100.0 * each.greatest_kN / limit, 4),
+            share=share,
         )
 
 
@@ -348,14 +307,13 @@ def slackened(results: Results, words: Words) -> Sentences:
     given = {tie.name: tie.pretension_kN for tie in results.model.ties or ()}
     left = {
         (each.tie, where["state"]): each.rest_kN
-        for where, each in tensions(results)
+        for where, each in structure.tensions(results)
         if where.get("direction") and where["contacts"] == "elastic"
         if each.rest_kN is not None and each.rest_kN < LEFT * given[each.tie]
     }
     for (tie, state), rest in left.items():
-        yield words(
-            "text.tie_slackened", tie=tie, state=state, pretension=given[tie], rest=words.rounded(rest, 2)
-        )
+        forces = {"pretension": given[tie], "rest": words.rounded(rest, 2)}
+        yield words("text.tie_slackened", tie=tie, state=state, **forces)
 
 
 def second_solver(results: Results, words: Words) -> Sentences:

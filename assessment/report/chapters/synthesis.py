@@ -43,11 +43,8 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         for name in listed:
             value = getattr(row, name)
             yield dash if value is None else written(name, value, words)
-        yield (
-            mechanism_name(results, row.state, row.direction, words)
-            if row.mechanism and row.direction
-            else dash
-        )
+        moves = row.mechanism and row.direction
+        yield mechanism_name(results, row.state, moves, words) if moves else dash
         if limits:
             yield written("verified", row.verified, words)
 
@@ -77,14 +74,10 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
     view = governing_view(results)
     if view is None:
         return Markup("")
-    weight = rigid_push(results, *view).mechanism.moving_weight_kN
+    weight, whole = rigid_push(results, *view).mechanism.moving_weight_kN, results.model.weight_kN
+    where = {"name": mechanism_name(results, *view, words), "state": view[0], "direction": view[1]}
     return words(
-        "synthesis.mechanism",
-        name=mechanism_name(results, *view, words),
-        state=view[0],
-        direction=view[1],
-        weight=weight,
-        share=words.per_cent(weight / results.model.weight_kN if results.model.weight_kN else 0.0),
+        "synthesis.mechanism", **where, weight=weight, share=words.per_cent(weight / whole if whole else 0.0)
     )
 
 

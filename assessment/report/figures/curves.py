@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, state_style
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.text.language import Words, direction_name, label
-from assessment.results.schema import Results, State
-from assessment.results.schema.checks import Capacity, Check, Direction
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Check, Direction
 from assessment.results.schema.part import known
-from assessment.results.schema.static import PushdownPath, Pushovers
+from assessment.results.schema.static import Pushovers
 from assessment.results.table import reference_of, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY, Array
@@ -34,8 +34,23 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
             named = words.plain(f"value.{contacts}")
             axes.plot(_mm(path.movement_m), force, color="0.0", linewidth=WIDTHS[contacts], label=named)
         axes.set(xlabel=label("movement_m", words), ylabel=label(f"reaction_{component}_kN", words))
-        _keep_rounding_small(axes, content.pushdown.values())
-        _movement_lines(axes, content, words)
+        reactions = [
+            each for path in content.pushdown.values() for each in (path.reaction_x_kN, path.reaction_z_kN)
+        ]
+        largest, (low, high) = max(abs(force) for each in reactions for force in each), axes.get_ylim()
+        if high - low < 1e-3 * largest:  # a reaction that does not change is a level line, not its rounding
+            axes.set_ylim(*((low + high) / 2.0 + side * largest for side in (-0.1, 0.1)))
+        applied = max(path.applied_movement_m for path in content.pushdown.values())
+        if applied > 0.0:
+            named = words.plain("figure.applied", movement=words.millimetres(applied))
+            axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
+        for contacts, path in content.pushdown.items():
+            if (ultimate := path.ultimate_movement_m) is not None:
+                movement, width = words.millimetres(ultimate), 0.5 * WIDTHS[contacts]
+                named = words.plain("figure.ultimate_line", contacts=contacts, movement=movement)
+                axes.axvline(
+                    1000.0 * ultimate, color="0.0", linewidth=width, linestyle=DASHES[2], label=named
+                )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2)
     return figure
 
@@ -51,7 +66,12 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
     every = [pushover for found in states.values() for pushover in found.values()]
     yields = [p.elastic.d_y_m for p in every if p.elastic and p.elastic.d_y_m]
     handles = [key(words.state(name), **state_style(n)) for n, name in enumerate(names)]
-    handles += [key(name, **MARKS[name]) for name in _points(every)]
+    there = {
+        ONSET: any(each.rigid for each in every),
+        END: any(each.rigid and each.rigid.d_0_m is not None for each in every),
+        YIELD: any(each.elastic and each.elastic.d_y_m is not None for each in every),
+    }
+    handles += [key(name, **MARKS[name]) for name, has in there.items() if has]
     handles += [
         key(words.plain(f"value.{contacts}"), linewidth=width)
         for contacts, width in WIDTHS.items()
@@ -90,26 +110,6 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
     }
 
 
-def _keep_rounding_small(axes: Axes, paths: Iterable[PushdownPath]) -> None:
-    """Draw a reaction that does not change as a level line, not its rounding."""
-    largest = max(abs(force) for path in paths for force in (*path.reaction_x_kN, *path.reaction_z_kN))
-    low, high = axes.get_ylim()
-    if high - low < 1e-3 * largest:
-        middle = (low + high) / 2.0
-        axes.set_ylim(middle - 0.1 * largest, middle + 0.1 * largest)
-
-
-def _points(pushovers: Iterable[Pushovers]) -> list[str]:
-    """Return the names of the points that any of the curves has."""
-    found = list(pushovers)
-    there = {
-        ONSET: any(each.rigid for each in found),
-        END: any(each.rigid and each.rigid.d_0_m is not None for each in found),
-        YIELD: any(each.elastic and each.elastic.d_y_m is not None for each in found),
-    }
-    return [name for name, has in there.items() if has]
-
-
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
     """Mark α0, d_0 and (d_y, α_y): named in the legend, beside a point they met others."""
     rigid, elastic = pushover.rigid, pushover.elastic
@@ -122,18 +122,6 @@ def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
             axes.plot(1000.0 * rigid.d_0_m, left, color=colour, clip_on=False, **MARKS[END])
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
         axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, color=colour, **MARKS[YIELD])
-
-
-def _movement_lines(axes: Axes, content: State, words: Words) -> None:
-    applied = max(path.applied_movement_m for path in content.pushdown.values())
-    if applied > 0.0:
-        named = words.plain("figure.applied", movement=words.millimetres(applied))
-        axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
-    for contacts, path in content.pushdown.items():
-        if (ultimate := path.ultimate_movement_m) is not None:
-            movement, width = words.millimetres(ultimate), 0.5 * WIDTHS[contacts]
-            named = words.plain("figure.ultimate_line", contacts=contacts, movement=movement)
-            axes.axvline(1000.0 * ultimate, color="0.0", linewidth=width, linestyle=DASHES[2], label=named)
 
 
 def _mm(metres: Sequence[float]) -> Array:
@@ -216,30 +204,21 @@ def _frames(
     results: Results, views: Sequence[tuple[str, Direction]], limit: str
 ) -> list[tuple[float, float]]:
     """Return the ends of both axes, m and g, of each panel: those of the largest if they differ little."""
-    capacities = [results.states[name].capacity[direction] for name, direction in views]
-    reaches = [1.25 * max(_reach(each, limit), _needed(each.checks[limit])) for each in capacities]
-    tops = [_top(each, limit) for each in capacities]
+    reaches, tops = [], []
+    for name, direction in views:
+        curve, point = (capacity := results.states[name].capacity[direction]).curve, capacity.checks[limit]
+        reach, secant = max([*curve.d_star_m, point.d_star_m or 0.0]), 0.0
+        if (
+            point.d_star_m and point.a_g_g and point.demand_a_g_g
+        ):  # demanded: beyond twice the capacity off the sheet
+            reach = max(reach, point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
+        if point.d_star_m and point.T_s:
+            secant = _secant(point.d_star_m, point.T_s)
+        reaches.append(1.25 * reach)
+        tops.append(max(3.0 * max(curve.a_star_g), 1.8 * secant))
     if all(max(each) <= SCALES_APART * min(each) for each in (reaches, tops)):
         return [(max(reaches), max(tops))] * len(views)
     return list(zip(reaches, tops, strict=True))
-
-
-def _reach(capacity: Capacity, limit: str) -> float:
-    points = [*capacity.curve.d_star_m, capacity.checks[limit].d_star_m]
-    return float(max(point for point in points if point is not None))
-
-
-def _needed(point: Check) -> float:
-    """Return the demanded displacement in m, at most twice the capacity: the rest is off the sheet."""
-    if not point.d_star_m or not point.a_g_g or not point.demand_a_g_g:
-        return 0.0
-    return float(point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
-
-
-def _top(capacity: Capacity, limit: str) -> float:
-    point = capacity.checks[limit]
-    secant = _secant(point.d_star_m, point.T_s) if point.d_star_m and point.T_s else 0.0
-    return float(max(3.0 * max(capacity.curve.a_star_g), 1.8 * secant))
 
 
 def _secant(displacement: float, period: float) -> float:

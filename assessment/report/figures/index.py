@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,49 +11,23 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.report.figures.curves import (
-    draw_demand,
-    draw_pushdown,
-    draw_pushover,
-    draw_spectra,
-    one_scale,
-)
-from assessment.report.figures.drawings.deformed import (
-    draw_chosen,
-    draw_cracks,
-    draw_identification,
-    draw_mechanisms,
-    draw_overturned,
-    draw_settlement,
-    draw_synthesis,
-)
+from assessment.report.figures import curves, motions
+from assessment.report.figures.drawings import deformed
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.figures.drawings.thrust import draw_thrust
-from assessment.report.figures.motions import (
-    draw_campaign_curves,
-    draw_campaign_fragility,
-    draw_campaign_loss,
-    draw_fragility,
-    draw_history,
-    draw_incremental,
-    draw_motion,
-    draw_shapes,
-    fragile,
-    fragile_shares,
-    moved,
-    shaken,
-)
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.structure import printed
-from assessment.report.text.language import Words, slug, words_of
+from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.joint_states import situations
 from assessment.results.schema import Results
 from assessment.results.schema.part import known
 from assessment.results.summary import governing_view, worst_settled
 from assessment.runtime.pool import Pool, result_of
 
+Draw = Callable[..., Figure]
+Show = Callable[..., None]
 T = TypeVar("T")
 PANELS = 4  # in one figure
 
@@ -78,104 +52,98 @@ def write_figures(pool: Pool, folder: Path) -> list[Path]:
 
     The same bytes for the same results.
     """
-    drawn = [pool.apply(_write_vector, folder, number) for number in range(len(pictures(pool.held)))]
-    return [result_of(path) for path in drawn]
+    return [result_of(path) for path in _drawn(pool, folder, save_svg, "svg")]
 
 
-def write_images(pool: Pool, folder: Path) -> list[Future[None]]:
+def write_images(pool: Pool, folder: Path) -> list[Future[Any]]:
     """Begin to write every figure as PNG into the folder, and deformed.dxf; the same bytes for the same results."""
-    futures = [pool.apply(_write_raster, folder, number) for number in range(len(pictures(pool.held)))]
-    return [*futures, pool.apply(_write_drawing, folder / "deformed.dxf")]
+    return [*_drawn(pool, folder, save_png, "png"), pool.apply(_write_drawing, folder / "deformed.dxf")]
 
 
-def _write_vector(results: Results, folder: Path, number: int) -> Path:
+def _drawn(pool: Pool, folder: Path, save: Callable[..., None], kind: str) -> list[Future[Path]]:
+    return [pool.apply(_draw, folder, number, save, kind) for number in range(len(pictures(pool.held)))]
+
+
+def _draw(results: Results, folder: Path, number: int, save: Callable[..., None], kind: str) -> Path:
     picture = pictures(results)[number]
-    path = folder / f"{picture.name}.svg"
-    save_svg(picture.draw, path)
+    save(picture.draw, path := folder / f"{picture.name}.{kind}")
     return path
 
 
-def _write_raster(results: Results, folder: Path, number: int) -> None:
-    picture = pictures(results)[number]
-    save_png(picture.draw, folder / f"{picture.name}.png")
-
-
 def _write_drawing(results: Results, path: Path) -> None:
-    from assessment.report.figures.drawings.deformed_dxf import (
-        write_deformed,
-    )  # late: ezdxf is for nothing else here
+    from assessment.report.figures.drawings import deformed_dxf  # late: ezdxf is for nothing else here
 
-    write_deformed(results, path)
+    deformed_dxf.write_deformed(results, path)
 
 
 def pictures(results: Results) -> list[Picture]:
     """List the figures that the results allow: nothing is drawn of what was not computed."""
-    show = partial(_picture, results, words_of(results))
-    parts = (_structure, _static, _studies, _dynamic, _campaign)
-    return [picture for part in parts for picture in part(results, show)]
+    found: list[Picture] = []
+
+    def show(
+        name: str,
+        section: str,
+        draw: Draw,
+        /,
+        *what: Any,
+        caption: str = "",
+        full: bool = False,
+        **fields: object,
+    ) -> None:
+        """Add the picture of what a function draws of the results; its caption is named as the picture by default."""
+        found.append(
+            Picture(
+                name, section, partial(draw, results, words_of(results), *what), caption or name, fields, full
+            )
+        )
+
+    for part in (_structure, _static, _studies, _dynamic, _campaign):
+        part(results, show)
+    return found
 
 
-Show = Callable[..., Picture]
-
-
-def _picture(
-    results: Results,
-    words: Words,
-    name: str,
-    section: str,
-    draw: Callable[..., Figure],
-    /,
-    *what: Any,
-    caption: str = "",
-    full: bool = False,
-    **fields: object,
-) -> Picture:
-    """Return the picture of what a function draws of the results; its caption is named as the picture by default."""
-    return Picture(name, section, partial(draw, results, words, *what), caption or name, fields, full)
-
-
-def _structure(results: Results, show: Show) -> Iterable[Picture]:
+def _structure(results: Results, show: Show) -> None:
     worst, governing = worst_settled(results), governing_view(results)
     if worst or governing:
-        yield show("synthesis", "synthesis", draw_synthesis, worst, governing, caption="synthesis_drawing")
-    yield show("model", "structure", draw_model)
+        show("synthesis", "synthesis", deformed.draw_synthesis, worst, governing, caption="synthesis_drawing")
+    show("model", "structure", draw_model)
     if results.identification and results.identification.best is not None:
-        yield show("identification", "movement", draw_identification)
+        show("identification", "movement", deformed.draw_identification)
     for name, state in results.states.items():
         stem = slug(results, name)
         told = partial(show, state=name)
         if state.settlement:
-            yield told(f"settlement_{stem}", "movement", draw_settlement, name, caption="settlement")
+            told(f"settlement_{stem}", "movement", deformed.draw_settlement, name, caption="settlement")
         if state.pushdown:
-            yield told(f"pushdown_{stem}", "movement", draw_pushdown, name, caption="pushdown")
+            told(f"pushdown_{stem}", "movement", curves.draw_pushdown, name, caption="pushdown")
         if state.settlement and (cracks_of(results, name) or surveyed(results, name)):
             shown = name, printed(results)
-            yield told(f"cracks_{stem}", "cracks", draw_cracks, *shown, caption="cracks_drawing")
+            told(f"cracks_{stem}", "cracks", deformed.draw_cracks, *shown, caption="cracks_drawing")
 
 
-def _static(results: Results, show: Show) -> Iterable[Picture]:
+def _static(results: Results, show: Show) -> None:
     there = list(situations(results))
     resting = [each for each in there if each.direction is None]
     activated = [each for each in there if each.direction is not None]
     for name, shown in _portions("thrust_at_rest", resting):
-        yield show(name, "cracks", draw_thrust, shown, caption="thrust_at_rest")
+        show(name, "cracks", draw_thrust, shown, caption="thrust_at_rest")
     for name, shown in _portions("thrust", activated):
-        yield show(name, "joints", draw_thrust, shown, caption="thrust", full=True)
+        show(name, "joints", draw_thrust, shown, caption="thrust", full=True)
     if results.spectra:
-        yield show("spectrum", "action", draw_demand, full=True)
+        show("spectrum", "action", curves.draw_demand, full=True)
     pushes = [(name, way) for name, state in results.states.items() for way in sorted(state.pushover)]
     if pushes:
-        yield show("pushover", "curves", draw_pushover, sorted({way for _, way in pushes}))
+        show("pushover", "curves", curves.draw_pushover, sorted({way for _, way in pushes}))
     rigid = [(view, push) for view in pushes if (push := results.states[view[0]].pushover[view[1]].rigid)]
     for name, views in _portions("mechanism", [view for view, _ in rigid]):
-        yield show(name, "mechanisms", draw_mechanisms, views, caption="mechanism")
+        show(name, "mechanisms", deformed.draw_mechanisms, views, caption="mechanism")
     for name, views in _portions("overturned", [view for view, push in rigid if push.d_0_m is not None]):
-        yield show(name, "joints", draw_overturned, views, caption="overturned", full=True)
+        show(name, "joints", deformed.draw_overturned, views, caption="overturned", full=True)
     for number, given in enumerate(results.mechanisms or [], 1):
         if not given.refused:
             fields = {"state": given.state, "name": given.name}
             stem = f"chosen_mechanism_{number}"
-            yield show(stem, "mechanisms", draw_chosen, given, caption="chosen_mechanism", **fields)
+            show(stem, "mechanisms", deformed.draw_chosen, given, caption="chosen_mechanism", **fields)
     for limit in ("SLV", "SLC"):
         able = [
             (name, way)
@@ -184,49 +152,49 @@ def _static(results: Results, show: Show) -> Iterable[Picture]:
             if capacity.curve.d_star_m and limit in capacity.checks
         ]
         for name, views in _portions(f"spectra_{limit}", able):
-            caption = "spectra" if one_scale(results, views, limit) else "spectra_own"
+            caption = "spectra" if curves.one_scale(results, views, limit) else "spectra_own"
             full = limit == "SLC"
-            yield show(name, "checks", draw_spectra, views, limit, caption=caption, full=full, limit=limit)
+            show(name, "checks", curves.draw_spectra, views, limit, caption=caption, full=full, limit=limit)
 
 
-def _studies(results: Results, show: Show) -> Iterable[Picture]:
+def _studies(results: Results, show: Show) -> None:
     if results.scenarios:
-        yield show("scenarios", "scenarios", draw_scenarios, caption="scenarios_curves")
+        show("scenarios", "scenarios", draw_scenarios, caption="scenarios_curves")
     for name, states in _portions("tornado", varied(results)):
         limit = known(results.sensitivity).limit_state
-        yield show(name, "sensitivity", draw_tornado, states, caption="tornado_bars", limit=limit)
+        show(name, "sensitivity", draw_tornado, states, caption="tornado_bars", limit=limit)
 
 
-def _dynamic(results: Results, show: Show) -> Iterable[Picture]:
+def _dynamic(results: Results, show: Show) -> None:
     for number, motion in enumerate(results.motions or []):
         told = partial(show, record=motion.name, pga=motion.pga_g)
-        yield told(f"record_{number + 1}", "history", draw_motion, number, caption="motion")
-        if moving := shaken(results, motion.name):
-            yield told(f"history_{number + 1}", "history", draw_history, number, caption="control_history")
+        told(f"record_{number + 1}", "history", motions.draw_motion, number, caption="motion")
+        if moving := motions.shaken(results, motion.name):
+            told(f"history_{number + 1}", "history", motions.draw_history, number, caption="control_history")
         for name in moving:
             stem = f"shapes_{number + 1}_{slug(results, name)}"
-            yield told(stem, "history", draw_shapes, name, number, caption="shapes", full=True, state=name)
+            told(stem, "history", motions.draw_shapes, name, number, caption="shapes", full=True, state=name)
     searched = [
         name
         for name, state in results.states.items()
         if any(record.points for record in state.incremental.records or [])
     ]
     for name, states in _portions("incremental", searched):
-        yield show(name, "incremental", draw_incremental, states, caption="incremental_curves")
-    if fragile(results):
-        yield show("fragility", "incremental", draw_fragility)
+        show(name, "incremental", motions.draw_incremental, states, caption="incremental_curves")
+    if motions.fragile(results):
+        show("fragility", "incremental", motions.draw_fragility)
 
 
-def _campaign(results: Results, show: Show) -> Iterable[Picture]:
+def _campaign(results: Results, show: Show) -> None:
     if results.campaign:
-        yield show("campaign_loss", "campaign", draw_campaign_loss, caption="campaign_losses")
-    for number, name in enumerate(moved(results)):
+        show("campaign_loss", "campaign", motions.draw_campaign_loss, caption="campaign_losses")
+    for number, name in enumerate(motions.moved(results)):
         told = partial(show, settlement=name)
-        if fragile_shares(results, name):
+        if motions.fragile_shares(results, name):
             stem = _numbered("campaign_fragility", number)
-            yield told(stem, "campaign", draw_campaign_fragility, name, caption="campaign_fragility_curves")
+            told(stem, "campaign", motions.draw_campaign_fragility, name, caption="campaign_fragility_curves")
         stem = _numbered("campaign_curves", number)
-        yield told(stem, "campaign", draw_campaign_curves, name, caption="campaign_curves", full=True)
+        told(stem, "campaign", motions.draw_campaign_curves, name, caption="campaign_curves", full=True)
 
 
 def _portions(stem: str, shown: Sequence[T]) -> Iterator[tuple[str, Sequence[T]]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import cycle
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -101,7 +101,12 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             at = time[out], 1000.0 * displacement[out]
             axes.plot(*at, marker="x", color="0.0", markersize=6.0, clip_on=False)
-        handles.append(key(_outcome(state, entry, words), **style))
+        name, peak = (
+            "figure.collapses" if entry.collapsed else "figure.peak",
+            words.millimetres(entry.peak_displacement_m),
+        )
+        outcome = words.plain(name, state=state, time=entry.time_of_collapse_s, peak=peak)
+        handles.append(key(outcome, **style))
     until = [entry.free_motion_from_s for entry in found.values() if entry.free_motion_from_s is not None]
     if until:
         axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
@@ -115,12 +120,6 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
         handles.append(key(words.plain("figure.free_motion"), linewidth=0.5, linestyle=DASHES[2]))
     figure.legend(handles=handles, loc="lower center", ncols=min(2, len(handles)))
     return figure
-
-
-def _outcome(state: str, entry: History, words: Words) -> str:
-    name = "figure.collapses" if entry.collapsed else "figure.peak"
-    peak = words.millimetres(entry.peak_displacement_m)
-    return words.plain(name, state=state, time=entry.time_of_collapse_s, peak=peak)
 
 
 def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figure:
@@ -169,6 +168,8 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     reach = 1.25 * max((known(point.peak_displacement_m) for point in stood), default=0.0)
     tops = [level for record in records for level in (record.lowest_collapse_g, record.pga_safe_g) if level]
     tops += [level for record in records for level in record.resurrections_g]
+    # d_0 is of the rigid curves whose control point is that of the motions
+    asked = (results.echo.incremental or {}).get("control") or (results.echo.control or [{}])[0].get("name")
     dotted: dict[str, Any] = {"color": "0.4", "linewidth": 0.6, "linestyle": ":"}
     quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[1]}
     for axes, name, each in zip(panels, states, found, strict=True):
@@ -185,8 +186,16 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
         axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
         axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
-        if (d_0 := _ultimate(results, name)) and reach > 0.0:
-            _over_ultimate(axes, reach / d_0, words)
+        pushes = [p.rigid for p in results.states[name].pushover.values() if p.control == asked and p.rigid]
+        d_0 = min((rigid.d_0_m for rigid in pushes if rigid.d_0_m), default=None)
+        if d_0 and reach > 0.0:  # a second axis inside the upper edge: displacements over d_0
+            beside = axes.twiny()
+            beside.set_xlim(0.0, reach / d_0)
+            comma_ticks(beside, words)
+            beside.grid(visible=False)
+            beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
+            small: dict[str, Any] = {"ha": "right", "fontsize": "x-small", "color": "0.4"}
+            beside.text(0.99, 0.90, "d/d₀", transform=beside.transAxes, **small)
     handles: list[Artist] = [
         key(record.record, linewidth=0.6, marker=marker, markersize=3.0)
         for marker, record in zip(cycle(MARKERS), known(found[0].records), strict=False)
@@ -201,23 +210,6 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
         handles.append(key(words.plain("figure.resurrection"), **mark))
     figure.legend(handles=handles, loc="lower center", ncols=min(4, len(handles)))
     return figure
-
-
-def _over_ultimate(axes: Axes, end: float, words: Words) -> None:
-    """Add a second axis inside the upper edge: displacements over d_0, up to `end`."""
-    beside = axes.twiny()
-    beside.set_xlim(0.0, end)
-    comma_ticks(beside, words)
-    beside.grid(visible=False)
-    beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
-    beside.text(0.99, 0.90, "d/d₀", transform=beside.transAxes, ha="right", fontsize="x-small", color="0.4")
-
-
-def _ultimate(results: Results, state: str) -> float | None:
-    """Return the least d_0 (m) of the rigid curves of a state whose control point is that of the motions."""
-    asked = (results.echo.incremental or {}).get("control") or (results.echo.control or [{}])[0].get("name")
-    pushed = [p.rigid for p in results.states[state].pushover.values() if p.control == asked and p.rigid]
-    return min((rigid.d_0_m for rigid in pushed if rigid.d_0_m), default=None)
 
 
 def _grid(words: Words, count: int, height_mm: float) -> tuple[Figure, list[Axes]]:
@@ -250,44 +242,60 @@ def _path(points: Iterable[Level]) -> tuple[list[float], list[float]]:
     return [1000.0 * known(p.peak_displacement_m) for p in found], [p.pga_g for p in found]
 
 
+class Fit(NamedTuple):
+    """A fragility to draw: name, lognormal distribution (g), bounds, levels and shares of what was seen to collapse."""
+
+    name: str
+    median: float
+    dispersion: float
+    band: Sequence[Sequence[float]] | None
+    seen: tuple[Sequence[float], Sequence[float]]
+
+
 def draw_fragility(results: Results, words: Words) -> Figure:
     """Draw the probability of collapse over PGA of each state: lognormal curve, and the 50 % levels it is fitted to."""
-    found = fragile(results)
-    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=0.0)
-    fits = [known(each.fragility) for each in found.values()]
-    top = max(fit.median_g * np.exp(max(2.5 * fit.dispersion, 0.1)) for fit in fits)
-    low = 0.9 * min(fit.median_g * np.exp(-max(2.5 * fit.dispersion, 0.1)) for fit in fits)
-    pga = np.linspace(low, top, 200)
-    for number, (fit, (state, each)) in enumerate(zip(fits, found.items(), strict=True)):
-        numbers = {"median": fit.median_g, "dispersion": fit.dispersion}
-        named, style = words.plain("figure.fragility", state=state, **numbers), state_style(number)
-        draw_band(axes, fit.band or (), style["color"])
-        axes.plot(pga, _lognormal(pga, fit.median_g, max(fit.dispersion, 1e-3)), label=named, **style)
-        signs = [part for record in known(each.records) for part in record.signs]
+    fits = []
+    for state, each in fragile(results).items():
+        fit, signs = known(each.fragility), [part for record in known(each.records) for part in record.signs]
         fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
-        share = (np.arange(len(fallen)) + 0.5) / max(len(signs), 1)
-        inside = "1.0" if state != "original" else style["color"]
-        mark = {"marker": "o", "markersize": 3.5, "color": style["color"], "markerfacecolor": inside}
-        axes.plot(fallen, share, linestyle="none", **mark)
-    axes.set(xlabel=label("pga_g", words), ylabel=words.plain("figure.probability"))
-    axes.set(xlim=(low, top), ylim=(0.0, 1.0))
-    if any(fit.band for fit in fits):
-        shade: dict[str, Any] = {"color": "0.0", "alpha": SHADE, "linewidth": 0.0}
-        axes.fill_between([], [], **shade, label=words.plain("figure.fragility_band"))
-    axes.legend(loc="lower right")
-    return figure
+        numbers = {"median": fit.median_g, "dispersion": fit.dispersion}
+        name = words.plain("figure.fragility", state=state, **numbers)
+        fits.append(Fit(name, fit.median_g, fit.dispersion, fit.band, (fallen, _shares(fallen, len(signs)))))
+    return _fragilities(words, fits, label("pga_g", words))
 
 
-def draw_band(axes: Axes, band: Sequence[Sequence[float]], color: str) -> None:
-    """Shade between the bounds of the level at which each probability is reached."""
-    p, low, high = (list(each) for each in zip(*band, strict=True)) if band else ([], [], [])
-    axes.fill_betweenx(p, low, high, color=color, alpha=SHADE, linewidth=0.0)
+def _shares(fallen: Sequence[float], count: int) -> list[float]:
+    """Return the share of a number of observations that collapse at each of the levels at which they do."""
+    return ((np.arange(len(fallen)) + 0.5) / max(count, 1)).tolist()
 
 
-def _lognormal(level: Any, median: float, dispersion: float) -> Any:
+def _fragilities(words: Words, fits: Sequence[Fit], measure: str) -> Figure:
+    """Draw probabilities of collapse over the measure, curves with their 95 % bounds; circles: what was seen."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
-    return ndtr(np.log(level / median) / dispersion)
+    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(fits))
+    top = max(fit.median * np.exp(max(2.0 * fit.dispersion, STEEP)) for fit in fits)
+    low = min(fit.median * np.exp(-3.0 * fit.dispersion) for fit in fits)
+    low = min([low, *(level for fit in fits for level in fit.seen[0])])
+    start = 0.1 * math.floor(9.5 * low)  # below it nothing collapses
+    level = np.linspace(max(start, 1e-3 * top), top, 300)
+    handles: list[Artist] = []
+    for dashes, fit, shade in zip(cycle(DASHES), fits, np.linspace(1.0, 0.0, len(fits)), strict=False):
+        mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
+        mark["markerfacecolor"] = str(shade)
+        if fit.band:
+            p, least, most = (list(each) for each in zip(*fit.band, strict=True))
+            axes.fill_betweenx(p, least, most, color="0.0", alpha=SHADE, linewidth=0.0)
+        probability = ndtr(np.log(level / fit.median) / max(fit.dispersion, 1e-3 * STEEP))
+        axes.plot(level, probability, color="0.0", linestyle=dashes)
+        axes.plot(*fit.seen, linestyle="none", **mark)
+        handles.append(key(fit.name, linestyle=dashes, **mark))
+    axes.set(xlabel=measure, xlim=(start, top), ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
+    if any(fit.band for fit in fits):
+        text = words.plain("figure.fragility_band")
+        handles.append(Patch(color="0.0", alpha=SHADE, linewidth=0.0, label=text))
+    figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
+    return figure
 
 
 def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
@@ -334,34 +342,14 @@ def _points(row: CampaignCombination, runs: Mapping[Run, list[Level]]) -> list[L
 
 def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:
     """Draw the probability of collapse over the measure, a curve per share; circles: the combinations, or stripes."""
-    found, campaign = fragile_shares(results, settlement), known(results.campaign)
-    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(found))
-    seen = {row.share: _seen(campaign, settlement, row.share) for row in found}
-    fits = [(known(row.median_g), known(row.beta)) for row in found]
-    top = max(median * np.exp(max(2.0 * beta, STEEP)) for median, beta in fits)
-    low = min(median * np.exp(-3.0 * beta) for median, beta in fits)
-    low = min([low, *(level for levels, _ in seen.values() for level in levels)])
-    start = 0.1 * math.floor(9.5 * low)  # below it nothing collapses
-    level = np.linspace(max(start, 1e-3 * top), top, 300)
-    handles: list[Artist] = []
-    shades = np.linspace(1.0, 0.0, len(found))
-    for dashes, row, (median, beta), shade in zip(cycle(DASHES), found, fits, shades, strict=False):
-        mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
-        mark["markerfacecolor"] = str(shade)
-        draw_band(axes, row.band or (), "0.0")
-        axes.plot(level, _lognormal(level, median, max(beta, 1e-3 * STEEP)), color="0.0", linestyle=dashes)
-        axes.plot(*seen[row.share], linestyle="none", **mark)
+    campaign, fits = known(results.campaign), []
+    for row in fragile_shares(results, settlement):
+        median, beta = known(row.median_g), known(row.beta)
         numbers = {"median": median, "dispersion": words.number(beta, COARSE)}
-        named = words.plain("figure.fragility", state=_share(row.share, words), **numbers)
-        handles.append(key(named, linestyle=dashes, **mark))
+        name = words.plain("figure.fragility", state=_share(row.share, words), **numbers)
+        fits.append(Fit(name, median, beta, row.band, _seen(campaign, settlement, row.share)))
     sa = words.plain("figure.sa", period=campaign.period_s)
-    axes.set(xlabel=label("pga_g", words) if campaign.measure == "PGA" else sa, xlim=(start, top))
-    axes.set(ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
-    if any(row.band for row in found):
-        text = words.plain("figure.fragility_band")
-        handles.append(Patch(color="0.0", alpha=SHADE, linewidth=0.0, label=text))
-    figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
-    return figure
+    return _fragilities(words, fits, label("pga_g", words) if campaign.measure == "PGA" else sa)
 
 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
@@ -406,7 +394,7 @@ def _seen(campaign: Campaign, settlement: str, share: float) -> tuple[list[float
         return campaign.levels_g, fallen.mean(axis=0).tolist()
     ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in campaign.records}
     levels = sorted(ratio[row.record] * row.level_50_g for row in rows if row.level_50_g is not None)
-    return levels, ((np.arange(len(levels)) + 0.5) / len(rows)).tolist()
+    return levels, _shares(levels, len(rows))
 
 
 def _share(share: float, words: Words) -> str:

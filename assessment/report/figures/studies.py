@@ -77,8 +77,10 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     for axes, (state, own) in zip(panels, of_state.items(), strict=True):
         base = known(own[0].a_g_base_g)
         for place, bar in enumerate(own):
-            if bar.swing_g == 0.0:
-                _say_no_swing(axes, place, bar, base, words)
+            if bar.swing_g == 0.0:  # a property that does not change the capacity, with its factors
+                low, high = (words.comma(format(factor, "g")) for factor in (bar.low_factor, bar.high_factor))
+                said = words.plain("figure.no_swing", low=low, high=high)
+                axes.annotate(said, (base, place), (4, 0), **BESIDE)
                 continue
             for side in ("low", "high"):
                 _draw_bar(axes, place, bar, side, base, words)
@@ -113,8 +115,11 @@ def varied(results: Results) -> list[str]:
 def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: Words) -> None:
     """Draw one half of a bar with its factor at the end, where there is room if the half has no length."""
     at, other_side = bar.ends()[side], bar.ends()["high" if side == "low" else "low"]
-    end, other = (_snapped(capacity, base) for _, capacity in (at, other_side))
-    moved, other_moved = (base if value is None else value for value in (end, other))
+    end = at[1]  # nothing but rounding is no difference
+    moved, other_moved = (
+        base if value is None or abs(value - base) <= ROUNDING * base else value
+        for value in (end, other_side[1])
+    )
     both = (moved - base) * (other_moved - base) > 0.0  # to one side: one half above the other
     height = place + ((0.2 if side == "low" else -0.2) if both else 0.0)
     axes.barh(height, moved - base, left=base, height=0.36 if both else 0.6, **BARS[side])
@@ -123,17 +128,6 @@ def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: W
     text, right = factor if end is not None else f"{factor}: {words.show(None)}", rightward > 0.0
     side_of: dict[str, Any] = {"ha": "left" if right else "right", **BESIDE}
     axes.annotate(text, (moved, height), (3 if right else -3, 0), **side_of)
-
-
-def _say_no_swing(axes: Axes, place: int, bar: Bar, base: float, words: Words) -> None:
-    """Write beside the capacity that a property does not change it, with its factors."""
-    low, high = (words.comma(format(bar.ends()[side][0], "g")) for side in ("low", "high"))
-    axes.annotate(words.plain("figure.no_swing", low=low, high=high), (base, place), (4, 0), **BESIDE)
-
-
-def _snapped(value: float | None, base: float) -> float | None:
-    """Return the capacity, the project's own where nothing but rounding tells them apart."""
-    return base if value is not None and abs(value - base) <= ROUNDING * base else value
 
 
 def _ultimate(results: Results, name: str) -> float | None:
@@ -156,16 +150,10 @@ def _label(axes: Axes, labels: Iterable[tuple[str, float, float]]) -> None:
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
     found = known(results.scenarios)
     handles = [key(f"{number}  {name}", **state_style(number - 1)) for number, name in enumerate(names, 1)]
-    handles += [
-        key(
-            words.plain("figure.direction", direction=way),
-            marker=marker,
-            markerfacecolor=face,
-            linestyle="none",
-        )
-        for way, (marker, face) in MARKS.items()
-        if any(point.direction == way for point in found.points)
-    ]
+    for way, (marker, face) in MARKS.items():
+        if any(point.direction == way for point in found.points):
+            mark = {"marker": marker, "markerfacecolor": face, "linestyle": "none"}
+            handles.append(key(words.plain("figure.direction", direction=way), **mark))
     if any(_ultimate(results, name) is not None for name in names):
         handles.append(key(words.plain("figure.ultimate_mark"), marker="x", linestyle="none"))
     if worst := found.worst:

@@ -35,10 +35,8 @@ LABEL_MM = 1.35  # of a label: an average letter
 TWO_LINES_MM = 11.0  # from an axis to a label of two lines
 SHADES = 64  # of a PNG in colours
 BAND_MM = 1.0  # of white that is left above and below a figure
-LETTER_MM, KEY_MM = (
-    1.4,
-    9.0,
-)  # of a legend: an average letter; the key before the words and the gap after them
+# of a legend: an average letter; the key before the words and the gap after them
+LETTER_MM, KEY_MM = 1.4, 9.0
 LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
@@ -65,6 +63,12 @@ def typeset(figure: Figure) -> Figure:
 
     A label that is longer than its axis is high takes two lines, parted at the blank nearest to its middle.
     """
+
+    def symbol(found: re.Match[str]) -> str:
+        letter, _, index = found[1].replace("₀", "_0").partition("_")
+        star = "^*" if "*" in found[1] else ""
+        return f"${letter.rstrip('*')}_{{\\mathrm{{{index.rstrip('*')}}}}}{star}$"
+
     for axes in figure.axes:
         label = axes.get_ylabel()
         width, height = np.asarray(axes.get_position().size) * figure.get_size_inches() / MM
@@ -76,15 +80,9 @@ def typeset(figure: Figure) -> Figure:
     for text in figure.findobj(Text):
         words = text.get_text()
         if not text.get_parse_math() and SYMBOL.search(words):
-            text.set_text(SYMBOL.sub(_symbol, words.replace("$", r"\$")))
+            text.set_text(SYMBOL.sub(symbol, words.replace("$", r"\$")))
             text.set_parse_math(True)
     return figure
-
-
-def _symbol(found: re.Match[str]) -> str:
-    letter, _, index = found[1].replace("₀", "_0").partition("_")
-    star = "^*" if "*" in found[1] else ""
-    return f"${letter.rstrip('*')}_{{\\mathrm{{{index.rstrip('*')}}}}}{star}$"
 
 
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:

@@ -62,22 +62,20 @@ def to_docx(page: str, folder: Path) -> bytes:
     section.page_width, section.page_height = PAGE
     section.left_margin = section.right_margin = section.bottom_margin = MARGIN
     section.top_margin = HEAD
-    _properties(document, root)
+    about = {each.get("name"): each.get("content") for each in root.iterfind(".//meta[@name]")}
+    properties = document.core_properties  # no date, which would differ every time
+    properties.title, properties.language = root.findtext(".//title"), root.get("lang")
+    properties.author, properties.comments = about.get("author", ""), about.get("generator", "")
     _cover(document, root.find_class("cover")[0])
     _contents(document, root.find(".//nav"))
     for element in root.find(".//main"):
         _block(document, element, folder)
-    return _same_bytes(document)
-
-
-def _properties(document: Any, root: Element) -> None:
-    """Fill in what Word shows of the file: title, author and program; no date, which would differ every time."""
-    about = {each.get("name"): each.get("content") for each in root.iterfind(".//meta[@name]")}
-    properties = document.core_properties
-    properties.title = root.findtext(".//title")
-    properties.author = about.get("author", "")
-    properties.comments = about.get("generator", "")
-    properties.language = root.get("lang")
+    made, file = io.BytesIO(), io.BytesIO()
+    document.save(made)
+    with zipfile.ZipFile(made) as old, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as new:
+        for part in old.infolist():
+            new.writestr(zipfile.ZipInfo(part.filename, MADE), old.read(part), zipfile.ZIP_DEFLATED)
+    return file.getvalue()
 
 
 def _cover(document: Any, cover: Element) -> None:
@@ -233,13 +231,3 @@ def _runs(element: Element, formats: frozenset[str]) -> Iterator[tuple[str, froz
         yield from _runs(inner, own)
         if inner.tail:
             yield inner.tail, own
-
-
-def _same_bytes(document: Any) -> bytes:
-    """Return the file with the same date on all of its parts."""
-    made, file = io.BytesIO(), io.BytesIO()
-    document.save(made)
-    with zipfile.ZipFile(made) as old, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as new:
-        for part in old.infolist():
-            new.writestr(zipfile.ZipInfo(part.filename, MADE), old.read(part), zipfile.ZIP_DEFLATED)
-    return file.getvalue()

@@ -22,7 +22,6 @@ from assessment.results.schema import Results, State
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Snapshots
 from assessment.results.schema.static import Frames, TieTension
-from mechanics.types import Array
 
 VALUES = 15  # of a joint at a frame
 Series = dict[str, Any]
@@ -48,13 +47,13 @@ def viewer(results: Results, words: Words) -> Viewer | None:
         return None
     blocks = [
         {
-            "vertices": block.vertices_m,
-            "centroid": block.centroid_m,
-            "layer": block.layer,
-            "support": block.support,
-            "weight": block.weight_kN,
+            "vertices": b.vertices_m,
+            "centroid": b.centroid_m,
+            "layer": b.layer,
+            "support": b.support,
+            "weight": b.weight_kN,
         }
-        for block in results.geometry.blocks
+        for b in results.geometry.blocks
     ]
     ties = [
         {
@@ -84,9 +83,8 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
         series = [_series("Rx", movement, path.reaction_x_kN), _series("Rz", movement, path.reaction_z_kN)]
         labels = label("movement_m", words), words.plain("viewer.reactions")
         kept = _frames(results, path.frames, series) | _ties(results, where["state"], path.frames, path.ties)
-        yield _path(
-            words, "pushdown", words.at(where["state"], None, where["contacts"]), labels, series, kept
-        )
+        place = words.at(where["state"], None, where["contacts"])
+        yield _path(words, "pushdown", place, labels, series, kept)
 
 
 def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
@@ -161,7 +159,8 @@ def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
     """Where the blocks are and what the joints do at each frame: forces NaN where they are not known.
 
     Of each joint `VALUES` numbers: both ends and the point of the resultant (m), N and T (kN), eccentricity and contact
-    length (m), pressure (kN/m²), openings at the ends and slip (m), and the place of its condition in CONDITIONS.
+    length (m), pressure (kN/m²), openings at the ends and slip (m), and the place of its condition in CONDITIONS:
+    integers, of which −32768 is NaN, 32767 infinite.
     """
     faces = faces_of(results, kept.met)
     count = len(faces.depth)
@@ -176,28 +175,18 @@ def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
         condition = np.array([CONDITIONS.index(each) for each in states.condition], dtype=float)
         if force is None:
             forces, condition = [np.full(count, np.nan)] * 5, np.full(count, np.nan)
-        rows.append(
-            np.column_stack(
-                [states.ends.reshape(-1, 4), states.point, *forces, states.opening, states.slip, condition]
-            )
-        )
-    pairs = [joint.blocks for joint in [*results.geometry.joints, *kept.met]]
-    return {
-        "configuration": _floats(kept.configuration),
-        "pairs": pairs,
-        "joints": _scaled(np.array(rows).reshape(len(rows), count, VALUES)),
-    }
-
-
-def _scaled(values: Array) -> dict[str, Any]:
-    """Return numbers (f, j, VALUES) as base64 of 16-bit integers with the unit of each column.
-
-    −32768 is NaN, 32767 infinite.
-    """
+        places = [states.ends.reshape(-1, 4), states.point]
+        rows.append(np.column_stack([*places, *forces, states.opening, states.slip, condition]))
+    # as base64: positions in 32-bit floats, joints in 16-bit integers with the unit of each column
+    values = np.array(rows).reshape(len(rows), count, VALUES)
     finite = np.where(np.isfinite(values), values, 0.0)
     unit = np.maximum(abs(finite).max(axis=(0, 1), initial=0.0), 1e-12) / 32000.0
     whole = np.where(np.isnan(values), -32768, np.where(np.isinf(values), 32767, np.round(finite / unit)))
-    return {"unit": _short(unit), "values": base64.b64encode(whole.astype("<i2").tobytes()).decode()}
+    return {
+        "configuration": _coded(kept.configuration, "<f4"),
+        "pairs": [joint.blocks for joint in [*results.geometry.joints, *kept.met]],
+        "joints": {"unit": _short(unit), "values": _coded(whole, "<i2")},
+    }
 
 
 def _ties(
@@ -223,9 +212,9 @@ def _short(values: Sequence[float]) -> list[float]:
     return [float(f"{value:.6g}") for value in values]
 
 
-def _floats(values: Any) -> str:
-    """Return numbers as base64 of little-endian 32-bit floats, NaN for None."""
-    return base64.b64encode(np.asarray(values, dtype=float).astype("<f4").tobytes()).decode()
+def _coded(values: Any, kind: str) -> str:
+    """Return numbers as base64 of a little-endian kind."""
+    return base64.b64encode(np.asarray(values, dtype=float).astype(kind).tobytes()).decode()
 
 
 def _mm(metres: Sequence[float]) -> list[float]:

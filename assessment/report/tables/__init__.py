@@ -5,17 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from assessment.report.tables import capacity, cracks, dynamic, mechanisms, structure, studies  # noqa: F401 - entered
+from assessment.report.tables import capacity, cracks, dynamic, equilibrium, mechanisms, structure, studies  # noqa: F401 - entered
 from assessment.report.tables.dynamic import fragility_model
 from assessment.report.tables.rows import TABLES
-from assessment.results.configurations.hand_check import hand_check, macro_block_table
-from assessment.results.configurations.reactions import balance, joint_table, reactions
 from assessment.results.schema import Results
 from assessment.results.table import Table
 from assessment.runtime.files import write_atomically
 
 RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
-BESIDE = (reactions, balance, joint_table, macro_block_table, hand_check)  # tables of the configurations
 
 
 def write_tables(results: Results, folder: Path) -> None:
@@ -44,4 +41,4 @@ def inert(cell: Any) -> Any:
 
 def tables(results: Results) -> list[Table]:
     """List all tables of the results, long ones included."""
-    return [made(results) for made in (*TABLES.values(), *BESIDE)]
+    return [made(results) for made in TABLES.values()]

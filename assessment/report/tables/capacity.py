@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from assessment.ntc.tables import CHECKS, LINEAR
-from assessment.report.tables.rows import Curves, Found, capacities, curves, table, whole
+from assessment.report.tables.rows import TABLES, Curves, Found, capacities, curves, table, without
 from assessment.report.text.language import Words
 from assessment.results.asked import checks_asked, determined_indices, undetermined
 from assessment.results.schema import Results, State
@@ -16,9 +16,9 @@ from assessment.results.schema.part import Part, present
 from assessment.results.table import Row, Table, cells, reduction
 
 VERIFICATION = (
-    "d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified return_period_years"
+    "d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified ?return_period_years"
 )
-VERIFICATION += " governing mechanism"
+VERIFICATION += " governing"
 CHOSEN = "state direction moving_weight_kN alpha_0_limit e_star a_0_star_g refused"
 CHOSEN_CHECK = "d_star_m a_star_g T_s a_g_g demand_a_g_g zeta_E verified return_period_years"
 SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptable_nominal_life_years"
@@ -71,20 +71,21 @@ class SummaryLine:
         return reduction(self.values.get("original"), self.values.get(state))
 
 
-@whole
 def summary(results: Results) -> Table:
     """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions."""
     rows: list[Row] = []
     for line in (line for direction in directions(results) for line in summary_lines(results, direction)):
+        row: Row = {"direction": line.direction, "quantity": line.quantity, "limit_state": line.limit_state}
         settled = [name for name in line.values if name != "original"]
         rows.append(
-            {"direction": line.direction, "quantity": line.quantity, "limit_state": line.limit_state}
-            | dict(line.values)
-            | {f"reduction: {name}": line.reduction(name) for name in settled}
+            row | dict(line.values) | {f"reduction: {name}": line.reduction(name) for name in settled}
         )
     both = [each for name in results.states for each in (name, f"reduction: {name}")]
     columns = [name for name in both if name != "reduction: original"]
     return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
+
+
+TABLES["summary"] = summary
 
 
 def summary_lines(results: Results, direction: Direction) -> Iterator[SummaryLine]:
@@ -121,40 +122,30 @@ def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Par
             yield quantity, limit, checks.get(limit)
 
 
-@whole
-def verification(results: Results) -> Table:
+@table("verification", f"state direction limit_state {VERIFICATION} mechanism")
+def verification(results: Results) -> Found:
     """List the checks of every state and direction: what each limit state bears and what governs it.
 
     Null: there is no capacity to check, in a direction that was asked for.
     """
-    rows: list[Row] = []
+    found = [check for _, _, each in capacities(results) for check in each.checks.values()]
+    gone = (
+        () if any(check.return_period_years for check in found) else ("return_period_years",)
+    )  # no hazard curve
+    columns = [key for key in VERIFICATION.replace("?", "").split() if key not in gone]
     for name, state in results.states.items():
         for direction, capacity in state.capacity.items():
-            rows += [
-                {"state": name, "direction": direction, "limit_state": limit}
-                | cells(check, VERIFICATION.split())
-                | {"mechanism": mechanism_text(capacity.mechanism)}
-                for limit, check in capacity.checks.items()
-            ]
+            for limit, check in capacity.checks.items():
+                where = {"state": name, "direction": direction, "limit_state": limit}
+                yield where | cells(check, columns) | {"mechanism": mechanism_text(capacity.mechanism)}
         for direction in undetermined(results).get(name, ()):
-            rows += [
-                {"state": name, "direction": direction, "limit_state": limit} | _not_made(results, limit)
-                for limit in checks_asked(results)
-            ]
-    columns = VERIFICATION.split()
-    if all(each.get("return_period_years") is None for each in rows):  # no hazard curve to read it from
-        columns.remove("return_period_years")
-    return Table("verification", rows, ("state", "direction", "limit_state", *columns))
-
-
-def _not_made(results: Results, check: str) -> Row:
-    """Return the cells of a check without capacity: null, but for the demand."""
-    demand = (results.spectra or {}).get(check.partition(" ")[0])
-    found: Row = {"a_g_g": None, "zeta_E": None, "verified": None}
-    if demand is None:
-        return found
-    found["demand_a_g_g"] = demand.a_g_g
-    return found | ({} if demand.pga_g is None else {"pga_g": None, "demand_pga_g": demand.pga_g})
+            for limit in checks_asked(results):
+                row: Row = {"state": name, "direction": direction, "limit_state": limit}
+                row |= {"a_g_g": None, "zeta_E": None, "verified": None}
+                if demand := (results.spectra or {}).get(limit.partition(" ")[0]):
+                    row["demand_a_g_g"] = demand.a_g_g
+                    row |= {} if demand.pga_g is None else {"pga_g": None, "demand_pga_g": demand.pga_g}
+                yield row
 
 
 def mechanism_text(mechanism: Count) -> str:
@@ -181,8 +172,7 @@ def chosen_mechanisms(results: Results) -> Found:
     for given in results.mechanisms or []:
         own, limit = given.alpha_0, given.alpha_0_limit
         found = {"mechanism": given.name, "alpha_0_given": own} | cells(given, CHOSEN.split())
-        found["ratio"] = own / limit if own is not None and limit else None
-        yield present(found), None
+        yield present(found | {"ratio": own / limit if own is not None and limit else None})
 
 
 @table("chosen_checks", f"mechanism state limit_state {CHOSEN_CHECK}")
@@ -191,7 +181,7 @@ def chosen_checks(results: Results) -> Found:
     for given in results.mechanisms or []:
         for name, check in given.checks.items():
             where = {"mechanism": given.name, "state": given.state, "limit_state": name}
-            yield where | present(cells(check, CHOSEN_CHECK.split())), None
+            yield where | present(cells(check, CHOSEN_CHECK.split()))
 
 
 @table(
@@ -206,8 +196,12 @@ def linear_checks(results: Results) -> Found:
     for name, direction, mechanism, found in _mechanisms_activated(results):
         for limit, check in found.checks.items():
             if limit in LINEAR and check.demand_a_star_g is not None:
-                row: Row = {"state": name, "direction": direction, "limit_state": limit}
-                row["mechanism"] = mechanism
+                row: Row = {
+                    "state": name,
+                    "direction": direction,
+                    "limit_state": limit,
+                    "mechanism": mechanism,
+                }
                 row |= {"alpha_onset": check.alpha_0, "a_0_star_g": check.a_star_g, "ratio": check.zeta_E}
                 yield row | {"e_star": check.e_star}, check
 
@@ -252,24 +246,23 @@ def traces(found: Capacity | GivenMechanism) -> Iterator[tuple[str, list[Line]]]
 @table("trace", "state direction part symbol formula inputs result unit paragraph")
 def trace(results: Results) -> Found:
     """List every step of every calculation: formula, numbers put in, result and paragraph."""
-    for name, direction, part, steps in _all_traces(results):
+    found = [
+        ("", "", f"spectrum {limit}", each.trace or []) for limit, each in (results.spectra or {}).items()
+    ]
+    for name, direction, capacity in capacities(results):
+        found += [(name, direction, *each) for each in traces(capacity)]
+    found += [
+        (name, "", "indices", each.indices.trace) for name, each in results.states.items() if each.indices
+    ]
+    found += [("", "", "knowledge", results.knowledge.trace)] if results.knowledge else []
+    for given in results.mechanisms or []:
+        found += [
+            (given.state, given.direction or "", f"{given.name}: {part}", own) for part, own in traces(given)
+        ]
+    for state, way, part, steps in found:
         for step in steps:
             inputs = "; ".join(f"{symbol}={value!r}" for symbol, value in step.inputs.items())
-            yield {"state": name, "direction": direction, "part": part, "inputs": inputs}, step
-
-
-def _all_traces(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
-    for limit, demand in (results.spectra or {}).items():
-        yield "", "", f"spectrum {limit}", demand.trace or []
-    for name, direction, capacity in capacities(results):
-        for part, steps in traces(capacity):
-            yield name, direction, part, steps
-    for name, state in results.states.items():
-        yield name, "", "indices", state.indices.trace if state.indices else []
-    yield "", "", "knowledge", results.knowledge.trace if results.knowledge else []
-    for given in results.mechanisms or []:
-        for part, steps in traces(given):
-            yield given.state, given.direction or "", f"{given.name}: {part}", steps
+            yield {"state": state, "direction": way, "part": part, "inputs": inputs}, step
 
 
 def directions(results: Results) -> list[Direction]:
@@ -277,8 +270,8 @@ def directions(results: Results) -> list[Direction]:
     return sorted({direction for state in results.states.values() for direction in state.pushover})
 
 
-@whole
-def indices(results: Results) -> Table:
+@table("indices", f"state {SAFETY} {RISK}")
+def indices(results: Results) -> Found:
     """List the indices of every state; what is not known for want of a return period is left out.
 
     Null: the state has no capacity in a direction.
@@ -287,8 +280,7 @@ def indices(results: Results) -> Table:
     known = {name: present(cells(found, columns)) for name, found in determined_indices(results).items()}
     told = {key for row in known.values() for key in row} | {"zeta_SLV", "IS_V"}
     nothing = dict.fromkeys((key for key in HEADLINES if key in told), None)
-    rows: list[Row] = [{"state": name} | known.get(name, nothing) for name in _states(results)]
-    return Table("indices", rows, ("state", *columns))
+    return [{"state": name} | known.get(name, nothing) for name in _states(results)]
 
 
 def reported_indices(results: Results) -> list[Table]:
@@ -300,40 +292,34 @@ def reported_indices(results: Results) -> list[Table]:
     ]
 
 
-@whole
-def interventions(results: Results) -> Table:
+@table(
+    "interventions",
+    f"state use_class ?zeta_before zeta_SLV {' '.join(INTERVENTIONS)} "
+    + " ".join(f"?{kind}_attained" for kind in INTERVENTIONS),
+)
+def interventions(results: Results) -> Found:
     """List ζ_E of every state and what each kind of intervention must reach (NTC 2018, §8.4).
 
     Of a strengthened state that follows from ζ_E before, and whether it is attained stands behind.
     """
-    known, rows = determined_indices(results), []
+    known = determined_indices(results)
     for name in _states(results):
         row: Row = {"state": name, "zeta_SLV": None}
         if found := known.get(name):
             row |= cells(found, ["use_class", "zeta_SLV", "zeta_before"]) | present(found.required_zeta)
             row |= {f"{kind}_attained": whether for kind, whether in (found.attained or {}).items()}
-        rows.append(row)
-    attained = [f"{kind}_attained" for kind in INTERVENTIONS]
-    columns = ("state", "use_class", "zeta_before", "zeta_SLV", *INTERVENTIONS, *attained)
-    optional = {"zeta_before", *attained}
-    kept = [name for name in columns if name not in optional or any(name in row for row in rows)]
-    return Table("interventions", rows, tuple(kept))
+        yield row
 
 
 def reported_interventions(results: Results, words: Words) -> Table:
     """Return the interventions as the report prints them: behind each value whether it is attained."""
     table = interventions(results)
-    rows = [
-        {
-            key: value
-            if (attained := row.get(f"{key}_attained")) is None
-            else words(f"value.{'attained' if attained else 'not_attained'}", least=value)
-            for key, value in row.items()
-            if not key.endswith("_attained")
-        }
-        for row in table.rows
-    ]
-    return Table(table.name, rows, tuple(key for key in table.columns if not key.endswith("_attained")))
+    for row in table.rows:
+        for kind in INTERVENTIONS:
+            if (attained := row.pop(f"{kind}_attained", None)) is not None:
+                key = f"value.{'attained' if attained else 'not_attained'}"
+                row[kind] = words(key, least=row.get(kind))
+    return without(table, *(f"{kind}_attained" for kind in INTERVENTIONS))
 
 
 @table("knowledge", "parameter factor_component origin")
@@ -341,10 +327,10 @@ def knowledge(results: Results) -> Found:
     """List the components of F_C and the origin of each parameter, as given."""
     if found := results.knowledge:
         for name, value in found.components.items():
-            yield {"parameter": name, "factor_component": value, "origin": found.origins.get(name, "")}, None
+            yield {"parameter": name, "factor_component": value, "origin": found.origins.get(name, "")}
         for name, text in found.origins.items():
             if text and name not in found.components:
-                yield {"parameter": name, "origin": text}, None
+                yield {"parameter": name, "origin": text}
 
 
 def _states(results: Results) -> list[str]:

@@ -86,13 +86,15 @@ def surveyed(results: Results, state: str) -> list[Surveyed]:
     reach = BESIDE * block_size(results)
     rows = []
     for mark, name, kind, value, sigma, line in found:
-        points = _along(np.asarray(line, dtype=float))
+        points = np.asarray(line, dtype=float)  # of a line, points at even shares of its length
+        if len(points) > 1:
+            at = shapely.line_interpolate_point(shapely.linestrings(points), SAMPLES, normalized=True)
+            points = shapely.get_coordinates(at)
         away = shapely.distance(shapely.linestrings(joints)[:, None], shapely.points(points)[None, :])
         k = int(np.argmin(away.mean(axis=1)))
         middle = points[len(points) // 2]
-        share = float(
-            shapely.line_locate_point(shapely.linestrings(joints[k]), shapely.Point(middle), normalized=True)
-        )
+        joint = shapely.linestrings(joints[k])
+        share = float(shapely.line_locate_point(joint, shapely.Point(middle), normalized=True))
         opening = float(max(0.0, (1.0 - share) * gaps[k, 0] + share * gaps[k, 1]))
         calculated = 1000.0 * (float(slips[k]) if kind == "slip" else opening)
         off = value is None and away[k].mean() > reach
@@ -142,33 +144,22 @@ def cracks_of(results: Results, state: str) -> list[Crack]:
     return found
 
 
-@table("cracks", " ".join(columns_of(Crack)))
+@table("cracks", Crack)
 def cracks(results: Results) -> Found:
     """List the cracks of every settled state."""
     for state in results.states:
-        yield from ((asdict(each), None) for each in cracks_of(results, state))
+        yield from cracks_of(results, state)
 
 
 def reported_cracks(results: Results) -> Table:
     """Return the rows of the report: of each state the widest."""
-    rows = [
-        asdict(each) for state in results.states for each in cracks_of(results, state)[: printed(results)]
-    ]
+    most = printed(results)
+    rows = [asdict(each) for state in results.states for each in cracks_of(results, state)[:most]]
     return Table("cracks", rows, columns_of(Crack))
 
 
 def _openings(results: Results, state: str) -> tuple[Array, Array, Mask]:
     """Return the gaps at both ends (j, 2) and the slips (j,) of the joints of a state, m, and which are apart (j,)."""
     faces = faces_of(results)
-    places = faces.contacts.places(
-        faces.positions(np.asarray(results.states[state].configuration, dtype=float))
-    )
+    places = faces.contacts.places(faces.positions(np.asarray(results.states[state].configuration)))
     return end_gaps(places), abs(places[:, V]), places[:, H] <= 0.0
-
-
-def _along(line: Array) -> Array:
-    """Return points (n, 2) along a line, at even shares of its length; of a point, that point."""
-    if len(line) == 1:
-        return line
-    at = shapely.line_interpolate_point(shapely.linestrings(line), SAMPLES, normalized=True)
-    return shapely.get_coordinates(at)

@@ -10,8 +10,7 @@ from xml.sax.saxutils import escape
 from assessment.report.tables.rows import Curves, Found, curves, table, without
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import (
-    Campaign,
-    CampaignCombination,
+    CampaignRecord,
     History,
     Incremental,
     Loss,
@@ -54,7 +53,7 @@ def histories(results: Results) -> Found:
     """List what every time history came to."""
     for state, entry in _histories(results):
         unasked = {None: "", True: "residual_displacement_m", False: "time_of_collapse_s"}[entry.collapsed]
-        yield {"state": state} | cells(entry, [key for key in HISTORY.split() if key != unasked]), None
+        yield {"state": state} | cells(entry, [key for key in HISTORY.split() if key != unasked])
 
 
 @table(
@@ -116,7 +115,7 @@ def incremental_states(results: Results) -> Found:
             row["pga_all_collapse_g"] = found.pga_collapse_g_range[1]
         if found.rule:
             row |= cells(found, ["pga_collapse_g"])
-        yield row | (cells(found.fragility, ("median_g", "dispersion")) if found.fragility else {}), None
+        yield row | (cells(found.fragility, ("median_g", "dispersion")) if found.fragility else {})
 
 
 @table(
@@ -141,48 +140,34 @@ def static_dynamic(results: Results) -> Found:
     The level of 50 % is the median of the fragility, and the loss of motions that of these levels, of each record by
     itself. `over_static` is over the least static capacity of the state.
     """
+    original, campaign = results.states.get("original"), results.campaign
     for name, state in results.states.items():
-        shaken = [*_of_incremental(state.incremental), *_of_campaign(results.campaign, name)]
-        static = list(_of_check(name, results)) if shaken else []
+        shaken: list[Row] = []
+        if (found := state.incremental).records is not None:
+            median = found.fragility.median_g if found.fragility else None
+            row = {"analysis": "incremental", "pga_surface_g": found.pga_collapse_g, "level_50_g": median}
+            shaken.append(row | lost(found.loss))
+        for fit, loss in zip(campaign.fragility, campaign.loss, strict=True) if campaign else ():
+            if (fit.settlement, fit.share) == (name, 1.0) or (name, fit.share) == ("original", 0.0):
+                row = {"analysis": "campaign", "pga_surface_g": fit.pga_collapse_g}
+                row |= {"level_50_g": fit.median_g} if campaign and campaign.measure == "PGA" else {}
+                shaken.append(row | lost(loss))
+                break  # of one state, the whole movement or none of it
+        static: list[Row] = []
+        for direction, capacity in state.capacity.items() if shaken else ():
+            before = original.capacity.get(direction) if original else None
+            was, now = (each.nominal.pga_g if each and each.nominal else None for each in (before, capacity))
+            row = {"analysis": "static_check", "direction": direction, "pga_surface_g": now}
+            row["limit_state"] = quoted_limit_state(capacity.checks)
+            if not state.strengthening:  # whose reduction is not that of a settlement
+                row["capacity_loss"] = reduction(was, now)
+            static.append(row)
         known = [row["pga_surface_g"] for row in static if row["pga_surface_g"] is not None]
         gone = OF_LOSS if name == "original" else ()
         for row in (*static, *shaken):
             if known and row.get("pga_surface_g") is not None:
                 row["over_static"] = row["pga_surface_g"] / min(known)
-            yield {"state": name} | {key: value for key, value in row.items() if key not in gone}, None
-
-
-def _of_check(name: str, results: Results) -> Iterator[Row]:
-    """Yield the static capacity of a state in each direction, with its loss."""
-    original = results.states.get("original")
-    for direction, capacity in results.states[name].capacity.items():
-        before = original.capacity.get(direction) if original else None
-        was, now = (each.nominal if each else None for each in (before, capacity))
-        row: Row = {"analysis": "static_check", "direction": direction}
-        row["limit_state"] = quoted_limit_state(capacity.checks)
-        row["pga_surface_g"] = now.pga_g if now else None
-        if not results.states[name].strengthening:  # whose reduction is not that of a settlement
-            row["capacity_loss"] = reduction(was.pga_g if was else None, row["pga_surface_g"])
-        yield row
-
-
-def _of_incremental(found: Incremental) -> Iterator[Row]:
-    """Yield what the incremental analysis of a state came to."""
-    if found.records is not None:
-        median = found.fragility.median_g if found.fragility else None
-        row: Row = {"analysis": "incremental", "pga_surface_g": found.pga_collapse_g, "level_50_g": median}
-        yield row | lost(found.loss)
-
-
-def _of_campaign(campaign: Campaign | None, name: str) -> Iterator[Row]:
-    """Yield what a campaign came to in a state of the project: after none of a movement, or the whole."""
-    for fit, loss in zip(campaign.fragility, campaign.loss, strict=True) if campaign else ():
-        if (fit.settlement, fit.share) == (name, 1.0) or (name, fit.share) == ("original", 0.0):
-            row: Row = {"analysis": "campaign", "pga_surface_g": fit.pga_collapse_g}
-            if campaign and campaign.measure == "PGA":
-                row["level_50_g"] = fit.median_g
-            yield row | lost(loss)
-            return
+            yield {"state": name} | {key: value for key, value in row.items() if key not in gone}
 
 
 def lost(loss: Loss | None) -> Row:
@@ -198,9 +183,8 @@ def bands(found: Scanned, range_: Range | None) -> Row:
     """Return levels above the lowest collapse that stand, the widest gap, and from where all levels run collapse."""
     gap = "–".join(f"{level:.3f}" for level in found.widest_gap_g or [] if level is not None)
     stands = "; ".join(f"{level:.3f}" for level in found.resurrections_g)
-    return {"resurrections": stands, "widest_gap": gap} | (
-        {"pga_all_collapse_g": range_[1]} if range_ else {}
-    )
+    all_collapse = {"pga_all_collapse_g": range_[1]} if range_ else {}
+    return {"resurrections": stands, "widest_gap": gap} | all_collapse
 
 
 def _histories(results: Results) -> Iterator[tuple[str, History]]:
@@ -227,11 +211,9 @@ def reported_campaign(results: Results) -> list[Table]:
     ]
 
 
-@table("campaign_records", "record record_pga_g sa_g scale duration_s time_step_s")
-def records(results: Results) -> Found:
-    """List the records, read or made, and scaled."""
-    for each in results.campaign.records if results.campaign else []:
-        yield {}, each
+records = table("campaign_records", CampaignRecord)(
+    lambda results: results.campaign.records if results.campaign else []
+)
 
 
 @table(
@@ -241,7 +223,7 @@ def records(results: Results) -> Found:
 )
 def combinations(results: Results) -> Found:
     """List the levels at which each combination collapses, and why where it was not completed."""
-    for each in _combinations(results):
+    for each in results.campaign.combinations if results.campaign else []:
         yield bands(each, each.pga_collapse_range), each
 
 
@@ -252,7 +234,7 @@ def combinations(results: Results) -> Found:
 )
 def campaign_points(results: Results) -> Found:
     """List every level that was run."""
-    for each in _combinations(results):
+    for each in results.campaign.combinations if results.campaign else []:
         where = cells(each, ("settlement", "share", "record", "sign"))
         yield from ((where, point) for point in each.points)
 
@@ -276,7 +258,7 @@ def losses(results: Results) -> Found:
         row |= {"static_loss": each.static}
         row |= {} if each.distinguishable is None else {"distinguishable": each.distinguishable}
         row |= cells(fit, ("rule", "pga_collapse_g")) if fit.rule else {}
-        yield row | cells(each, (*MOVED.split(), "left_out")), None
+        yield row | cells(each, (*MOVED.split(), "left_out"))
 
 
 @table("fragility_measures", "analysis state share measure unit median_of_measure beta_of_measure efficient")
@@ -296,7 +278,7 @@ def measures(results: Results) -> Found:
         least = min((each.beta for each in own if each.beta is not None), default=None)
         for each in own:
             found = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
-            yield found | {"median_of_measure": each.median, "beta_of_measure": each.beta}, None
+            yield found | {"median_of_measure": each.median, "beta_of_measure": each.beta}
 
 
 def fragility_model(results: Results) -> str | None:
@@ -320,7 +302,3 @@ def fragility_model(results: Results) -> str | None:
             stddev, word = mean * math.sqrt(math.expm1(beta**2)), re.sub(r"\W+", "_", name)
             functions += FUNCTION.format(id=word, imt=imt, most=most, mean=mean, stddev=stddev)
     return MODEL.format(title=escape(results.title), functions=functions) if functions else None
-
-
-def _combinations(results: Results) -> list[CampaignCombination]:
-    return results.campaign.combinations if results.campaign else []

@@ -10,7 +10,7 @@ import numpy as np
 
 from assessment.ntc.tables import LINEAR
 from assessment.report.tables.capacity import mechanism_text
-from assessment.report.tables.rows import Found, capacities, table, whole
+from assessment.report.tables.rows import Found, capacities, table
 from assessment.report.text.language import WHOLE, Words
 from assessment.results.configurations.hand_check import macro_blocks, rigid_push
 from assessment.results.configurations.hand_check import mechanisms as found_mechanisms
@@ -18,33 +18,33 @@ from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
 from assessment.results.schema.part import Configuration, present
 from assessment.results.schema.static import RigidPush
-from assessment.results.table import Row, Table, cells, sense
+from assessment.results.table import Row, cells, sense
 from mechanics.types import Array
 
 MOVES = 1e-6  # of the largest displacement
 RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
+MECHANISM = "hinges sliding_joints moving_weight_kN e_star gamma_star"
 OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
 SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
 COUNTED = 10  # hinges that have a word
 
 
-@whole
-def mechanisms(results: Results) -> Table:
+@table(
+    "mechanisms",
+    f"state direction alpha_0 {' '.join(f'?{key}' for key in OTHER_LAW)} ?mechanism_alpha {MECHANISM}",
+)
+def mechanisms(results: Results) -> Found:
     """List the rigid mechanism of every state and direction.
 
     It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
     part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
     """
-    rows: list[Row] = []
-    columns = ("hinges", "sliding_joints", "moving_weight_kN", "e_star", "gamma_star")
     for name, direction, rigid in found_mechanisms(results):
         found, other = rigid.mechanism, rigid.other_law
         row: Row = {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
         row |= {} if found.alpha == rigid.alpha_0 else {"mechanism_alpha": found.alpha}
         row |= {f"alpha_0_{other.sliding}": other.alpha_0} if other else {}
-        rows.append(row | cells(found, columns) | {"sliding_joints": len(found.sliding_joints)})
-    named = [key for key in (*OTHER_LAW, "mechanism_alpha") if any(key in each for each in rows)]
-    return Table("mechanisms", rows, ("state", "direction", "alpha_0", *named, *columns))
+        yield row | {"sliding_joints": len(found.sliding_joints)}, found
 
 
 @table("second_solver", f"state direction sliding alpha_own_run {' '.join(SECOND_SOLVER[1:])}")
@@ -77,44 +77,34 @@ def mechanism_name(results: Results, state: str, direction: Direction, words: Wo
     return name if element == WHOLE else f"{name} ({element})"
 
 
-@whole
-def all_mechanisms(results: Results) -> Table:
+@table(
+    "all_mechanisms",
+    f"macro_element mechanism state direction alpha_0 alpha_onset a_0_star_g d_0_star_m {' '.join(RATIOS)}",
+)
+def all_mechanisms(results: Results) -> Found:
     """List every mechanism that has a capacity: its macro-element, which are the layers that move, and its ratios.
 
     Found ones are named by their hinges and sliding joints.
     """
-    columns = [
-        "macro_element",
-        "mechanism",
-        "state",
-        "direction",
-        "alpha_0",
-        "alpha_onset",
-        "a_0_star_g",
-        "d_0_star_m",
-    ]
-    rows = sorted(_with_capacity(results), key=lambda row: row["macro_element"])
-    return Table("all_mechanisms", rows, (*columns, *RATIOS))
+    rows: list[Row] = []
 
+    def add(own: Row, moved: Configuration, found: Capacity | GivenMechanism) -> None:
+        ratios = {key: found.checks[check].zeta_E for key, check in RATIOS.items() if check in found.checks}
+        shared = {"macro_element": macro_element(results, moved), **cells(found, ("alpha_0", "d_0_star_m"))}
+        rows.append(present(own | shared | ratios))
 
-def _with_capacity(results: Results) -> Iterator[Row]:
     for name, direction, capacity in capacities(results):
         pushover = results.states[name].pushover.get(direction)
         if pushover and pushover.rigid:
             linear = next((capacity.checks[each] for each in LINEAR if each in capacity.checks), None)
             row: Row = {"alpha_onset": linear.alpha_0, "a_0_star_g": linear.a_star_g} if linear else {}
             row |= {"mechanism": mechanism_text(capacity.mechanism), "state": name, "direction": direction}
-            yield _row(results, row, pushover.rigid.mechanism.displacements, capacity)
+            add(row, pushover.rigid.mechanism.displacements, capacity)
     for given in results.mechanisms or []:
         if given.direction and given.displacements:
-            row = {"mechanism": given.name} | cells(given, ("state", "direction", "a_0_star_g"))
-            yield _row(results, row, given.displacements, given)
-
-
-def _row(results: Results, own: Row, moved: Configuration, found: Capacity | GivenMechanism) -> Row:
-    ratios = {key: found.checks[check].zeta_E for key, check in RATIOS.items() if check in found.checks}
-    shared = {"macro_element": macro_element(results, moved), **cells(found, ("alpha_0", "d_0_star_m"))}
-    return present(own | shared | ratios)
+            where = {"mechanism": given.name} | cells(given, ("state", "direction", "a_0_star_g"))
+            add(where, given.displacements, given)
+    return sorted(rows, key=lambda row: row["macro_element"])
 
 
 def macro_element(results: Results, displacements: Configuration) -> str:
@@ -148,7 +138,7 @@ def alpha_at_d_0(rigid: RigidPush) -> float | None:
     left, end = rigid.curve.multiplier[-1], abs(rigid.curve.displacement_m[-1])
     ends = rigid.d_0_m is not None and math.isclose(
         rigid.d_0_m, end
-    )  # an ensemble may have d_0 of another run
+    )  # an ensemble may have that of another run
     return left if rigid.lost and ends and left > 0.0 else None
 
 
@@ -160,9 +150,7 @@ def elastic_capacity(results: Results, state: str, direction: Direction) -> tupl
         return None
     curve, d_star = pushovers.elastic.curve, pushovers.elastic.d_star_m
     if d_star is None:
-        d_star = (
-            sense(direction) * capacity.gamma_star * np.asarray(curve.displacement_m, dtype=float)
-        ).tolist()
+        d_star = (sense(direction) * capacity.gamma_star * np.asarray(curve.displacement_m)).tolist()
     factor = float((results.echo.assessment or {}).get("confidence_factor", 1.0))
     return np.asarray(d_star), np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
 
@@ -174,14 +162,10 @@ def excesses(results: Results) -> Iterator[Excess]:
         for limit, check in capacity.checks.items():
             if elastic is None or check.method != "nonlinear" or not check.d_star_m or not check.a_star_g:
                 continue
-            at = _on_the_way(*elastic, check.d_star_m)
-            if at is not None and check.a_star_g > (1.0 + ABOVE) * at:
+            d_star, a_star = elastic
+            first = np.r_[True, d_star[1:] > np.maximum.accumulate(d_star)[:-1]]  # farther than ever before
+            if check.d_star_m > d_star[first][-1] * (1.0 + 1e-9):  # where the curve has ended
+                continue
+            at = max(0.0, float(np.interp(check.d_star_m, d_star[first], a_star[first])))
+            if check.a_star_g > (1.0 + ABOVE) * at:
                 yield Excess(name, direction, limit, check.d_star_m, check.a_star_g, at)
-
-
-def _on_the_way(d_star: Array, a_star: Array, place: float) -> float | None:
-    """Return a* where the curve first comes to a displacement; None where it ends before."""
-    first = np.r_[True, d_star[1:] > np.maximum.accumulate(d_star)[:-1]]  # farther than ever before
-    if place > d_star[first][-1] * (1.0 + 1e-9):
-        return None
-    return max(0.0, float(np.interp(place, d_star[first], a_star[first])))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, is_dataclass
 from functools import wraps
 from typing import Any
 
@@ -10,54 +11,61 @@ from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.part import Part
 from assessment.results.schema.static import ElasticPush, PushdownPath, RigidPush
-from assessment.results.table import Row, Table, cells
+from assessment.results.table import Row, Table, cells, columns_of
 
-Found = Iterator[tuple[Row, Part | None]]
+Found = Iterable[Any]
+"""Rows: as dictionaries, dataclasses or parts of the results, or what a row has of its own and the part of the rest."""
 Curves = Iterator[tuple[Sequence[Any], Sequence[Sequence[Any]]]]
+Made = Callable[[Results], Table]
 
-
-TABLES: dict[str, Callable[[Results], Table]] = {}
+TABLES: dict[str, Made] = {}
 """Every table of the results, long ones included, by its name: that of its CSV file."""
 
 
-def table(name: str, columns: str) -> Callable[[Callable[[Results], Found]], Callable[[Results], Table]]:
-    """Enter a table of these columns: the function yields what each row has of its own, and the part of the rest."""
-    named = tuple(columns.split())
+def table(name: str, columns: str | type) -> Callable[[Callable[[Results], Found]], Made]:
+    """Enter a table of these columns, or of those of a class; one with ? is left out where no row has it.
 
-    def entered(found: Callable[[Results], Found]) -> Callable[[Results], Table]:
+    The function yields the rows, as `Found` has them.
+    """
+    told = columns.split() if isinstance(columns, str) else columns_of(columns)
+    named = [column.lstrip("?") for column in told]
+
+    def entered(found: Callable[[Results], Found]) -> Made:
         @wraps(found)
         def made(results: Results) -> Table:
-            rows = [(cells(part, named) if part else {}) | own for own, part in found(results)]
-            return Table(name, rows, named)
+            rows = [_row(each, named) for each in found(results)]
+            there = {key for row in rows for key in row}
+            kept = [key for key, column in zip(named, told, strict=True) if key == column or key in there]
+            return Table(name, rows, tuple(kept))
 
-        TABLES[name] = made
-        return made
+        return TABLES.setdefault(name, made)
 
     return entered
 
 
-def curves(name: str, columns: str) -> Callable[[Callable[[Results], Curves]], Callable[[Results], Table]]:
+def _row(each: Any, columns: Iterable[str]) -> Row:
+    own, part = each if isinstance(each, tuple) else (each, None)
+    if isinstance(own, Part):
+        return cells(own, columns)
+    row: Row = asdict(own) if is_dataclass(own) and not isinstance(own, type) else own
+    return (cells(part, columns) if part else {}) | row
+
+
+def curves(name: str, columns: str) -> Callable[[Callable[[Results], Curves]], Made]:
     """Enter a table of curves: the function yields the place of each, for the first columns, and its coordinates."""
-    named = tuple(columns.split())
 
-    def entered(found: Callable[[Results], Curves]) -> Callable[[Results], Table]:
+    def entered(found: Callable[[Results], Curves]) -> Made:
         @wraps(found)
-        def made(results: Results) -> Table:
-            points = (
-                (*place, *point) for place, arrays in found(results) for point in zip(*arrays, strict=True)
-            )
-            return Table(name, [dict(zip(named, point, strict=True)) for point in points], named)
+        def rows(results: Results) -> Iterator[Row]:
+            for place, arrays in found(results):
+                yield from (
+                    dict(zip(columns.split(), (*place, *point), strict=True))
+                    for point in zip(*arrays, strict=True)
+                )
 
-        TABLES[name] = made
-        return made
+        return table(name, columns)(rows)
 
     return entered
-
-
-def whole(made: Callable[[Results], Table]) -> Callable[[Results], Table]:
-    """Enter a table whose columns follow from its rows."""
-    TABLES[made.__name__] = made
-    return made
 
 
 def without(table: Table, *columns: str) -> Table:

@@ -6,26 +6,34 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 
-from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table, whole
+from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table
 from assessment.report.text.language import Words
 from assessment.results.asked import material, taken_to_collapse
 from assessment.results.configurations.hand_check import outline_area
 from assessment.results.configurations.joint_states import joint_states, loaded
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, StrengtheningRow
-from assessment.results.schema.model import Block
+from assessment.results.schema.model import Block, LayerLoads, QualityRow
 from assessment.results.schema.part import present
 from assessment.results.schema.static import Contacts, TieTension
-from assessment.results.table import COMPARISON, Row, Table, cells
+from assessment.results.table import Row, Table, cells
 
-LOADS = "layer blocks own_weight_kN permanent_load_kN variable_load_kN use_category psi_2 combined_kN seismic_weight_kN"
 VARIABLE = {"variable_load_kN", "use_category", "psi_2"}
 MATERIAL = (
     "unit_weight_kN_m3 friction normal_stiffness_kN_m3 tangential_stiffness_kN_m3 compressive_strength_kN_m2"
 )
+COMPARISON = "state direction limit_state static_pga_g static_reduction dynamic_pga_g dynamic_reduction"
 AT = 0.999  # of the yield force: a tension that is it
 PLATES_M = {"plate_20_MPa": 0.20, "plate_30_MPa": 0.30, "plate_40_MPa": 0.40}  # sides of square plates
 PRINTED = {"short": 10, "full": 40}  # joints of a table of the report, those that matter most
+
+# as in results.json: loads of layers, settled and strengthened states beside those before, certificates
+loads = table("loads", LayerLoads)(lambda results: results.loads or ())
+comparison = table("comparison", COMPARISON)(lambda results: results.comparison)
+strengthening = table("strengthening", " ".join(StrengtheningRow.model_fields))(
+    lambda results: results.strengthening or ()
+)
+quality = table("quality", QualityRow)(lambda results: results.quality.by_stage)
 
 
 @table("blocks", "block layer support x_m z_m area_m2 depth_m vertical_load_kN")
@@ -48,20 +56,14 @@ def layers(results: Results) -> Found:
         row["area_m2"] = sum(outline_area(block.vertices_m) for block in own)
         row["vertical_load_kN"] = sum(block.vertical_load_kN for block in own)
         given = material(results.echo, own[0])
-        yield row | {key: given[key] for key in MATERIAL.split() if given.get(key) is not None}, None
-
-
-@table("loads", LOADS)
-def loads(results: Results) -> Found:
-    """List own weight, permanent and variable loads of each layer, ψ₂, and their combination; all blocks together."""
-    for each in results.loads or []:
-        yield {}, each
+        yield row | {key: given[key] for key in MATERIAL.split() if given.get(key) is not None}
 
 
 def reported_loads(results: Results, words: Words) -> Table:
     """Return the loads with their sums, without what no layer has."""
     own = results.loads or []
-    columns = [name for name in LOADS.split() if name not in VARIABLE or any(a.variable_load_kN for a in own)]
+    variable = any(each.variable_load_kN for each in own)
+    columns = [name for name in LayerLoads.model_fields if variable or name not in VARIABLE]
     rows = [present(cells(each, columns)) for each in own]
     if len(own) > 1:
         kept = [name for name in columns if name not in {"layer", "use_category", "psi_2"}]
@@ -69,23 +71,22 @@ def reported_loads(results: Results, words: Words) -> Table:
     return Table("loads", rows, tuple(columns))
 
 
-@whole
-def settlements(results: Results) -> Table:
+@table(
+    "settlements",
+    "state ?after support displacement_x_m displacement_z_m rotation_rad ultimate_rigid_m ultimate_elastic_m",
+)
+def settlements(results: Results) -> Found:
     """List the movements and how far each may go: the ultimate movement by kind of contact."""
-    rows, sought = [], taken_to_collapse(results.echo)
+    sought = taken_to_collapse(results.echo)
     for name, state in results.states.items():
         if settlement := state.settlement:
             x, z = settlement.displacement_m
             found: Row = {"state": name, "displacement_x_m": x, "displacement_z_m": z}
-            found |= cells(settlement, ("support", "rotation_rad"))
-            found |= present({"after": settlement.after})
+            found |= cells(settlement, ("support", "rotation_rad")) | present({"after": settlement.after})
             for contacts, path in state.pushdown.items():
                 if name in sought or path.ultimate_movement_m is not None:
                     found[f"ultimate_{contacts}_m"] = path.ultimate_movement_m
-            rows.append(found)
-    columns = "state after support displacement_x_m displacement_z_m rotation_rad ultimate_rigid_m ultimate_elastic_m"
-    kept = [name for name in columns.split() if name != "after" or any("after" in row for row in rows)]
-    return Table("settlements", rows, tuple(kept))
+            yield found
 
 
 @curves("pushdown", "state contacts movement_m reaction_x_kN reaction_z_kN")
@@ -100,30 +101,6 @@ def pushover_curves(results: Results) -> Curves:
     """List the points of every pushover curve; displacements along x: towards −x they are negative."""
     for where, push in pushes(results):
         yield tuple(where.values()), (push.curve.displacement_m, push.curve.multiplier)
-
-
-@table("comparison", " ".join(COMPARISON))
-def comparison(results: Results) -> Found:
-    """List the capacities of each settled state beside the original one's."""
-    for each in results.comparison:
-        yield {}, each
-
-
-@table("strengthening", " ".join(StrengtheningRow.model_fields))
-def strengthening(results: Results) -> Found:
-    """List the capacities of every strengthened state beside those of the state before, as in results.json."""
-    for each in results.strengthening or ():
-        yield {}, each
-
-
-@table(
-    "quality",
-    "state stage solves worst_equilibrium_residual worst_penetration_m worst_complementarity worst_cone_violation",
-)
-def quality(results: Results) -> Found:
-    """List the worst certificates of the solutions by state and stage."""
-    for each in results.quality.by_stage:
-        yield {}, each
 
 
 @table("ties", "tie from_x_m from_z_m to_x_m to_z_m yield_force_kN stiffness_kN_m pretension_kN states")
@@ -146,7 +123,7 @@ def tensions(results: Results) -> Iterator[tuple[Row, TieTension]]:
 def tie_tensions(results: Results) -> Found:
     """List the tension of every tie along every path: movements of supports, and pushes by direction."""
     by_state = list(results.states)
-    yield from sorted(tensions(results), key=lambda each: by_state.index(each[0]["state"]))
+    return sorted(tensions(results), key=lambda each: by_state.index(each[0]["state"]))
 
 
 def tie_strength(results: Results) -> dict[str, float | None]:
@@ -168,7 +145,7 @@ def shaken_ties(results: Results) -> Found:
                 between = limit is not None and each.greatest_kN is not None and each.greatest_kN < AT * limit
                 row: Row = {"tie": each.tie, "state": name, "record": entry.record, "yields": each.yields}
                 row["greatest_kN"] = limit if between else each.greatest_kN
-                yield row | ({} if between else {"time_of_greatest_s": each.time_s}), None
+                yield row | ({} if between else {"time_of_greatest_s": each.time_s})
 
 
 def tie_demands(results: Results) -> Table:
@@ -218,24 +195,18 @@ def edge_pressures(results: Results) -> list[EdgePressure]:
     elastic = [each for each in situations if each.contacts == "elastic"]
     drawn = len(results.geometry.joints)
     greatest: dict[int | str, EdgePressure] = {}
-    for situation in elastic or situations:
-        states = joint_states(results, situation)
+    for at in elastic or situations:
+        states = joint_states(results, at)
         for number, (a, b) in enumerate(states.blocks.tolist()):
-            key = number if number < drawn else str(situation.met[number - drawn].faces_m)
+            key = number if number < drawn else str(at.met[number - drawn].faces_m)
             pressures = float(states.pressure[number]), float(states.uncrushed[number])
             if key not in greatest or pressures[1] > greatest[key].uncrushed_pressure_kN_m2:
                 joint = number if number < drawn else None
-                greatest[key] = EdgePressure(
-                    joint, a, b, *pressures, situation.state, situation.direction, situation.contacts
-                )
+                greatest[key] = EdgePressure(joint, a, b, *pressures, at.state, at.direction, at.contacts)
     return sorted(greatest.values(), key=lambda each: -each.uncrushed_pressure_kN_m2)
 
 
-@table("edge_pressures", " ".join(EdgePressure.__dataclass_fields__))
-def edge_pressure_table(results: Results) -> Found:
-    """List the greatest edge pressure of every joint, the greatest first."""
-    for each in edge_pressures(results):
-        yield asdict(each), None
+edge_pressure_table = table("edge_pressures", EdgePressure)(edge_pressures)
 
 
 def printed(results: Results) -> int:

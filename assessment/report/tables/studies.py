@@ -7,7 +7,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
-from assessment.report.text.language import Words
 from assessment.results.asked import taken_to_collapse
 from assessment.results.identified import told_of
 from assessment.results.schema import Results
@@ -15,7 +14,7 @@ from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import Part
 from assessment.results.schema.static import Contacts
 from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity, SensitivityRun
-from assessment.results.table import Row, Table, cells, columns_of, quoted_check
+from assessment.results.table import Row, Table, cells, quoted_check
 
 CAPACITY = "collapses alpha_0 alpha_u d_0_m limit_state a_g_g zeta_E"
 SCENARIOS = f"state movement_m direction {CAPACITY} reduction ultimate_rigid_m ultimate_elastic_m worst"
@@ -88,13 +87,6 @@ def _of_study(study: Scenarios | Sensitivity | None) -> Row:
     return {"limit_state": study.limit_state} if study and study.limit_state else {}
 
 
-@table("tornado", " ".join(columns_of(Bar)))
-def tornado(results: Results) -> Found:
-    """Set the bars of the tornado in a table."""
-    for each in bars(results):
-        yield asdict(each), None
-
-
 def bars(results: Results) -> list[Bar]:
     """Set the capacity a_g of each state with a property lower and higher beside that of the project.
 
@@ -111,6 +103,9 @@ def bars(results: Results) -> list[Bar]:
         of_state = [_bar(state, name, own, base) for name in dict.fromkeys(run.property for run in own)]
         found += sorted(of_state, key=lambda bar: -float("inf") if bar.swing_g is None else -bar.swing_g)
     return found
+
+
+tornado = table("tornado", Bar)(bars)
 
 
 def _bar(state: str, name: str, runs: Iterable[SensitivityRun], base: float | None) -> Bar:
@@ -159,50 +154,29 @@ def ranges(results: Results) -> Iterator[Range]:
                 yield Range(name, direction, contacts, limit, quantity, numbers[quantity], low, high)
 
 
-@table("static_ranges", " ".join(columns_of(Range)))
+@table("static_ranges", Range)
 def static_ranges(results: Results) -> Found:
     """List the ranges of the states whose paths scatter; what a range does not depend on is left out of its row."""
     for each in ranges(results):
         row = asdict(each)
         where = ("direction", "contacts", "limit_state")
-        yield {key: value for key, value in row.items() if key not in where or value is not None}, None
+        yield {key: value for key, value in row.items() if key not in where or value is not None}
 
 
-@table(
+# estimated errors: of capacities by state and direction, of peak displacements, of the PGA at collapse by record
+convergence = table(
     "convergence",
     "state direction halvings alpha_0_error d_0_error_m alpha_u_error a_g_error_g relative_error met",
-)
-def convergence(results: Results) -> Found:
-    """List the estimated errors of the capacities of every state and direction."""
-    yield from (({}, each) for each in results.convergence.rows if each.direction)
-
-
-@table(
+)(lambda results: [each for each in results.convergence.rows if each.direction])
+history_convergence = table(
     "history_convergence",
     "state record halvings order peak_displacement_error_m peak_displacement_scatter_m relative_error "
     "relative_scatter met",
-)
-def history_convergence(results: Results) -> Found:
-    """List the estimated errors of the peak displacements of every time history."""
-    yield from (({}, each) for each in results.convergence.rows if each.record)
-
-
-@table(
+)(lambda results: [each for each in results.convergence.rows if each.record])
+incremental_convergence = table(
     "incremental_convergence",
     "state record order pga_collapse_error_g pga_collapse_scatter_g relative_error relative_scatter met",
-)
-def incremental_convergence(results: Results) -> Found:
-    """List the estimated errors of the PGA at collapse of every record and state."""
-    yield from (({}, each) for each in results.convergence.incremental or [])
-
-
-def reported_convergence(results: Results, words: Words) -> Iterator[Table]:
-    """Yield the tables of errors for the report: an error of null is not known."""
-    unknown = words("value.not_known")
-    for made in (convergence, history_convergence, incremental_convergence):
-        found = made(results)
-        rows = [{key: unknown if v is None else v for key, v in each.items()} for each in found.rows]
-        yield Table(found.name, rows, found.columns)
+)(lambda results: results.convergence.incremental or [])
 
 
 def reported_identification(results: Results) -> list[Table]:
@@ -230,29 +204,23 @@ def hypotheses(results: Results) -> Found:
 @table("identified_movements", MOVEMENTS)
 def identified_movements(results: Results) -> Found:
     """List the movement of each support of each hypothesis; without error: not determined, or held."""
-    yield from ((row, None) for row in _movements(_explanations(results)))
+    return _movements(_explanations(results))
 
 
 def _movements(told: Iterable[Explanation]) -> Iterator[Row]:
     for each in told:
         for moved in each.movement:
             rotation = moved.rotation_standard_error_rad
-            yield {
-                "hypothesis": each.hypothesis,
-                "support": moved.support,
-                "displacement_x_m": moved.x_m,
-                "x_error_m": moved.x_standard_error_m,
-                "displacement_z_m": moved.z_m,
-                "z_error_m": moved.z_standard_error_m,
-                "rotation_mrad": 1e3 * moved.rotation_rad,
-                "rotation_error_mrad": None if rotation is None else 1e3 * rotation,
-            }
+            x, z = (moved.x_m, moved.x_standard_error_m), (moved.z_m, moved.z_standard_error_m)
+            turn = 1e3 * moved.rotation_rad, None if rotation is None else 1e3 * rotation
+            values = (each.hypothesis, moved.support, *x, *z, *turn)
+            yield dict(zip(MOVEMENTS.split(), values, strict=True))
 
 
 @table("measurements", MEASUREMENTS)
 def measurements(results: Results) -> Found:
     """List every measurement beside what each hypothesis predicts; numbers are those of the drawing."""
-    yield from ((row, None) for row in _measurements(results, _explanations(results)))
+    return _measurements(results, _explanations(results))
 
 
 def _measurements(results: Results, told: Iterable[Explanation]) -> Iterator[Row]:

@@ -44,7 +44,7 @@ class _Shown(str):
 
 @dataclass(frozen=True)
 class Words:
-    """Strings of `templates/strings_<language>.toml`, found by dotted keys; numbers with its decimal mark."""
+    """Strings of `templates/strings.toml` in a language, found by dotted keys; numbers with its decimal mark."""
 
     language: str
     strings: Mapping[str, Any]
@@ -107,7 +107,7 @@ class Words:
         if -5 < exponent < 7:
             text = f"{value:.{max(0, significant - 1 - exponent)}f}"
         else:
-            text = f"{mantissa}·10{str(exponent).translate(SUPERSCRIPTS)}"
+            text = f"{mantissa}{power_of_ten(power)}"
         return self.comma(text).replace("-", "−")
 
     def ratio(self, value: float) -> str:
@@ -148,6 +148,11 @@ class Words:
         return str(node)
 
 
+def power_of_ten(exponent: str) -> str:
+    """Return the factor behind a mantissa."""
+    return f"·10{str(int(exponent.replace('−', '-'))).translate(SUPERSCRIPTS)}"
+
+
 def joined(text: Label) -> Label:
     """Return a text, or HTML, in which no line ends between a number and its unit or its symbol."""
     return type(text)(KEPT.sub(lambda found: found[0].replace(" ", NO_BREAK), text))
@@ -168,7 +173,12 @@ def words_of(results: Results) -> Words:
 
 @cache
 def _strings(language: str) -> Mapping[str, Any]:
-    return tomllib.loads((files("templates") / f"strings_{language}.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads((files("templates") / "strings.toml").read_text(encoding="utf-8"))
+    at = LANGUAGES.index(language)
+    return {
+        name: {key: text if isinstance(text, str) else text[at] for key, text in own.items()}
+        for name, own in tables.items()
+    }
 
 
 def direction_name(direction: str) -> str:
@@ -186,7 +196,7 @@ def slug(results: Results, state: str) -> str:
 COARSE = 2  # digits of numbers that follow from a few records, or are only shown to be small
 WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 COUNTED = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
-GENERATED = re.compile(r"generated (\d+)")  # the name of a record that the program made
+GENERATED = re.compile(r"^generated (\d+)$")  # the name of a record that the program made
 INDEX = re.compile(r"_(\w+(?:,\w+)*)")
 
 
@@ -214,12 +224,6 @@ def _return_period(value: float, words: Words) -> str:
     return f"{sign}{words.rounded(value, 0)}"
 
 
-def _hypothesis(value: str, words: Words) -> str:
-    from assessment.report.text.language import translated  # late: as above
-
-    return translated(value, words)
-
-
 def _mechanism(value: str, words: Words) -> str:
     if not (counted := COUNTED.fullmatch(value)):
         return value
@@ -228,18 +232,8 @@ def _mechanism(value: str, words: Words) -> str:
     return ", ".join(words.plain(f"value.{what}", count=count) for what, count in named)
 
 
-def _record(value: str, words: Words) -> str:
-    made = GENERATED.fullmatch(value)
-    return words.plain("value.generated", number=made[1]) if made else value
-
-
-def _named(table: str) -> Callable[[Any, Words], str]:
-    return lambda value, words: words.name(table, value)
-
-
-WRITERS: Mapping[
-    str, Callable[[Any, Words], str]
-] = {  # of values that are more than a number or a user's own words
+# of values that are more than a number or a user's own words
+WRITERS: Mapping[str, Callable[[Any, Words], str]] = {
     "state": lambda value, words: words.state(value),
     "states": lambda value, words: "; ".join(map(words.state, value.split("; "))),
     "direction": lambda value, _: direction_name(value),
@@ -247,8 +241,8 @@ WRITERS: Mapping[
     "parameter": lambda value, words: words(f"value.parameter_{value}"),
     "governing": _governing,
     "mechanism": _mechanism,
-    "record": _record,
-    "hypothesis": _hypothesis,
+    "record": lambda value, words: GENERATED.sub(words.plain("value.generated", number=r"\1"), value),
+    "hypothesis": lambda value, words: str(translated(value, words)),
     "stage": lambda value, words: ", ".join(words.name("value", part) for part in value.split(", ")),
     "verified": lambda value, words: words.plain(f"value.{'verified' if value else 'not_verified'}"),
     "distinguishable": lambda value, words: words.plain(f"value.{'distinct' if value else 'indistinct'}"),
@@ -259,8 +253,11 @@ WRITERS: Mapping[
     "T_SLV_years": _return_period,
     "share": lambda value, words: words.comma(f"{100.0 * value:g}"),
     **dict.fromkeys(("resurrections", "widest_gap"), lambda value, words: words.comma(value)),
-    **dict.fromkeys(("analysis", "contacts", "property", "rule", "measured_kind"), _named("value")),
-    **dict.fromkeys(("use_category", "integrator"), _named("setting")),
+    **dict.fromkeys(
+        ("analysis", "contacts", "property", "rule", "measured_kind"),
+        lambda value, words: words.name("value", value),
+    ),
+    **dict.fromkeys(("use_category", "integrator"), lambda value, words: words.name("setting", value)),
 }
 
 
@@ -351,7 +348,7 @@ def translated(text: str, words: Words) -> str:
 
 def sentence(text: str, words: Words) -> Markup:
     """Return a sentence of the results as one of the report, HTML: its powers and symbols set as such."""
-    text = _PERCENT.sub(" %", _POWER.sub(_power, translated(text, words)))
+    text = _PERCENT.sub(" %", _POWER.sub(lambda it: power_of_ten(it[1]), translated(text, words)))
     start = text[0].upper() if _WORD.match(text) else text[0]
     return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(f"{start}{text[1:].rstrip('.')}."))))
 
@@ -396,11 +393,6 @@ def _ranged(alike: list[Any]) -> Any:
     if isinstance(first, list):
         return [_ranged(list(items)) for items in zip(*alike, strict=True)]
     return first if isinstance(first, str) or min(alike) == max(alike) else Span(min(alike), max(alike))
-
-
-def _power(found: re.Match[str]) -> str:
-    exponent = int(found[1].replace("−", "-"))
-    return f"·10{str(exponent).translate(SUPERSCRIPTS)}"
 
 
 def _item(name: str, item: Any, form: str, words: Words) -> str:

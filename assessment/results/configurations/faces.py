@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from assessment.results.plain import finite
 from assessment.results.schema import Results
 from assessment.results.schema.model import Face
 from mechanics import Assembly
@@ -28,23 +29,16 @@ def described(model: Assembly, contacts: Contacts) -> list[Face]:
         contacts.a, contacts.b, lines.ends, lines.middle, contacts.strength, strict=True
     ):
         thin = float(min(depth[a], depth[b]))
-        found.append(
-            Face(
-                blocks=[int(a), int(b)],
-                middle_m=middle.tolist(),
-                faces_m=ends.tolist(),
-                friction=friction_of(model, int(a), int(b)),
-                depth_m=thin,
-                compressive_strength_kN_m2=None if math.isinf(strength) else float(strength) / thin,
-            )
-        )
+        limits: dict[str, Any] = {"friction": friction_of(model, int(a), int(b)), "depth_m": thin}
+        limits["compressive_strength_kN_m2"] = finite(float(strength) / thin)
+        lines_m = {"middle_m": middle.tolist(), "faces_m": ends.tolist()}
+        found.append(Face(blocks=[int(a), int(b)], **lines_m, **limits))
     return found
 
 
 def friction_of(model: Assembly, a: int, b: int) -> float | None:
     """Return the friction between two blocks; None where nothing slides: JSON has no infinity."""
-    friction = min(model.blocks[a].material.friction, model.blocks[b].material.friction)
-    return None if math.isinf(friction) else friction
+    return finite(min(model.blocks[a].material.friction, model.blocks[b].material.friction))
 
 
 class Met:
@@ -109,13 +103,9 @@ def faces_of(results: Results, met: Sequence[Face] = ()) -> Faces:
         geometry.joint_tolerance_m,
         len(geometry.joints),
     )
-    return Faces(
-        contacts,
-        centroids,
-        np.array([joint.depth_m for joint in joints], dtype=float),
-        _limits([joint.compressive_strength_kN_m2 for joint in joints]),
-        len(geometry.joints),
-    )
+    depth = np.array([joint.depth_m for joint in joints], dtype=float)
+    strength = _limits([joint.compressive_strength_kN_m2 for joint in joints])
+    return Faces(contacts, centroids, depth, strength, len(geometry.joints))
 
 
 def _limits(given: Sequence[float | None]) -> Array:
@@ -134,9 +124,7 @@ def shares(places: Array, forces: Array) -> Array:
 
 def outlines(results: Results) -> Shape:
     """Return the outlines of the blocks in the drawing position."""
-    blocks = results.geometry.blocks
-    return Shape.of(
-        [block.vertices_m for block in blocks],
-        [block.centroid_m for block in blocks],
-        [block.support is not None for block in blocks],
+    told = (
+        (block.vertices_m, block.centroid_m, block.support is not None) for block in results.geometry.blocks
     )
+    return Shape.of(*zip(*told, strict=True))

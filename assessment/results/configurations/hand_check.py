@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -112,26 +112,13 @@ class MacroBlockFigures:
 
 def macro_blocks(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
-    found = _groups(results, state, direction)
-    largest = _fastest(found)
-    scaled = [
-        MacroBlock(each.members, each.weight, each.seismic, each.centroid, each.motion / largest)
-        for each in found
-    ]
+    found, largest = _groups(results, state, direction)
+    scaled = [replace(each, motion=each.motion / largest) for each in found]
     return sorted(scaled, key=lambda each: (-each.weight, each.members))
 
 
-def _largest(results: Results, state: str, direction: Direction) -> float:
-    """Return the largest displacement of a macro-block's centroid in a mechanism as results have it."""
-    return _fastest(_groups(results, state, direction))
-
-
-def _fastest(found: Sequence[MacroBlock]) -> float:
-    return max(float(np.hypot(*each.motion[:2])) for each in found)
-
-
-def _groups(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
-    """Return the blocks of a mechanism that move as one, displacements as results have them."""
+def _groups(results: Results, state: str, direction: Direction) -> tuple[list[MacroBlock], float]:
+    """Return the blocks of a mechanism that move as one, and the largest displacement of a centroid in the results."""
     rigid = rigid_push(results, state, direction)
     rate = np.asarray(rigid.mechanism.displacements, dtype=float)
     drawn = outlines(results)
@@ -148,9 +135,14 @@ def _groups(results: Results, state: str, direction: Direction) -> list[MacroBlo
             group[group == group[j]] = group[i]
     weight, seismic = weights(results)
     centroids = shape.centroids - np.array(results.geometry.origin_m or (0.0, 0.0))
-    return [
-        _whole(np.flatnonzero(group == g), weight, seismic, centroids, rate) for g in np.unique(group[moving])
-    ]
+    found = []
+    for g in np.unique(group[moving]):
+        own = np.flatnonzero(group == g)
+        share = weight[own] / weight[own].sum()
+        motion, centroid = np.r_[share @ rate[own, :2], share @ rate[own, 2]], share @ centroids[own]
+        sums = float(weight[own].sum()), float(seismic[own].sum())
+        found.append(MacroBlock(tuple(own.tolist()), *sums, centroid, motion))
+    return found, max(float(np.hypot(*each.motion[:2])) for each in found)
 
 
 @dataclass(frozen=True)
@@ -172,7 +164,7 @@ def ties_in(results: Results, state: str, direction: Direction) -> list[TieFigur
     rigid = rigid_push(results, state, direction)
     rate, at = np.asarray(rigid.mechanism.displacements, dtype=float), rigid.mechanism_configuration
     longer = [(tie, lengthening(results, tie, at, rate)) for tie in ties_of(results, state)]
-    size = _largest(results, state, direction)
+    _, size = _groups(results, state, direction)
     pulled = {each.tie: each.peak_kN or 0.0 for each in rigid.ties or ()}
     return [
         TieFigures(tie.name, _rounded(tie.yield_force_kN), _rounded(more / size))
@@ -183,16 +175,6 @@ def ties_in(results: Results, state: str, direction: Direction) -> list[TieFigur
     ]
 
 
-def macro_block_table(results: Results) -> Table:
-    """List the macro-blocks of every mechanism, rounded to the figures that the check uses."""
-    rows = [
-        asdict(figures)
-        for name, direction, _ in mechanisms(results)
-        for figures in figures_of(results, name, direction)
-    ]
-    return Table("macro_blocks", rows, columns_of(MacroBlockFigures))
-
-
 def hand_checks(results: Results) -> Iterator[HandCheck]:
     """Yield the hand check of every mechanism whose multiplier by virtual work is known."""
     for name, direction, rigid in mechanisms(results):
@@ -200,22 +182,8 @@ def hand_checks(results: Results) -> Iterator[HandCheck]:
             computed, by_blocks = rigid.mechanism.alpha, rigid.virtual_work_alpha
             figures = figures_of(results, name, direction)
             by_hand = multiplier(figures, ties_in(results, name, direction))
-            yield HandCheck(
-                state=name,
-                direction=direction,
-                macro_blocks=len(figures),
-                alpha_mechanism=computed,
-                virtual_work_alpha=by_blocks,
-                deviation=by_blocks / computed - 1.0,
-                hand_alpha=by_hand,
-                hand_deviation=by_hand / computed - 1.0,
-            )
-
-
-def hand_check(results: Results) -> Table:
-    """Compare the program's multiplier with virtual work over all its blocks and over the macro-blocks as printed."""
-    rows = [asdict(each) for each in hand_checks(results)]
-    return Table("hand_check", rows, tuple(rows[0]) if rows else ("state", "direction"))
+            whole, hand = by_blocks / computed - 1.0, by_hand / computed - 1.0
+            yield HandCheck(name, direction, len(figures), computed, by_blocks, whole, by_hand, hand)
 
 
 def governing_mechanisms(results: Results) -> list[tuple[str, Direction]]:
@@ -229,42 +197,25 @@ def governing_mechanisms(results: Results) -> list[tuple[str, Direction]]:
 
 def figures_of(results: Results, state: str, direction: Direction) -> list[MacroBlockFigures]:
     """Return the macro-blocks of a mechanism as they are printed, the largest first."""
-    return [
-        MacroBlockFigures(
-            state=state,
-            direction=direction,
-            macro_block=number,
-            blocks=len(each.members),
-            weight_kN=_rounded(each.weight),
-            seismic_weight_kN=_rounded(each.seismic),
-            x_G_m=_rounded(each.centroid[0]),
-            z_G_m=_rounded(each.centroid[1]),
-            omega=_rounded(each.rotation),
-            x_C_m=None if each.centre is None else _rounded(each.centre[0]),
-            z_C_m=None if each.centre is None else _rounded(each.centre[1]),
-            delta_x=_rounded(each.motion[0]),
-            delta_z=_rounded(each.motion[1]),
-        )
-        for number, each in enumerate(macro_blocks(results, state, direction), 1)
-    ]
+    found = []
+    for number, each in enumerate(macro_blocks(results, state, direction), 1):
+        centre = (None, None) if each.centre is None else each.centre
+        numbers = (each.weight, each.seismic, *each.centroid, each.rotation, *centre, *each.motion[:2])
+        rounded: Any = (None if value is None else _rounded(value) for value in numbers)
+        found.append(MacroBlockFigures(state, direction, number, len(each.members), *rounded))
+    return found
 
 
 def virtual_work_table(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures] = ()) -> Table:
     """List the macro-blocks of a mechanism, and ties that yield, with their virtual work, and the sums of both."""
-    rows = [asdict(each) | _works(each.work_load, each.work_weight) for each in figures]
+    works = [{"work_load": each.work_load, "work_weight": each.work_weight} for each in figures]
+    rows: list[Row] = [asdict(each) | work for each, work in zip(figures, works, strict=True)]
+    summed = ("blocks", "weight_kN", "seismic_weight_kN", "work_load")
+    total: Row = {"macro_block": "Σ"} | {key: sum(row[key] for row in rows) for key in summed}
     rows += [{"macro_block": each.tie, "work_weight": each.work} for each in ties]
-    total: Row = {
-        "macro_block": "Σ",
-        "blocks": sum(each.blocks for each in figures),
-        "weight_kN": sum(each.weight_kN for each in figures),
-        "seismic_weight_kN": sum(each.seismic_weight_kN for each in figures),
-    } | _works(sum(each.work_load for each in figures), work_taken(figures, ties))
     columns = columns_of(MacroBlockFigures)[2:]  # state and direction stand in the caption
-    return Table("macro_blocks", [*rows, total], (*columns, *_works(0.0, 0.0)))
-
-
-def _works(load: float, weight: float) -> Row:
-    return {"work_load": load, "work_weight": weight}
+    total["work_weight"] = work_taken(figures, ties)
+    return Table("macro_blocks", [*rows, total], (*columns, "work_load", "work_weight"))
 
 
 def work_taken(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures]) -> float:
@@ -297,18 +248,6 @@ def _as_one(joint: Joint, drawn: Array, at: Array, centroids: Array, rate: Array
     point = place(ends, owners[0], drawn, at)
     first, second = (field(point, owner, centroids, rate) for owner in owners)
     return bool(np.linalg.norm(first - second, axis=1).max() < TOGETHER * fastest)
-
-
-def _whole(members: Any, weight: Array, seismic: Array, centroids: Array, rate: Array) -> MacroBlock:
-    share = weight[members] / weight[members].sum()
-    motion = np.r_[share @ rate[members, :2], share @ rate[members, 2]]
-    return MacroBlock(
-        tuple(int(block) for block in members),
-        float(weight[members].sum()),
-        float(seismic[members].sum()),
-        share @ centroids[members],
-        motion,
-    )
 
 
 def weights(results: Results) -> tuple[Array, Array]:

@@ -108,17 +108,10 @@ def _at(
 ) -> Iterator[Situation]:
     kept = frames.index.index(point)
     if frames.force_kN[kept] is not None:
-        yield Situation(
-            name,
-            direction,
-            contacts,
-            alpha,
-            np.asarray(frames.configuration[kept], dtype=float),
-            np.asarray(frames.force_kN[kept], dtype=float),
-            np.asarray(frames.centre[kept], dtype=float),
-            frames.met,
-            np.array((frames.tie_kN[kept] if frames.tie_kN else None) or [], dtype=float),
-        )
+        at = np.array(frames.configuration[kept], dtype=float)
+        force, centre = (np.array(each[kept], dtype=float) for each in (frames.force_kN, frames.centre))
+        tension = np.array((frames.tie_kN[kept] if frames.tie_kN else None) or [], dtype=float)
+        yield Situation(name, direction, contacts, alpha, at, force, centre, frames.met, tension)
 
 
 def joint_states(results: Results, situation: Situation) -> JointStates:
@@ -141,31 +134,20 @@ def states_of(faces: Faces, weight: float, situation: Situation) -> JointStates:
     near = np.minimum(share, 1.0 - share) * overlap
     contact, pressure = pressed(carried / faces.depth, near, overlap, faces.strength)
     uncrushed = pressed(carried / faces.depth, near, overlap, np.full(len(contacts), np.inf))[1]
-    condition = np.select(
-        [
-            idle,
-            abs(T) > contacts.friction * np.maximum(FRICTION * N, 1e-99),
-            abs(share - 0.5) > 0.5 - EDGE,
-            abs(share - 0.5) > 1.0 / 6.0,
-        ],
-        ["idle", "sliding", "edge", "partial"],
-        "whole",
-    )
-    return JointStates(
-        np.stack([contacts.a, contacts.b], axis=1),
-        ends,
-        ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0]),
-        N[:, None] * n + T[:, None] * t,
-        N,
-        T,
-        np.where(idle, np.nan, (share - 0.5) * overlap),
-        contact,
-        pressure,
-        uncrushed,
-        np.where((overlap > 0.0)[:, None], end_gaps(places), np.nan),
-        np.where(np.arange(len(contacts)) < faces.drawn, places[:, V], np.nan),
-        condition.tolist(),
-    )
+    conditions = {
+        "idle": idle,
+        "sliding": abs(T) > contacts.friction * np.maximum(FRICTION * N, 1e-99),
+        "edge": abs(share - 0.5) > 0.5 - EDGE,
+        "partial": abs(share - 0.5) > 1.0 / 6.0,
+    }
+    condition = np.select(list(conditions.values()), list(conditions), "whole").tolist()
+    point = ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
+    force, eccentricity = N[:, None] * n + T[:, None] * t, np.where(idle, np.nan, (share - 0.5) * overlap)
+    opening = np.where((overlap > 0.0)[:, None], end_gaps(places), np.nan)
+    slip = np.where(np.arange(len(contacts)) < faces.drawn, places[:, V], np.nan)
+    carries = (N, T, eccentricity, contact, pressure, uncrushed)
+    blocks = np.stack([contacts.a, contacts.b], axis=1)
+    return JointStates(blocks, ends, point, force, *carries, opening, slip, condition)
 
 
 def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple[Array, Array]:

@@ -44,20 +44,17 @@ def along_path(
             pulled[point] = tensions(model, forces)
     if known is not None:
         pulled[~known] = np.nan
-    greatest = np.where(
-        np.isnan(pulled).all(axis=0), np.nan, np.max(np.nan_to_num(pulled, nan=-np.inf), axis=0)
-    )
-    yields = yielding(model, greatest)
-    return [
-        TieTension(
-            tie=tie.name,
-            rest_kN=None if rest is None else float(tensions(model, rest)[k]),
-            peak_kN=finite(float(pulled[peak, k])),
-            greatest_kN=finite(float(greatest[k])),
-            yields=bool(yields[k]),
+    greatest = np.fmax.reduce(pulled, axis=0)
+    at_rest = np.full(len(model.ties), np.nan) if rest is None else tensions(model, rest)
+    found = []
+    for tie, *three, yields in zip(
+        model.ties, at_rest, pulled[peak], greatest, yielding(model, greatest), strict=True
+    ):
+        start, top, most = (finite(float(force)) for force in three)
+        found.append(
+            TieTension(tie=tie.name, rest_kN=start, peak_kN=top, greatest_kN=most, yields=bool(yields))
         )
-        for k, tie in enumerate(model.ties)
-    ]
+    return found
 
 
 def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
@@ -92,18 +89,15 @@ def while_shaken(
         return None
     longer = np.zeros(len(model.ties)) if final.lengthened is None else final.lengthened
     if rigid:
-        return [
-            ShakenTie(tie=tie.name, greatest_kN=None, time_s=None, yields=bool(more > NOTICED * model.size))
-            for tie, more in zip(model.ties, longer, strict=True)
-        ]
+        none = {"greatest_kN": None, "time_s": None}
+        lengthened = zip(model.ties, longer > NOTICED * model.size, strict=True)
+        return [ShakenTie(tie=tie.name, yields=bool(more), **none) for tie, more in lengthened]
     pulled = np.array([tensions(model, each) for each in forces])
     at, greatest = pulled.argmax(axis=0), pulled.max(axis=0)
     yields = yielding(model, greatest) | (longer > NOTICED * model.size)
+    rows = zip(model.ties, greatest.tolist(), time[at].tolist(), yields.tolist(), strict=True)
     return [
-        ShakenTie(
-            tie=tie.name, greatest_kN=float(greatest[k]), time_s=float(time[at[k]]), yields=bool(yields[k])
-        )
-        for k, tie in enumerate(model.ties)
+        ShakenTie(tie=tie.name, greatest_kN=most, time_s=when, yields=full) for tie, most, when, full in rows
     ]
 
 

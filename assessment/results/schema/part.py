@@ -100,6 +100,14 @@ def _kinds(annotation: Any) -> set[Any]:
     return set().union(*map(_kinds, inner)) if inner else {annotation}
 
 
+def plain_value(annotation: Any) -> bool:
+    """Return whether values are single ones: text, number or truth, or null."""
+    return not any(
+        get_origin(each) in (list, dict) or (isinstance(each, type) and issubclass(each, BaseModel))
+        for each in (annotation, *get_args(annotation))
+    )
+
+
 class Part(BaseModel):
     """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
 

@@ -142,7 +142,7 @@ class SecondSolver(Part):
         "α del programma lineare|α linear program",
     )
     relative_difference: float | None = key(
-        "of the second from the first; null: one is missing", "Scarto relativo|Relative difference"
+        "of the second from the first; null: one is missing", "Scarto relativo|Relative difference", digits=2
     )
 
 

@@ -18,34 +18,53 @@ class ConvergenceRow(Part):
     halvings: int | None = optional(
         "of the increments or of the time step behind the result", "Dimezzamenti|Halvings"
     )
-    alpha_0_error: float | None = optional("estimated error of α_0", "Errore di α_0|Error of α_0")
-    d_0_error_m: float | None = optional("estimated error of d_0", "Errore di d_0|Error of d_0", shown="mm")
-    alpha_u_error: float | None = optional("estimated error of α_u", "Errore di α_u|Error of α_u")
+    alpha_0_error: float | None = optional(
+        "estimated error of α_0", "Errore di α_0|Error of α_0", null="not_known"
+    )
+    d_0_error_m: float | None = optional(
+        "estimated error of d_0", "Errore di d_0|Error of d_0", shown="mm", null="not_known"
+    )
+    alpha_u_error: float | None = optional(
+        "estimated error of α_u", "Errore di α_u|Error of α_u", null="not_known"
+    )
     a_g_error_g: float | None = optional(
-        "estimated error of a_g at the farthest limit state", "Errore di a_g|Error of a_g", ground="rock"
+        "estimated error of a_g at the farthest limit state",
+        "Errore di a_g|Error of a_g",
+        ground="rock",
+        null="not_known",
     )
     peak_displacement_error_m: float | None = optional(
-        "estimated error of the peak", "Errore del massimo|Error of the peak", shown="mm"
+        "estimated error of the peak", "Errore del massimo|Error of the peak", shown="mm", null="not_known"
     )
     peak_displacement_scatter_m: float | None = optional(
         "how far the peaks of a pair are apart, where that is more than time steps differ",
         "Dispersione del massimo|Scatter of the peak",
         shown="mm",
+        null="not_known",
     )
     pga_collapse_error_g: float | None = optional(
         "estimated error of the PGA at collapse",
         "Errore della PGA al collasso|Error of the PGA at collapse",
         ground="surface",
+        null="not_known",
     )
     pga_collapse_scatter_g: float | None = optional(
         "its scatter, where that is more than time steps differ",
         "Dispersione della PGA al collasso|Scatter of the PGA at collapse",
+        null="not_known",
     )
-    order: float | None = optional("order that the last levels show; null: none", "Ordine|Order")
+    order: float | None = optional(
+        "order that the last levels show; null: none", "Ordine|Order", null="not_known"
+    )
     relative_error: float | None = optional(
-        "the largest error, relative; null: not known", "Errore massimo|Largest error", shown="%"
+        "the largest error, relative; null: not known",
+        "Errore massimo|Largest error",
+        shown="%",
+        null="not_known",
     )
-    relative_scatter: float | None = optional("the scatter, relative", "Dispersione|Scatter", shown="%")
+    relative_scatter: float | None = optional(
+        "the scatter, relative", "Dispersione|Scatter", shown="%", null="not_known"
+    )
     met: bool = key("whether the tolerance is met", "Entro la tolleranza|Within tolerance")
     levels: dict[str, list[float | None]] = key("what each level gave, by quantity; null: not reached")
 

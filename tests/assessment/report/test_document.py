@@ -2,7 +2,6 @@
 
 import re
 import sys
-import tomllib
 from importlib.resources import files
 from string import Formatter
 
@@ -18,7 +17,7 @@ from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
-from assessment.report.text.language import LANGUAGES, NO_BREAK, words_of
+from assessment.report.text.language import LANGUAGES, NO_BREAK, Words, words_of
 from assessment.runtime.pool import Pool
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -28,7 +27,7 @@ TEMPLATES = files("templates")
 
 
 def strings(language):
-    return tomllib.loads((TEMPLATES / f"strings_{language}.toml").read_text(encoding="utf-8"))
+    return Words.of(language).strings
 
 
 def leaves(node, key=""):

@@ -10,14 +10,9 @@ from PIL import Image
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
 from assessment.report.figures.style import PNG_DPI
+from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.text.language import cell, words_of
-from assessment.results.configurations.hand_check import (
-    figures_of,
-    governing_mechanisms,
-    hand_check,
-    virtual_work_table,
-)
-from assessment.results.configurations.reactions import balance, reactions
+from assessment.results.configurations.hand_check import figures_of, governing_mechanisms, virtual_work_table
 from assessment.workflow.output import write
 from tests.assessment.report.test_document import one_direction, read, without_assessment, without_settlement
 from tests.support.analysed import SETTLED, analysed

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 
 import ezdxf
@@ -15,7 +14,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.chapters.grids import macro_block_grids, printed_tables
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned
-from assessment.report.figures.drawings.deformed_dxf import _drawing
+from assessment.report.figures.drawings.deformed_dxf import write_deformed
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables import tables
@@ -156,11 +155,9 @@ def test_ties_are_drawn_where_their_ends_are(results):
     assert "catena" in {text.get_text() for text in figure.legends[0].get_texts()}
 
 
-def test_the_drawing_of_deformed_shapes_has_ties_on_layers_of_their_own(results):
-    text = io.StringIO()
-    _drawing(results).write(text)
-    text.seek(0)
-    drawing = ezdxf.read(text)
+def test_the_drawing_of_deformed_shapes_has_ties_on_layers_of_their_own(results, tmp_path):
+    write_deformed(results, tmp_path / "deformed.dxf")
+    drawing = ezdxf.readfile(tmp_path / "deformed.dxf")
     lines = [each for each in drawing.modelspace() if each.dxf.layer.endswith("_TIES")]
     layers = {each.dxf.layer for each in lines}
     assert "DRAWN_TIES" in layers and any("STRENGTHENED_END_PLUS_X_TIES" in layer for layer in layers)

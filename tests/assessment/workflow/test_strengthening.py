@@ -8,8 +8,8 @@ import pytest
 from assessment.analyses.static import paths as settlement
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
+from assessment.report.tables.equilibrium import balances
 from assessment.results.configurations.hand_check import hand_checks
-from assessment.results.configurations.reactions import balances
 from assessment.results.schema import Results
 from assessment.workflow.stages import run as run_stages
 from mechanics import UnstableError

@@ -15,13 +15,13 @@ from assessment.project.schema import ControlTable
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.formats.viewer import viewer
+from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.report.tables.structure import pushover_curves
 from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import outlines
-from assessment.results.configurations.hand_check import hand_check, weights
+from assessment.results.configurations.hand_check import weights
 from assessment.results.configurations.joint_states import situations
-from assessment.results.configurations.reactions import balance, reactions
 from assessment.results.plain import plain
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, pushdown, pushover

@@ -15,9 +15,8 @@ from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import mechanisms as mechanism_tables
 from assessment.report.tables import structure
 from assessment.report.tables import studies as study_tables
+from assessment.report.tables.equilibrium import balance, hand_check
 from assessment.report.text.language import NO_BREAK, check_name, direction_name, words_of
-from assessment.results.configurations.hand_check import hand_check
-from assessment.results.configurations.reactions import balance
 from assessment.results.table import reference_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed

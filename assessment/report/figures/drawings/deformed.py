@@ -11,16 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from assessment.report.figures.drawings.parts import (
-    LETTER,
-    Labels,
-    draw_ties,
-    ghost_handle,
-    moved_ends,
-    movement_arrow,
-    push_arrow,
-    tie_handles,
-)
+from assessment.report.figures.drawings import parts
 from assessment.report.figures.style import MM, Sheet, foot, key, sheet
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
@@ -33,23 +24,8 @@ from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, GivenMechanism
 from assessment.results.schema.model import Face
 from assessment.results.schema.part import Configuration, Point, known
+from mechanics import pictures
 from mechanics.model import end_points
-from mechanics.pictures import (
-    HINGE,
-    INK,
-    MOVING,
-    SLIDING,
-    TIE,
-    Shape,
-    field,
-    fill,
-    fill_roles,
-    ghost,
-    magnification,
-    place,
-    swept_by,
-    union,
-)
 from mechanics.types import Array
 
 View = tuple[str, Direction]
@@ -57,22 +33,20 @@ View = tuple[str, Direction]
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
 CAPITAL = 0.75  # of the size of a font: the height of a digit
-CRACK: dict[str, Any] = {"color": INK, "linewidth": 2.0, "solid_capstyle": "butt"}
+CRACK: dict[str, Any] = {"color": pictures.INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 SURVEYED: dict[str, Any] = {"color": "#a33c0a", "linewidth": 1.6, "linestyle": (0, (3, 1)), "marker": "|"}
-MEASURED: dict[str, Any] = HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
+MEASURED: dict[str, Any] = pictures.HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
+MOVED: dict[str, Any] = {"facecolor": pictures.MOVING, "edgecolor": pictures.INK, "linewidth": 0.5}
 WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5}
 NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE}
-BOXED: dict[str, Any] = {
-    "fontsize": 7.0,
-    "fontweight": "bold",
-    "bbox": {"facecolor": "1.0", "edgecolor": INK, "linewidth": 0.4, "pad": 1.4},
-}
+FRAME = {"facecolor": "1.0", "edgecolor": pictures.INK, "linewidth": 0.4, "pad": 1.4}
+BOXED: dict[str, Any] = {"fontsize": 7.0, "fontweight": "bold", "bbox": FRAME}
 
 
 def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     """Draw a settled state, magnified until it shows, and the last one before collapse where it was found."""
     shape, content = outlines(results), results.states[state]
-    times = magnification(shape, content.configuration)
+    times = pictures.magnification(shape, content.configuration)
     views: list[tuple[str, Configuration, float]] = [(_times(times, words), content.configuration, times)]
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
@@ -80,24 +54,16 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
             title = words.plain("figure.ultimate", contacts=contacts, movement=movement)
             views.append((title, path.ultimate_configuration, 1.0))
     shapes = [shape.moved(at, by) for _, at, by in views]
-    page = sheet(
-        union([shape, *shapes]),
-        len(views),
-        border_mm=5.0,
-        below_mm=8.0,
-        foot_mm=foot([""]),
-        height_mm=130.0,
-        most_mm=75.0,
-    )
+    sizes = {"border_mm": 5.0, "below_mm": 8.0, "foot_mm": foot([""]), "height_mm": 130.0, "most_mm": 75.0}
+    page = sheet(pictures.union([shape, *shapes]), len(views), **sizes)
     for axes, (title, at, by), view in zip(page.panels, views, shapes, strict=True):
         axes.set_title(title)
-        ghost(axes, shape)
-        fill_roles(axes, view)
-        draw_ties(page, axes, moved_ends(results, state, at, by))
-    movement_arrow(page, page.panels[0], shape, results, known(content.settlement))
-    page.legend(
-        [ghost_handle(words.plain("figure.original_outline")), *tie_handles(results, words, state)], words
-    )
+        pictures.ghost(axes, shape)
+        pictures.fill_roles(axes, view)
+        parts.draw_ties(page, axes, parts.moved_ends(results, state, at, by))
+    parts.movement_arrow(page, page.panels[0], shape, results, known(content.settlement))
+    outline = parts.ghost_handle(words.plain("figure.original_outline"))
+    page.legend([outline, *parts.tie_handles(results, words, state)], words)
     return page.figure
 
 
@@ -106,30 +72,23 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     shape = outlines(results)
     mechanism = found_mechanism(results, *governing) if governing else None
     at = results.states[settled].configuration if settled else np.zeros((len(shape.centroids), 3))
-    times = magnification(shape, at)
+    times = pictures.magnification(shape, at)
     view = shape.moved(at, times)
     shown = [shape, view, *([mechanism.start, mechanism.swept] if mechanism else [])]
-    page = sheet(
-        union(shown),
-        2 if mechanism else 1,
-        border_mm=7.0,
-        below_mm=7.0,
-        height_mm=88.0,
-        foot_mm=foot(["", ""]),
-        most_mm=55.0,
-    )
-    axes, handles = page.panels[0], [ghost_handle(words.plain("figure.original_outline"))]
+    sizes = {"border_mm": 7.0, "below_mm": 7.0, "foot_mm": foot(["", ""]), "height_mm": 88.0, "most_mm": 55.0}
+    page = sheet(pictures.union(shown), 2 if mechanism else 1, **sizes)
+    axes, handles = page.panels[0], [parts.ghost_handle(words.plain("figure.original_outline"))]
     axes.set_title(words.state(settled or "original") + (f", {_times(times, words)}" if settled else ""))
     if settled:
-        ghost(axes, shape)
-    fill_roles(axes, view)
+        pictures.ghost(axes, shape)
+    pictures.fill_roles(axes, view)
     if settled:
-        draw_ties(page, axes, moved_ends(results, settled, at, times))
-        movement_arrow(page, axes, shape, results, known(results.states[settled].settlement))
+        parts.draw_ties(page, axes, parts.moved_ends(results, settled, at, times))
+        parts.movement_arrow(page, axes, shape, results, known(results.states[settled].settlement))
     if mechanism and governing:
         page.panels[1].set_title(words.at(*governing))
         mechanism.draw(page, page.panels[1])
-        push_arrow(page, page.panels[1], mechanism.swept.bounds, governing[1])
+        parts.push_arrow(page, page.panels[1], mechanism.swept.bounds, governing[1])
         handles = [*(handles if settled else []), *mechanism_handles([mechanism], words)[1:]]
     page.legend(handles, words)
     return page.figure
@@ -141,25 +100,24 @@ def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Fi
     pushed = [rigid_push(results, *view) for view in views]
     starts = [drawing.moved(results.states[name].configuration) for name, _ in views]
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
-    page = sheet(union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot([""]))
+    page = sheet(pictures.union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot([""]))
     for axes, (name, way), start, end, rigid in zip(page.panels, views, starts, ends, pushed, strict=True):
         left = alpha_at_d_0(rigid)
         lost = "" if left is None else f", α = {words.show(left)}"
         axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}{lost}")
-        ghost(axes, start)
-        fill_roles(axes, end)
-        draw_ties(page, axes, moved_ends(results, name, rigid.final_configuration))
-        push_arrow(page, axes, end.bounds, way)
-    start_outline = ghost_handle(words.plain("figure.start_outline"))
-    page.legend([start_outline, *tie_handles(results, words, *(name for name, _ in views))], words)
+        pictures.ghost(axes, start)
+        pictures.fill_roles(axes, end)
+        parts.draw_ties(page, axes, parts.moved_ends(results, name, rigid.final_configuration))
+        parts.push_arrow(page, axes, end.bounds, way)
+    start_outline = parts.ghost_handle(words.plain("figure.start_outline"))
+    page.legend([start_outline, *parts.tie_handles(results, words, *(name for name, _ in views))], words)
     return page.figure
 
 
 def draw_mechanisms(results: Results, words: Words, views: Sequence[View]) -> Figure:
     """Draw mechanisms on the deformed shapes at their activation, hinges and sliding joints marked."""
-    return _draw_mechanisms(
-        words, [found_mechanism(results, *view) for view in views], [way for _, way in views]
-    )
+    found = [found_mechanism(results, *view) for view in views]
+    return _draw_mechanisms(words, found, [way for _, way in views])
 
 
 def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure:
@@ -173,13 +131,13 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
 
 def _draw_mechanisms(words: Words, views: Sequence[Mechanism], ways: Sequence[Direction]) -> Figure:
     handles = mechanism_handles(views, words)
-    bounds = union([outline for view in views for outline in (view.start, view.swept)])
+    bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
     labels = [each.get_label() for each in handles]
     page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels), height_mm=170.0, most_mm=75.0)
     for axes, view, way in zip(page.panels, views, ways, strict=True):
         axes.set_title(words.at(view.state, way))
         view.draw(page, axes)
-        push_arrow(page, axes, view.swept.bounds, way)
+        parts.push_arrow(page, axes, view.swept.bounds, way)
     page.legend(handles, words)
     return page.figure
 
@@ -187,14 +145,14 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], ways: Sequence[Di
 def mechanism_handles(views: Sequence[Mechanism], words: Words) -> list[Any]:
     """Return the legend of mechanisms."""
     handles: list[Any] = [
-        ghost_handle(words.plain("figure.start_outline")),
-        Patch(facecolor=MOVING, edgecolor=INK, linewidth=0.5, label=words.plain("figure.moving")),
-        key(words.plain("figure.hinge"), **HINGE),
+        parts.ghost_handle(words.plain("figure.start_outline")),
+        Patch(**MOVED, label=words.plain("figure.moving")),
+        key(words.plain("figure.hinge"), **pictures.HINGE),
     ]
     if any(len(view.sliding) for view in views):
-        handles.append(key(words.plain("figure.sliding"), **SLIDING))
+        handles.append(key(words.plain("figure.sliding"), **pictures.SLIDING))
     if any(view.ties for view in views):
-        handles.append(key(words.plain("figure.tie"), **TIE))
+        handles.append(key(words.plain("figure.tie"), **pictures.TIE))
     return handles
 
 
@@ -239,31 +197,31 @@ class Mechanism:
         self.drawing = outlines(results)
         self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
-        self.amount = swept_by(self.start, self.velocity)
+        self.amount = pictures.swept_by(self.start, self.velocity)
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges = motion.hinges
         self.ties = ties_of(results, state)
-        self.tie_ends = list(moved_ends(results, state, self.configuration))
+        self.tie_ends = list(parts.moved_ends(results, state, self.configuration))
         faces, sliding = faces_of(results, met), np.array(motion.sliding, dtype=np.intp)
         self.sliding = faces.contacts.take(sliding)
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
     def draw(self, page: Sheet, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges, sliding joints, ties, and the numbers of macro-blocks."""
-        ghost(axes, self.start)
-        fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
-        fill(axes, self.swept, np.flatnonzero(self.moving), MOVING)
+        pictures.ghost(axes, self.start)
+        pictures.fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
+        pictures.fill(axes, self.swept, np.flatnonzero(self.moving), pictures.MOVING)
         for owner, slide in zip(self.sliding.a, self.slides, strict=True):
-            axes.plot(*self._carried(slide, np.full(2, owner)).T, **SLIDING)
+            axes.plot(*self._carried(slide, np.full(2, owner)).T, **pictures.SLIDING)
         ends = zip(self.ties, self.tie_ends, strict=True)
-        draw_ties(page, axes, [self._carried(points, np.array(tie.blocks)) for tie, points in ends])
-        labels = Labels(page, axes)
+        parts.draw_ties(page, axes, [self._carried(points, np.array(tie.blocks)) for tie, points in ends])
+        labels = parts.Labels(page, axes)
         if self.hinges:
             owner = np.array([self.start.nearest(point) for point in self.hinges])
             points = self._carried(np.asarray(self.hinges, dtype=float), owner)
-            axes.plot(*points.T, **HINGE)
-            labels.avoid(points, HINGE["markersize"] + HINGE["markeredgewidth"])
+            axes.plot(*points.T, **pictures.HINGE)
+            labels.avoid(points, pictures.HINGE["markersize"] + pictures.HINGE["markeredgewidth"])
         whole_weight = sum(each.weight for each in self.macro_blocks)
         for number, whole in enumerate(self.macro_blocks, 1):
             if whole.weight >= LIGHT * whole_weight:
@@ -272,7 +230,7 @@ class Mechanism:
                 labels.write(str(number), list(self.swept.centroids[nearest]), **BOXED)
 
     def _rate(self, points: Array, owner: Any) -> Array:
-        return field(points, owner, self.start.centroids, self.velocity)
+        return pictures.field(points, owner, self.start.centroids, self.velocity)
 
     def _carried(self, points: Array, owner: Any) -> Array:
         return points + self.amount * self._rate(points, owner)
@@ -281,10 +239,10 @@ class Mechanism:
 def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure:
     """Draw a settled state, not magnified: its cracks, `most` of them numbered, blocks, and where it was surveyed."""
     shape = outlines(results).moved(results.states[state].configuration)
-    page = sheet(union([shape]), border_mm=8.0, foot_mm=foot(["", ""]))
+    page = sheet(pictures.union([shape]), border_mm=8.0, foot_mm=foot(["", ""]))
     axes = page.panels[0]
-    fill_roles(axes, shape)
-    labels = Labels(page, axes)
+    pictures.fill_roles(axes, shape)
+    labels = parts.Labels(page, axes)
     found = cracks_of(results, state)
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
     ends = {crack.joint: _face(results, shape, crack.joint) for crack in found}
@@ -299,7 +257,7 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     drawn, moved = outlines(results), np.asarray(results.states[state].configuration, dtype=float)
     for each in surveyed(results, state):
         line = np.asarray(each.line, dtype=float)
-        at = place(line, np.array([drawn.nearest(point) for point in line]), drawn.centroids, moved)
+        at = pictures.place(line, np.array([drawn.nearest(point) for point in line]), drawn.centroids, moved)
         style, kind = (MEASURED, "measured_crack") if len(line) == 1 else (SURVEYED, "surveyed_crack")
         label = words.plain(f"figure.{kind}")
         axes.plot(*at.T, **style)
@@ -317,23 +275,23 @@ def draw_identification(results: Results, words: Words) -> Figure:
     """Draw the best movement, magnified until it shows, the measurements marked by their numbers."""
     found = known(results.identification)
     drawn, moved = outlines(results), np.asarray(known(known(best_of(found)).configuration), dtype=float)
-    times = magnification(drawn, moved)
+    times = pictures.magnification(drawn, moved)
     shape = drawn.moved(moved, times)
     points = np.array([site.point_m for site in found.sites], dtype=float)
     owner = np.array([site.block for site in found.sites], dtype=np.intp)
-    marked = points + times * (place(points, owner, drawn.centroids, moved) - points)
-    page = sheet(union([drawn, shape]), border_mm=8.0, foot_mm=foot([""]))
+    marked = points + times * (pictures.place(points, owner, drawn.centroids, moved) - points)
+    page = sheet(pictures.union([drawn, shape]), border_mm=8.0, foot_mm=foot([""]))
     axes = page.panels[0]
     axes.set_title(_times(times, words))
-    ghost(axes, drawn)
-    fill_roles(axes, shape)
+    pictures.ghost(axes, drawn)
+    pictures.fill_roles(axes, shape)
     axes.plot(*marked.T, **MEASURED)
-    labels = Labels(page, axes)
+    labels = parts.Labels(page, axes)
     labels.avoid(marked, MEASURED["markersize"] + MEASURED["markeredgewidth"])
     for number, point in enumerate(marked, 1):
         labels.write(str(number), _around(page, point), **NUMBER)
     mark = key(words.plain("figure.measurement"), **MEASURED)
-    page.legend([ghost_handle(words.plain("figure.original_outline")), mark], words)
+    page.legend([parts.ghost_handle(words.plain("figure.original_outline")), mark], words)
     return page.figure
 
 
@@ -345,7 +303,7 @@ def _around(page: Sheet, point: Array) -> list[Array]:
     return [point + page.paper(3.0) * np.array(way) for way in ((1, 0), (-1, 0), (0, 1), (0, -1))]
 
 
-def _face(results: Results, shape: Shape, joint: int) -> Array:
+def _face(results: Results, shape: pictures.Shape, joint: int) -> Array:
     """Return the ends (2, 2) m of the second block's face of a joint, in the configuration drawn."""
     face, drawn = results.geometry.joints[joint], outlines(results)
     block = face.blocks[1]
@@ -368,5 +326,5 @@ def room(page: Sheet, ring: Array, text: str) -> float:
     """Return the size in points, LARGEST_PT at most, of a text that stays within a block (n, 2) m at any slope."""
     corners = np.asarray(shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).exterior.coords)
     narrow = 1000.0 * min(np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1])))
-    diagonal = np.hypot(LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
+    diagonal = np.hypot(parts.LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
     return float(min(LARGEST_PT, narrow / page.scale / diagonal))

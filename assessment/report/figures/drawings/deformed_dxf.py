@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from ezdxf import units
 from ezdxf._options import options
-from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
 from assessment.report.figures.drawings.deformed import found_mechanism
@@ -27,10 +26,9 @@ from assessment.results.configurations.joint_states import (
     thrust_lines,
 )
 from assessment.results.schema import Results, State
-from assessment.results.schema.part import Configuration, Point
+from assessment.results.schema.part import Configuration
 from assessment.runtime.files import write_atomically
 from mechanics.pictures import Shape
-from mechanics.types import Array
 
 SIDES = {"+x": "PLUS_X", "-x": "MINUS_X"}
 COLOURS = (7, 1, 5, 3, 6, 30, 140, 94)  # AutoCAD's colour indices, one layer after the other
@@ -44,47 +42,38 @@ def write_deformed(results: Results, path: Path) -> None:
     joints' values are switched off. True scale, but for mechanisms, whose virtual displacements have none. The same
     bytes for the same results.
     """
-    with _reproducible():
-        drawing = _drawing(results)
-        text = io.StringIO()
-        drawing.write(text)
-    write_atomically(path, text.getvalue().encode(drawing.output_encoding))
-
-
-def _drawing(results: Results) -> Drawing:
-    drawing = new("R2010")
-    drawing.units = units.M
-    space, size = drawing.modelspace(), outlines(results).size
-    for number, (layer, shape) in enumerate(shapes(results)):
-        drawing.layers.add(layer, color=COLOURS[number % len(COLOURS)])
-        for ring in shape.rings(shape.every):
-            space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
-    for colour, found in ((2, _ties(results)), (1, _hinges(results)), (5, _resultants(results))):
-        for layer, items in found:
-            drawing.layers.add(layer, color=colour)
-            for item in np.asarray(items):
-                if item.ndim == 1:
-                    space.add_circle(item, HINGE_RADIUS * size, dxfattribs={"layer": layer})
-                else:
-                    space.add_line(item[0], item[1], dxfattribs={"layer": layer})
-    for layer, values in _joints(results):
-        drawing.layers.add(layer, color=8).off()
-        for text, place in values:
-            space.add_text(text, height=TEXT_HEIGHT * size, dxfattribs={"layer": layer}).set_placement(place)
-    for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
-        drawing.classes.add_class(kind)
-    return drawing
-
-
-@contextmanager
-def _reproducible() -> Iterator[None]:
-    """Let ezdxf write no times and no random identifiers."""
     before = options.write_fixed_meta_data_for_testing
-    options.write_fixed_meta_data_for_testing = True
+    options.write_fixed_meta_data_for_testing = True  # no times and no random identifiers
     try:
-        yield
+        drawing, text = new("R2010"), io.StringIO()
+        drawing.units = units.M
+        space, size = drawing.modelspace(), outlines(results).size
+        for number, (layer, shape) in enumerate(shapes(results)):
+            drawing.layers.add(layer, color=COLOURS[number % len(COLOURS)])
+            for ring in shape.rings(shape.every):
+                space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
+        for layer, colour, marks in _marks(results):
+            drawing.layers.add(layer, color=colour)
+            for mark in np.asarray(marks):
+                if mark.ndim == 1:
+                    space.add_circle(mark, HINGE_RADIUS * size, dxfattribs={"layer": layer})
+                else:
+                    space.add_line(mark[0], mark[1], dxfattribs={"layer": layer})
+        for situation in loaded(results):
+            layer = f"{_layer(results, situation.state)}_JOINTS_{situation.contacts.upper()}_{_at(situation)}"
+            drawing.layers.add(layer, color=8).off()
+            states = joint_states(results, situation)
+            for k in (k for k, condition in enumerate(states.condition) if condition != "idle"):
+                shown = space.add_text(
+                    _values(states, k), height=TEXT_HEIGHT * size, dxfattribs={"layer": layer}
+                )
+                shown.set_placement(states.point[k])
+        for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
+            drawing.classes.add_class(kind)
+        drawing.write(text)
     finally:
         options.write_fixed_meta_data_for_testing = before
+    write_atomically(path, text.getvalue().encode(drawing.output_encoding))
 
 
 def shapes(results: Results) -> Iterator[tuple[str, Shape]]:
@@ -116,39 +105,24 @@ def _configurations(state: State) -> Iterator[tuple[str, Configuration | None]]:
         yield f"RECORD_{number}_FINAL", entry.final_configuration
 
 
-def _ties(results: Results) -> Iterator[tuple[str, list[Array]]]:
-    """Yield layer and ends of the ties of every deformed shape, and of all as drawn."""
+def _marks(results: Results) -> Iterator[tuple[str, int, Sequence[Any]]]:
+    """Yield layer, colour and places, m: ends of the ties of every deformed shape, hinges, lines of thrust."""
     if results.model.ties:
-        yield "DRAWN_TIES", [np.array([tie.start_m, tie.end_m]) for tie in results.model.ties]
+        yield "DRAWN_TIES", 2, [(tie.start_m, tie.end_m) for tie in results.model.ties]
     for name, state in results.states.items():
         for what, configuration in _configurations(state):
             if configuration is not None and (ends := list(moved_ends(results, name, configuration))):
-                yield f"{_layer(results, name)}_{what}_TIES", ends
-
-
-def _hinges(results: Results) -> Iterator[tuple[str, list[Point]]]:
+                yield f"{_layer(results, name)}_{what}_TIES", 2, ends
     for name, direction, rigid in mechanisms(results):
         if points := rigid.mechanism.hinge_points_m:
-            yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", points
-
-
-def _resultants(results: Results) -> Iterator[tuple[str, list[Array]]]:
+            yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", 1, points
     for situation in situations(results):
         if lines := thrust_lines(joint_states(results, situation)):
-            yield f"{_layer(results, situation.state)}_THRUST_{_at(situation)}", lines
+            yield f"{_layer(results, situation.state)}_THRUST_{_at(situation)}", 5, lines
 
 
 def _at(situation: Situation) -> str:
     return "REST" if situation.direction is None else SIDES[situation.direction]
-
-
-def _joints(results: Results) -> Iterator[tuple[str, list[tuple[str, Array]]]]:
-    """Yield layer, and text and place (2,) m of every joint that carries in a situation, at its centre of pressure."""
-    for situation in loaded(results):
-        states = joint_states(results, situation)
-        layer = f"{_layer(results, situation.state)}_JOINTS_{situation.contacts.upper()}_{_at(situation)}"
-        carrying = [k for k, condition in enumerate(states.condition) if condition != "idle"]
-        yield layer, [(_values(states, k), states.point[k]) for k in carrying]
 
 
 def _values(states: JointStates, k: int) -> str:

@@ -20,7 +20,7 @@ from assessment.report.text.language import Words
 from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results
 from assessment.results.schema.model import Block
-from mechanics.faults import Fault, FaultyDrawingError, Outline
+from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill
 from mechanics.types import Array
 
@@ -34,7 +34,8 @@ DIMENSION = {
     "shrinkB": 0.0,
     "lw": 0.5,
 }
-ON_WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
+WHITE: dict[str, Any] = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
+ON_WHITE: dict[str, Any] = {"textcoords": "offset points", "bbox": WHITE}
 
 
 def draw_model(results: Results, words: Words) -> Figure:
@@ -90,16 +91,10 @@ def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
     for control in controls:
         x, z = control.point_m
         axes.plot(x, z, **mark)
-        left = x < middle  # names lie outside, away from one another
-        axes.annotate(
-            control.name,
-            (x, z),
-            (-4.0 if left else 4.0, 4.0),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            fontweight="bold",
-            bbox=ON_WHITE,
-        )
+        away, side = (
+            (-4.0, "right") if x < middle else (4.0, "left")
+        )  # names lie outside, away from one another
+        axes.annotate(control.name, (x, z), (away, 4.0), ha=side, fontweight="bold", **ON_WHITE)
     return [key(words.plain("figure.control"), **mark)] if controls else []
 
 
@@ -109,13 +104,7 @@ def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
     ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
     draw_ties(page, axes, ends)
     for tie, (start, end) in zip(ties, ends, strict=True):
-        over: dict[str, Any] = {
-            "textcoords": "offset points",
-            "ha": "center",
-            "va": "bottom",
-            "bbox": ON_WHITE,
-        }
-        axes.annotate(tie.name, (start + end) / 2.0, (0.0, 3.0), **over)
+        axes.annotate(tie.name, (start + end) / 2.0, (0.0, 3.0), ha="center", va="bottom", **ON_WHITE)
     return [key(words.plain("figure.tie"), **TIE)] if ties else []
 
 
@@ -128,7 +117,7 @@ def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
         axes.plot([x, x], [z0 - off - tick, z0 - tick], color=INK, linewidth=0.4)
     for z in (z0, z1):
         axes.plot([x0 - off - tick, x0 - tick], [z, z], color=INK, linewidth=0.4)
-    label = {"ha": "center", "va": "center", "bbox": ON_WHITE | {"pad": 1.0}}
+    label = {"ha": "center", "va": "center", "bbox": WHITE | {"pad": 1.0}}
     axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
     axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
 
@@ -154,15 +143,21 @@ NUMBER: dict[str, Any] = {
 
 def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     """Draw the outlines that could be read, to scale, and mark every fault that has a place; ValueError without any."""
-    page = sheet(_bounds(faulty.outlines), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
+    points = np.concatenate([outline.points for outline in faulty.outlines])
+    (x0, z0), (x1, z1) = np.quantile(points, (0.0, 1.0), axis=0).tolist()
+    page = sheet((x0, z0, x1, z1), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
     axes = page.panels[0]
-    for support, grey in ((False, "0.95"), (True, SUPPORT)):
-        blocks = [each for each in faulty.outlines if each.closed and each.support == support]
-        if blocks:
-            axes.add_artist(PathPatch(_curves(blocks), facecolor=grey, edgecolor=INK, linewidth=0.4))
-    others = [each for each in faulty.outlines if not each.closed]
-    if others:
-        axes.add_artist(PathPatch(_curves(others), fill=False, edgecolor=INK, linewidth=0.4))
+    for kind, grey in (
+        ((True, False), "0.95"),
+        ((True, True), SUPPORT),
+        ((False, False), "none"),
+        ((False, True), "none"),
+    ):
+        rings = [
+            (each.points, each.closed) for each in faulty.outlines if (each.closed, each.support) == kind
+        ]
+        if rings:
+            axes.add_artist(PathPatch(_path(rings), facecolor=grey, edgecolor=INK, linewidth=0.4))
     for fault in faulty.faults:
         _mark(axes, fault)
     marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
@@ -175,18 +170,8 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     return page.figure
 
 
-def _bounds(outlines: Sequence[Outline]) -> Bounds:
-    points = np.concatenate([outline.points for outline in outlines])
-    low, high = points.min(axis=0), points.max(axis=0)
-    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
-
-
-def _curves(outlines: Sequence[Outline]) -> Curve:
-    """Return outlines as one path, which is one element of the SVG."""
-    return _path([(outline.points, outline.closed) for outline in outlines])
-
-
 def _path(rings: Sequence[tuple[Array, bool]]) -> Curve:
+    """Return outlines, closed or not, as one path, which is one element of the SVG."""
     curves = [Curve(np.vstack([r, r[:1]]) if closed else r, closed=closed) for r, closed in rings]
     return Curve.make_compound_path(*curves)
 

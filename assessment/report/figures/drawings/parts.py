@@ -25,11 +25,8 @@ ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "s
 PLATE_MM = 2.4  # length of the plate at an end of a tie
 PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
 LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.4, "color": "0.3", "shrinkA": 0.0, "shrinkB": 0.0}
-LETTER, BOLD, LINE = (
-    0.65,
-    0.75,
-    1.2,
-)  # of the size of a font: width of a digit, of a bold one, height of a line
+# of the size of a font: width of a digit, of a bold one, height of a line
+LETTER, BOLD, LINE = 0.65, 0.75, 1.2
 # about a place that is taken: where a number may stand
 RINGS_MM, TURNS = (3.0, 5.0, 7.0, 9.0, 12.0, 16.0), 12
 
@@ -102,7 +99,9 @@ class Labels:
         half = self._half(text, style)
         wanted = [np.asarray(place, dtype=float) for place in places]
         spots: list[tuple[Array, Array | None]] = [(at, None) for at in wanted]
-        spots += [(at, target) for target in wanted for at in self._around(target)]
+        turns = np.linspace(0.0, 2.0 * np.pi, TURNS, endpoint=False)
+        ways = self.page.paper(1.0) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        spots += [(target + ring * way, target) for target in wanted for ring in RINGS_MM for way in ways]
         for at, target in spots:
             if self._is_free(at, half):
                 led: dict[str, Any] = {} if target is None else {"arrowprops": LEADER, "xytext": tuple(at)}
@@ -132,11 +131,6 @@ class Labels:
         letter = BOLD if style.get("fontweight") == "bold" else LETTER
         size = np.array([letter * points * len(text) + pad, LINE * points + pad])
         return np.asarray(0.5 * self.page.paper(1.0 / 72.0 / MM) * size)
-
-    def _around(self, place: Array) -> Iterator[Array]:
-        for radius in RINGS_MM:
-            for turn in np.linspace(0.0, 2.0 * np.pi, TURNS, endpoint=False):
-                yield place + self.page.paper(radius) * np.array([np.cos(turn), np.sin(turn)])
 
     def _take(self, at: Array, half: Array | float) -> None:
         self.taken.append(np.concatenate([at - half, at + half]))

@@ -11,11 +11,11 @@ from assessment.report.chapters.grids import echoed, grid, ranges_table
 from assessment.report.chapters.remarks import indices as index_sentences
 from assessment.report.tables import write_tables
 from assessment.report.tables.capacity import indices, reported_indices, summary, trace, verification
+from assessment.report.tables.equilibrium import hand_check
 from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.structure import blocks, layers
 from assessment.report.tables.studies import Range
 from assessment.report.text.language import LANGUAGES, Words, cell
-from assessment.results.configurations.hand_check import hand_check
 from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

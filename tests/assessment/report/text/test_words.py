@@ -8,12 +8,16 @@ import pytest
 
 from assessment.project.catalogue.new_project import TEMPLATES as CATALOGUE
 from assessment.project.catalogue.new_project import made
+from assessment.report.text.language import Words
 
 TEMPLATES = files("templates")
 PROJECTS = Path(__file__).parents[4] / "projects"
-TEXT = "".join(
-    (TEMPLATES / name).read_text(encoding="utf-8").lower()
-    for name in ("strings_it.toml", "messages_it.toml", "validation.toml")
+TEXT = (
+    "".join(
+        (TEMPLATES / name).read_text(encoding="utf-8").lower()
+        for name in ("messages_it.toml", "validation.toml")
+    )
+    + repr(Words.of("it").strings).lower()
 )
 ENGLISH = {"left", "right", "support", "settled", "crown", "original", "turned", "down", "outward"}
 

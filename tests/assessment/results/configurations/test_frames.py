@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.report.chapters.remarks import joint_law, pressures
+from assessment.report.tables.equilibrium import balance, joint_table, reactions
 from assessment.report.tables.structure import edge_pressures, reported_pressures
 from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import Met, described, faces_of, outlines
@@ -17,7 +18,6 @@ from assessment.results.configurations.joint_states import (
     situations,
     thrust_lines,
 )
-from assessment.results.configurations.reactions import balance, joint_table, reactions
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed

@@ -8,14 +8,13 @@ from assessment.report.chapters.grids import macro_block_grids
 from assessment.report.chapters.remarks import too_many
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import found_mechanism
+from assessment.report.tables.equilibrium import hand_check, macro_block_table
 from assessment.report.text.language import words_of
 from assessment.results.configurations.hand_check import (
     MacroBlock,
     figures_of,
     governing_mechanisms,
-    hand_check,
     hand_checks,
-    macro_block_table,
     macro_blocks,
     multiplier,
     virtual_work_table,

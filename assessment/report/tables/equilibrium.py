@@ -1,4 +1,4 @@
-"""Reactions of the supports at rest and at the activation of every mechanism, and their balance with the loads."""
+"""Tables by which equilibrium is checked: reactions of the supports and their balance, joints, the hand check."""
 
 from __future__ import annotations
 
@@ -7,35 +7,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assessment.results.configurations.hand_check import weights
+from assessment.report.tables.rows import Found, table
+from assessment.results.configurations.hand_check import (
+    HandCheck,
+    MacroBlockFigures,
+    figures_of,
+    hand_checks,
+    mechanisms,
+    weights,
+)
 from assessment.results.configurations.joint_states import Situation, joint_states, loaded, situations
 from assessment.results.configurations.ties import tie_ends, ties_of
 from assessment.results.schema import Results
-from assessment.results.table import Row, Table, sense
+from assessment.results.table import Row, sense
 from mechanics.types import Array
 
 NOISE = 1e-6  # of the weight: a force no larger is within the tolerance of equilibrium
-WHERE = ("state", "direction", "contacts", "alpha")
-REACTIONS = (*WHERE, "support", "reaction_x_kN", "reaction_z_kN")
-BALANCE = (*WHERE, "reaction_x_kN", "load_x_kN", "reaction_z_kN", "load_z_kN", "unbalanced")
-JOINTS = (
-    "state",
-    "direction",
-    "contacts",
-    "joint",
-    "block_a",
-    "block_b",
-    "normal_kN",
-    "shear_kN",
-    "eccentricity_m",
-    "contact_length_m",
-    "edge_pressure_kN_m2",
-    "uncrushed_pressure_kN_m2",
-    "opening_1_m",
-    "opening_2_m",
-    "slip_m",
-    "condition",
-)
+WHERE = "state direction contacts alpha"
+JOINT = "joint block_a block_b normal_kN shear_kN eccentricity_m contact_length_m edge_pressure_kN_m2"
+JOINT += " uncrushed_pressure_kN_m2 opening_1_m opening_2_m slip_m condition"
 
 
 @dataclass(frozen=True)
@@ -53,29 +43,27 @@ class Balance:
         return float(abs(self.reaction + self.load).max() / self.weight)
 
 
-def reactions(results: Results) -> Table:
+@table("reactions", f"{WHERE} support reaction_x_kN reaction_z_kN")
+def reactions(results: Results) -> Found:
     """List the force of each support on the structure in every situation whose joint forces are known."""
-    rows = [
-        _where(each) | {"support": support} | _components("reaction", force, results.model.weight_kN)
-        for each in situations(results)
-        for support, force in _forces(results, each)
-    ]
-    return Table("reactions", rows, REACTIONS)
+    for each in situations(results):
+        for support, force in _forces(results, each):
+            yield (
+                _where(each) | {"support": support} | _components("reaction", force, results.model.weight_kN)
+            )
 
 
-def balance(results: Results) -> Table:
+@table("balance", f"{WHERE} reaction_x_kN load_x_kN reaction_z_kN load_z_kN unbalanced")
+def balance(results: Results) -> Found:
     """Set the sum of the reactions against the loads, worked out from outlines, depths and unit weights.
 
     `unbalanced` is the larger component of what is left over, per weight.
     """
-    rows = [
-        _where(each.situation)
-        | _components("reaction", each.reaction, each.weight)
-        | _components("load", each.load, each.weight)
-        | {"unbalanced": each.unbalanced}
-        for each in balances(results)
-    ]
-    return Table("balance", rows, BALANCE)
+    for each in balances(results):
+        both = _components("reaction", each.reaction, each.weight) | _components(
+            "load", each.load, each.weight
+        )
+        yield _where(each.situation) | both | {"unbalanced": each.unbalanced}
 
 
 def balances(results: Results) -> Iterator[Balance]:
@@ -88,39 +76,35 @@ def balances(results: Results) -> Iterator[Balance]:
         yield Balance(each, total, np.array([along, -dead]), dead)
 
 
-def joint_table(results: Results) -> Table:
+@table("joints", f"{WHERE.removesuffix(' alpha')} {JOINT}")
+def joint_table(results: Results) -> Found:
     """List what every joint does at rest, in every mechanism and at every elastic peak (see JointStates).
 
     Numbers beyond those of the drawing are pairs of faces that met as blocks moved.
     """
-    rows: list[Row] = []
     for each in loaded(results):
-        states = joint_states(results, each)
-        for number, (a, b) in enumerate(states.blocks.tolist()):
-            values = {
-                "normal_kN": states.normal[number],
-                "shear_kN": states.shear[number],
-                "eccentricity_m": states.eccentricity[number],
-                "contact_length_m": states.contact[number],
-                "edge_pressure_kN_m2": states.pressure[number],
-                "uncrushed_pressure_kN_m2": states.uncrushed[number],
-                "opening_1_m": states.opening[number, 0],
-                "opening_2_m": states.opening[number, 1],
-                "slip_m": states.slip[number],
-            }
-            rows.append(
-                {
-                    "state": each.state,
-                    "direction": each.direction,
-                    "contacts": each.contacts,
-                    "joint": number,
-                    "block_a": a,
-                    "block_b": b,
-                    **{key: float(value) for key, value in values.items()},
-                    "condition": states.condition[number],
-                }
-            )
-    return Table("joints", rows, JOINTS)
+        s = joint_states(results, each)
+        columns = [
+            s.normal,
+            s.shear,
+            s.eccentricity,
+            s.contact,
+            s.pressure,
+            s.uncrushed,
+            *s.opening.T,
+            s.slip,
+        ]
+        numbers = np.column_stack([np.arange(len(s.blocks)), s.blocks]).tolist()
+        values = zip(numbers, np.column_stack(columns).tolist(), s.condition, strict=True)
+        for number, value, condition in values:
+            yield _where(each) | dict(zip(JOINT.split(), (*number, *value, condition), strict=True))
+
+
+macro_block_table = table("macro_blocks", MacroBlockFigures)(
+    lambda results: [each for name, way, _ in mechanisms(results) for each in figures_of(results, name, way)]
+)
+# the program's multiplier beside virtual work over all its blocks, and over the macro-blocks as printed
+hand_check = table("hand_check", HandCheck)(hand_checks)
 
 
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
@@ -129,10 +113,7 @@ def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array
     pulls = list(tie_pulls(results, situation))
     for support in sorted({block.support for block in blocks if block.support}):
         total = np.zeros(2)
-        for force, pair in zip(states.force, states.blocks.tolist(), strict=True):
-            first, second = (blocks[block].support == support for block in pair)
-            total += float(second) * force - float(first) * force
-        for force, pair in pulls:
+        for force, pair in [*zip(states.force, states.blocks.tolist(), strict=True), *pulls]:
             first, second = (blocks[block].support == support for block in pair)
             total += float(second) * force - float(first) * force
         yield support, total
@@ -153,9 +134,4 @@ def _components(name: str, force: Array, weight: float) -> Row:
 
 
 def _where(situation: Situation) -> Row:
-    return {
-        "state": situation.state,
-        "direction": situation.direction,
-        "contacts": situation.contacts,
-        "alpha": situation.alpha,
-    }
+    return {name: getattr(situation, name) for name in WHERE.split()}
