@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.dynamics.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
-from mechanics.kernels.dynamics.program import LIFTING, NEAR
+from mechanics.kernels.dynamics.program import FROM_GAPS, NEAR, RIGHT
 from mechanics.kernels.dynamics.step import attempt
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.law import DILATION
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -59,7 +58,6 @@ def march(
     levels, share, most, unsure, of_moment = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1
     rigid = not elastic_beds(basic)
-    starts = LIFTING + 1 if rigid and c > 0 and basic[0, DILATION] < 1.0 else LIFTING
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
     whole, deep = 1 << most, halved  # so many of the shortest steps are one; how often the next one is halved
     for k in range(steps):
@@ -83,9 +81,9 @@ def march(
             exactly = accepted if kinetic > 0.0 or not rigid else SHARPLY * accepted
             counted = kinetic if of_moment else energy[LARGEST]
             small = share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
-            for start in range(starts):
+            for start in range(NEAR, FROM_GAPS + 1):
                 counts[3] += start > NEAR
-                found, done, taken, turned, force, errors = attempt(
+                found, done, taken, turned, force, errors, lift = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
                     restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, packed,
                     start,
@@ -93,7 +91,7 @@ def march(
                 counts[0] += 1
                 counts[1] += done
                 if found:
-                    counts[6] += start == LIFTING
+                    counts[6] += lift > RIGHT
                     counts[4], counts[5] = max(counts[4], force), max(counts[5], errors)
                     break
             # blocks that meet no faster than one falls within a whole step may not have met at all

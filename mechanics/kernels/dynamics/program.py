@@ -11,7 +11,7 @@ from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import CURVED, PHI, H, U
-from mechanics.kernels.law import FRICTION
+from mechanics.kernels.law import DILATION, FRICTION
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -24,8 +24,14 @@ CENTRAL_RIGID, CENTRAL_ELASTIC = 0.1, 1.0
 # missed by no more than these, and with no product of an end below LIFTED: they would drift to the bounds otherwise
 CENTRAL, CENTRAL_FORCE, LIFTED = 0.1, 1e-2, 0.01
 # the program of a step begins near the forces and gaps that joints had; where that leads nowhere from the gaps alone
-# (cold); then by the associative law
-NEAR, FROM_GAPS, LIFTING = range(3)
+NEAR, FROM_GAPS = range(2)
+# by Coulomb's law the products may stop falling on the central path, of forces, per weight, and gaps that are right:
+# they are accepted up to this, of blocks that move
+STALLED_FORCE, STALLED = 1e-5, 1e-4
+# what is not solved even so is solved with lift: that of the slips before is taken from the gaps, until they differ by
+# less than this share of a span, in so many programs
+RIGHT, ROUNDS = 0.1, 3
+PRESSED = 1e-3  # of the weight: a joint whose lift counts
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
 MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
@@ -110,27 +116,65 @@ def _interior_point(
 
 
 @compiled
+def _take_lift_back(
+    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
+    stored_matrix: Array, packed: Any, chosen: Any, known: bool,
+) -> tuple[int, float, float, float, float]:  # fmt: skip
+    """Solve a program of Coulomb's law by convex ones: slips lift, and the lift of the slips before is no gap.
+
+    A fixed point, u + μ|v| − μ|v|ₙ ≥ 0 (De Saxcé), is by Coulomb's law. Begins near dx, f and y, whose slips are those
+    of the first lift if they are `known`. Returns as `solve` does.
+    """
+    weight, _, span, accepted, closed = scale
+    taken, done, lift = np.zeros(len(f)), 0, np.inf
+    force, gap, product = np.inf, np.inf, np.inf
+    convex = laws.copy()
+    convex[:, DILATION] = 1.0
+    places = at.copy()
+    for n in range(ROUNDS):
+        if n > 0 or known:
+            taken = laws[:, FRICTION] * (y[:, 2] + y[:, 3])
+        places[:, U] = at[:, U] + taken
+        _begin_near(laws, weight, span, CENTRAL_RIGID, f, y)
+        more, force, gap, product = _interior_point(
+            rows, places, convex, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        if not (force <= accepted and product <= closed):
+            break
+        lift = 0.0
+        for q in range(len(f)):
+            if f[q, 0] + f[q, 1] > PRESSED * weight:
+                lift = max(lift, abs(laws[q, FRICTION] * (y[q, 2] + y[q, 3]) - taken[q]) / span)
+        if lift <= RIGHT:
+            break
+    return done, force, gap, product, lift
+
+
+@compiled
 def solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, begins: int,
     elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, near: Array, speed: Array, h: float,
-) -> tuple[int, float, float, float]:  # fmt: skip
+    moves: bool,
+) -> tuple[int, float, float, float, float]:  # fmt: skip
     """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step of length h.
 
     With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
     a rough solution (ROUGHLY) of the interior point. Otherwise the interior point begins near the dx, f and y given;
     with rigid joints at the central iterate of the program before, if there is one, and leaves its own there: forces,
-    and gaps over h, `near` (j, 7), 0: none, and displacements over h, `speed` (m,). Returns the number of iterations
-    and the residuals of forces, gaps and products.
+    and gaps over h, `near` (j, 7), 0: none, and displacements over h, `speed` (m,). By Coulomb's law rigid joints of
+    blocks that move are solved as far as STALLED, or with lift. Returns the number of iterations, the residuals of
+    forces, gaps and products, and the greatest lift, per span.
     """
     # many arguments: arrays one by one, see mechanics.kernels
-    weight, size, span, accepted, _ = scale
+    weight, size, span, accepted, closed = scale
     done = 0
     if elastic and begins == NEAR:
         done, force, gap = newton(
             rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
         if force <= accepted:
-            return done, force, gap, 0.0
+            return done, force, gap, 0.0, 0.0
     if begins != NEAR:
         _begin_cold(at, span, stops, f, y)
     elif not elastic and near.any():
@@ -146,13 +190,13 @@ def solve(
         )
         done += more
         if not max(force, product) <= ROUGHLY:
-            return done, force, gap, product
+            return done, force, gap, product, 0.0
         more, force, gap = newton(
             rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
         done += more
         if force <= accepted:
-            return done, force, gap, 0.0
+            return done, force, gap, 0.0, 0.0
     elif begins == NEAR:
         more, force, gap, product = _interior_point(
             rows, at, laws, load, mass, dx, f, y, (weight, size, span, CENTRAL_FORCE, CENTRAL), stored_matrix, packed,
@@ -165,4 +209,12 @@ def solve(
     more, force, gap, product = _interior_point(
         rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
     )
-    return done + more, force, gap, product
+    done += more
+    if elastic or len(laws) == 0 or laws[0, DILATION] == 1.0 or (force <= accepted and product <= closed):
+        return done, force, gap, product, 0.0
+    if moves and force <= STALLED_FORCE and product <= STALLED:
+        return done, accepted, gap, closed, 0.0
+    more, force, gap, product, lift = _take_lift_back(
+        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen, gap <= RIGHT
+    )
+    return done + more, force, gap, product, lift

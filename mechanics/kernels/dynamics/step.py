@@ -35,7 +35,7 @@ from mechanics.kernels.dynamics.motion import (
     elastic_beds,
     relative,
 )
-from mechanics.kernels.dynamics.program import COLD, LIFTING, solve
+from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V
 from mechanics.kernels.law import CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
@@ -46,7 +46,6 @@ compiled = compiler("contract", "reassoc")
 
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 CLOSING = 2.0  # times the way of a step: gaps that are wider stay open, as a rule
-STALLED = 2e-6  # per weight and span: products that are accepted by Coulomb's law
 STILL = 1e-3  # of its speed before: a slide that has come to rest
 
 
@@ -55,16 +54,15 @@ def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
     resultants: Array, stored_matrix: Array, packed: Any, begins: int,
-) -> tuple[bool, int, float, float, float, float]:  # fmt: skip
+) -> tuple[bool, int, float, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (4, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
     span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
-    have; `resultants` (j, 3): N, P and T found; `begins`: where the program does (program.NEAR), LIFTING: by the
-    associative law.
+    have; `resultants` (j, 3): N, P and T found; `begins`: where the program does (program.NEAR).
     Returns whether a solution was found, the number of iterations, the energy that the step took, that which its length
-    leaves uncertain (slides that turn back; elastic joints: of contacts under way), the residual of force, and the
-    energy (kNm) that errors of velocities may have.
+    leaves uncertain (slides that turn back; elastic joints: of contacts under way), the residual of force, the
+    energy (kNm) that errors of velocities may have, and the greatest lift of what slides by Coulomb's law, per span.
 
     Joints that stay open bear nothing: those too far apart to close in the step are left out of its program, and it is
     solved again with those that its motion has closed all the same.
@@ -77,8 +75,6 @@ def attempt(
         m += 3 * (first[i] >= 0)
     elastic = elastic_beds(basic)
     places, start, law = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy()
-    if begins == LIFTING:
-        law[:, DILATION] = 1.0
     placed(a, b, faces, x, joints, start)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
     placed(a, b, faces, x + ahead * (v + 0.5 * ahead * past), joints, places)
@@ -98,7 +94,7 @@ def attempt(
                 scaled[j + e] = mass[i, e] / (share * h * h)
                 begun[j + e], central[j + e] = h * v[i, e], blocks[3, i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * begun[j + e]
-    done = 0
+    done, lift = 0, 0.0
     while True:
         chosen = touching[inside]
         at, laws, dx = places[chosen], law[chosen], begun.copy()
@@ -108,19 +104,18 @@ def attempt(
         # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
         products = 4.0 * max(len(chosen), 1) * weight * span
         closed = max(accepted, errors / products)
-        more, force, _, product = solve(
+        more, force, _, product, lift = solve(
             row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed),
             begins, elastic,
             COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, near, central, h,
+            errors > 0.0,
         )  # fmt: skip
         done += more
         joints[:, MIDDLE:SPRING] = 0.0
         for q in range(len(chosen)):
             joints[chosen[q], MIDDLE:SPRING] = near[q]
-        # by Coulomb's law the last products may fall slowly, of forces that balance
-        stalled = STALLED if len(laws) > 0 and laws[0, DILATION] < 1.0 else 0.0
-        if not (force <= accepted and product <= max(closed, stalled)):  # nor if they are no numbers
-            return False, done, 0.0, 0.0, force, 0.0
+        if not (force <= accepted and product <= closed):  # nor if they are no numbers
+            return False, done, 0.0, 0.0, force, 0.0, 0.0
         if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
             break
     for i in range(n):
@@ -176,7 +171,7 @@ def attempt(
     x += moved
     past[:] = (speed - v) / h
     v[:] = speed
-    return True, done, taken, turned, force, product * products
+    return True, done, taken, turned, force, product * products, lift
 
 
 @compiled
