@@ -119,7 +119,7 @@ def _interior_point(
 def _take_lift_back(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
     stored_matrix: Array, packed: Any, chosen: Any, known: bool,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+) -> tuple[bool, int, float, float, float]:  # fmt: skip
     """Solve a program of Coulomb's law by convex ones: slips lift, and the lift of the slips before is no gap.
 
     A fixed point, u + μ|v| − μ|v|ₙ ≥ 0 (De Saxcé), is by Coulomb's law. Begins near dx, f and y, whose slips are those
@@ -127,7 +127,7 @@ def _take_lift_back(
     """
     weight, _, span, accepted, closed = scale
     taken, done, lift = np.zeros(len(f)), 0, np.inf
-    force, gap, product = np.inf, np.inf, np.inf
+    force, product, solved = np.inf, np.inf, False
     convex = laws.copy()
     convex[:, DILATION] = 1.0
     places = at.copy()
@@ -136,11 +136,12 @@ def _take_lift_back(
             taken = laws[:, FRICTION] * (y[:, 2] + y[:, 3])
         places[:, U] = at[:, U] + taken
         _begin_near(laws, weight, span, CENTRAL_RIGID, f, y)
-        more, force, gap, product = _interior_point(
+        more, force, _, product = _interior_point(
             rows, places, convex, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
         )
         done += more
-        if not (force <= accepted and product <= closed):
+        solved = force <= accepted and product <= closed
+        if not solved:
             break
         lift = 0.0
         for q in range(len(f)):
@@ -148,7 +149,7 @@ def _take_lift_back(
                 lift = max(lift, abs(laws[q, FRICTION] * (y[q, 2] + y[q, 3]) - taken[q]) / span)
         if lift <= RIGHT:
             break
-    return done, force, gap, product, lift
+    return solved, done, force, product, lift
 
 
 @compiled
@@ -156,25 +157,25 @@ def solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, begins: int,
     elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, near: Array, speed: Array, h: float,
     moves: bool,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+) -> tuple[bool, int, float, float, float]:  # fmt: skip
     """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step of length h.
 
     With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
     a rough solution (ROUGHLY) of the interior point. Otherwise the interior point begins near the dx, f and y given;
     with rigid joints at the central iterate of the program before, if there is one, and leaves its own there: forces,
     and gaps over h, `near` (j, 7), 0: none, and displacements over h, `speed` (m,). By Coulomb's law rigid joints of
-    blocks that move are solved as far as STALLED, or with lift. Returns the number of iterations, the residuals of
-    forces, gaps and products, and the greatest lift, per span.
+    blocks that move are solved as far as STALLED, or with lift. Returns whether it is solved, the number of
+    iterations, the residuals of forces and products, and the greatest lift, per span.
     """
     # many arguments: arrays one by one, see mechanics.kernels
     weight, size, span, accepted, closed = scale
-    done = 0
+    done, central, gap = 0, True, 0.0
     if elastic and begins == NEAR:
         done, force, gap = newton(
             rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
         if force <= accepted:
-            return done, force, gap, 0.0, 0.0
+            return True, done, force, 0.0, 0.0
     if begins != NEAR:
         _begin_cold(at, span, stops, f, y)
     elif not elastic and near.any():
@@ -190,31 +191,33 @@ def solve(
         )
         done += more
         if not max(force, product) <= ROUGHLY:
-            return done, force, gap, product, 0.0
+            return False, done, force, product, 0.0
         more, force, gap = newton(
             rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, packed, chosen
         )
         done += more
         if force <= accepted:
-            return done, force, gap, 0.0, 0.0
-    elif begins == NEAR:
+            return True, done, force, 0.0, 0.0
+    skew = not elastic and len(laws) > 0 and laws[0, DILATION] < 1.0
+    if not elastic and begins == NEAR:
         more, force, gap, product = _interior_point(
             rows, at, laws, load, mass, dx, f, y, (weight, size, span, CENTRAL_FORCE, CENTRAL), stored_matrix, packed,
             chosen,
         )  # fmt: skip
         done += more
         near[:] = 0.0
-        if force <= CENTRAL_FORCE and product <= CENTRAL:
+        central = force <= CENTRAL_FORCE and product <= CENTRAL
+        if central:
             near[:, :3], near[:, 3:], speed[:] = f, y / h, dx / h
-    more, force, gap, product = _interior_point(
-        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
+    if central or not skew:
+        more, force, gap, product = _interior_point(
+            rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
+        )
+        done += more
+        stalled = skew and moves and force <= STALLED_FORCE and product <= STALLED
+        if stalled or not skew or (force <= accepted and product <= closed):
+            return stalled or (force <= accepted and product <= closed), done, force, product, 0.0
+    solved, more, force, product, lift = _take_lift_back(
+        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen, central and gap <= RIGHT
     )
-    done += more
-    if elastic or len(laws) == 0 or laws[0, DILATION] == 1.0 or (force <= accepted and product <= closed):
-        return done, force, gap, product, 0.0
-    if moves and force <= STALLED_FORCE and product <= STALLED:
-        return done, accepted, gap, closed, 0.0
-    more, force, gap, product, lift = _take_lift_back(
-        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen, gap <= RIGHT
-    )
-    return done + more, force, gap, product, lift
+    return solved, done + more, force, product, lift

@@ -104,7 +104,7 @@ def attempt(
         # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
         products = 4.0 * max(len(chosen), 1) * weight * span
         closed = max(accepted, errors / products)
-        more, force, _, product, lift = solve(
+        solved, more, force, product, lift = solve(
             row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed),
             begins, elastic,
             COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, near, central, h,
@@ -114,7 +114,7 @@ def attempt(
         joints[:, MIDDLE:SPRING] = 0.0
         for q in range(len(chosen)):
             joints[chosen[q], MIDDLE:SPRING] = near[q]
-        if not (force <= accepted and product <= closed):  # nor if they are no numbers
+        if not solved:
             return False, done, 0.0, 0.0, force, 0.0, 0.0
         if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
             break

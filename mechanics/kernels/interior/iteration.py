@@ -60,6 +60,7 @@ ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 FARTHER = 1.5  # times as far as a step leads, products are looked at
 IDLE = 10  # iterations without progress after which the method ends
+IDLE_MOVING = 5  # the same of motions by Coulomb's law, whose central path may end (program.STALLED)
 IDLE_CRUSHED = 20  # the same where joints can be crushed: their forces go from bound to bound first
 
 
@@ -136,7 +137,9 @@ def iterate(
     residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
     best, since, iteration = np.inf, 0, 0
-    idle = IDLE_CRUSHED if (law[:, STRENGTH] < np.inf).any() else IDLE
+    idle = IDLE_MOVING if skew and len(mass) else IDLE
+    if (law[:, STRENGTH] < np.inf).any():
+        idle = IDLE_CRUSHED
     best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
     best_alpha, best_off = alpha, (np.inf, np.inf, np.inf)
     while True:
