@@ -151,7 +151,7 @@ class DynamicSystem:
     stiffness and the rate of the gap; `restitution`: of normal velocities at impacts; `halving`: of steps; `accepted`:
     residual of a program, per weight and span, that is accepted. `counts` (8,): programs, iterations, halvings, cold
     starts, the worst residual of force, per weight, the largest energy (kNm) that errors of velocities may have, steps
-    by the associative law where Coulomb's is not solved, and steps at rest that were not computed; `skips`: whether
+    in which what slides lifts, and steps at rest that were not computed; `skips`: whether
     there are any.
     """
 

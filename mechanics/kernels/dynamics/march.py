@@ -48,7 +48,7 @@ def march(
     that took little; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked
     for anew, `radius` (b,) of blocks; `halved`: how often the last step before was; `counts` (7,): programs,
     iterations, halvings, cold starts, the worst residual of force, per weight, the largest energy (kNm) that errors of
-    velocities may have, and steps by the associative law where Coulomb's is not solved. Returns the number of steps
+    velocities may have, and steps in which joints lift by Coulomb's law (program.RIGHT). Returns the number of steps
     done; why the march ends, 0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved
     (the motion is as before it), 3: rigid joints rested before the last step and do after it (REST); how often it was
     halved.

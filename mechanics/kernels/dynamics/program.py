@@ -30,7 +30,7 @@ NEAR, FROM_GAPS = range(2)
 STALLED_FORCE, STALLED = 1e-5, 1e-4
 # what is not solved even so is solved with lift: that of the slips before is taken from the gaps, until they differ by
 # less than this share of a span, in so many programs
-RIGHT, ROUNDS = 0.1, 3
+RIGHT, ROUNDS = 0.1, 5
 PRESSED = 1e-3  # of the weight: a joint whose lift counts
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assessment.benchmark.cases.structures import assembly
 from mechanics import Assembly, Block, Material, time_history
 from mechanics.procedures.time_history import HISTORY, _notes
 from tests.support.structures import block_on_base, rectangle, running_bond
@@ -58,7 +59,7 @@ def test_peaks_of_a_sliding_wall_do_not_hang_on_the_step():
         time = np.arange(0.0, 2.0, step)[:, None]
         motion = time_history(model, 0.2 * np.sin(2.0 * np.pi * frequency * time + phase).sum(axis=1), step)
         peaks.append(float(abs(motion.positions[:, :, 0] - motion.positions[0, :, 0]).max()))
-        assert motion.lifting <= 0.01 * motion.programs
+        assert motion.lifting == 0
     assert peaks[1] == pytest.approx(peaks[0], rel=0.03)
 
 
@@ -70,3 +71,12 @@ def test_steps_that_lift_are_told():
     told = _notes(model, moved.positions[-1], still, 0.002, HISTORY)
     assert any("Coulomb's law was not solved in 0.2%" in note for note in told)
     assert not any("Coulomb" in note for note in _notes(model, moved.positions[-1], still, 0.0005, HISTORY))
+
+
+def test_a_jammed_arch_hardly_lifts():
+    """0.3 s of an arch of 362 blocks: at most one program in 500 lifts, and hardly any begins from nothing."""
+    shaken = 0.6 * np.sin(10.0 * np.pi * np.arange(0.0, 0.3, 0.005))
+    motion = time_history(assembly("triumphal-arch"), shaken, 0.005)
+    assert motion.programs > 100
+    assert motion.lifting <= 0.002 * motion.programs
+    assert motion.cold <= 0.01 * motion.programs
