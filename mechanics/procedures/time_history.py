@@ -98,8 +98,9 @@ class TimeHistory:
     `collapse_reason`: see time_history; the arrays end there. `energy`: the balance at each time.
 
     `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
-    steps, of `cold` starts, of steps in which what slides is `lifting`, and of steps that were `skipped` at rest; `worst`: largest unbalanced force, per weight of a
-    block; `unsure`: largest energy that errors of velocities may have, as a share of what was turned over. `notes`:
+    steps, of `cold` starts, of steps in which what slides is `lifting`, and of steps that were `skipped` at rest;
+    `worst`: largest unbalanced force, per weight of a block; `unsure`: largest energy that errors of velocities may
+    have, as a share of what was turned over. `notes`:
     warnings about the motion.
     """
 
