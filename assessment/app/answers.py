@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
 
-from assessment.app.editing import History
+from assessment.app.editing import Versions
 from assessment.app.session import Session, file_name, plain
 from assessment.project.formats.convert import TOML, XLSX
 from assessment.project.formats.convert import convert as to_other_format
@@ -38,10 +38,12 @@ def page_words(language: str) -> dict[str, Any]:
 
 
 def edit(session: Session, sent: Sent) -> dict[str, Any]:
-    """Make changes, [path, value] each, in the file of a digest; return its new one. Raises as History.write."""
+    """Make changes, [path, value] each, in the file of a digest; return its new one. Raises as Versions.write."""
     changes = _given(sent, "changes", list)
-    if not all(isinstance(each, list) and len(each) == 2 and _is_path(each[0]) for each in changes):
-        raise ProjectError("changes: must be [path, value] each")
+    for each in changes:
+        path = each[0] if isinstance(each, list) and len(each) == 2 else None
+        if not isinstance(path, list) or not all(type(part) in (str, int) for part in path):
+            raise ProjectError("changes: must be [path, value] each")
     pairs = [(tuple(path), value) for path, value in changes]
     with session.lock:
         return {"digest": _history(session).write(pairs, _given(sent, "digest", str))}
@@ -58,17 +60,9 @@ def live(session: Session, sent: Sent) -> dict[str, Any]:
     target = _given(sent, "target", list)
     if len(target) != 3 or not all(isinstance(each, int | float) and abs(each) < 1e6 for each in target):
         raise ProjectError("target: must be x, z (m) and rotation (rad)")
-    return dict(
-        session.worker.ask(
-            "live",
-            folder=session.folder,
-            tag=_given(sent, "tag", str),
-            support=_given(sent, "support", str),
-            target=target,
-            home=bool(sent.get("home")),
-            whole=bool(sent.get("whole")),
-        )
-    )
+    named = {key: _given(sent, key, str) for key in ("tag", "support")}
+    how = {key: bool(sent.get(key)) for key in ("home", "whole")}
+    return dict(session.worker.ask("live", folder=session.folder, target=target, **named, **how))
 
 
 def record(session: Session, sent: Sent) -> dict[str, Any]:
@@ -173,13 +167,7 @@ def _given(sent: Sent, key: str, kind: type[Kind]) -> Kind:
     return value
 
 
-def _is_path(path: Any) -> bool:
-    return isinstance(path, list) and all(
-        isinstance(part, str | int) and not isinstance(part, bool) for part in path
-    )
-
-
-def _history(session: Session) -> History:
+def _history(session: Session) -> Versions:
     if not (session.folder / TOML).is_file():
         raise ProjectError(f"{session.folder}: only {TOML} is written; convert the spreadsheet first")
     return session.project.history

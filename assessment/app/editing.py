@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-import math
 import tomllib
 from collections.abc import Sequence
 from contextlib import suppress
@@ -28,15 +27,8 @@ if TYPE_CHECKING:
 
 OWN = ".assesto"  # folder beside project.toml: versions of it, where the page is, what was dropped
 VERSIONS = 200  # that are kept
-UNDRAWN = {
-    "title",
-    "report",
-    "pushover",
-    "history",
-    "incremental",
-    "campaign",
-    "sensitivity",
-}  # not in the picture
+# not in the picture
+UNDRAWN = {"title", "report", "pushover", "history", "incremental", "campaign", "sensitivity"}
 Change = tuple[KeyPath, Any]
 """Where a value stands and what it becomes; None: it is deleted, an entry of a list with its place."""
 
@@ -76,7 +68,9 @@ def edited(text: str, changes: Sequence[Change]) -> str:
                 for node in (document, content):
                     _delete(node, path)
             else:
-                _set(content, path, _as_number(path, value))
+                # a page, whose JSON has no infinity, writes it as a text
+                unbounded = value in ("inf", "-inf") and float in alternatives(annotation_at(path))
+                _set(content, path, float(value) if unbounded else value)
         except (LookupError, TypeError, AttributeError):
             raise ProjectError(f"{TOML}: {'.'.join(map(str, path))}: there is no such place") from None
     try:
@@ -84,7 +78,10 @@ def edited(text: str, changes: Sequence[Change]) -> str:
     except ValidationError as error:
         raise project_error(TOML, schema_problems(error, content), {}) from None
     changed = updated_toml(tomlkit.dumps(document), content)
-    if not _same(tomllib.loads(changed), content):
+    written, asked = (
+        json.dumps(each, sort_keys=True, default=str) for each in (tomllib.loads(changed), content)
+    )
+    if written != asked:
         raise RuntimeError(f"{TOML}: the text does not say what was asked for")
     return changed
 
@@ -116,18 +113,7 @@ def _delete(node: Any, path: KeyPath) -> None:
             _delete(node, path[:-1])
 
 
-def _as_number(path: KeyPath, value: Any) -> Any:
-    """Return the infinity that a page, whose JSON has none, writes as a text."""
-    if value in ("inf", "-inf") and float in alternatives(annotation_at(path)):
-        return math.inf if value == "inf" else -math.inf
-    return value
-
-
-def _same(one: Any, other: Any) -> bool:
-    return json.dumps(one, sort_keys=True, default=str) == json.dumps(other, sort_keys=True, default=str)
-
-
-class History:
+class Versions:
     """The versions of a project file, `NNNN.toml` in a folder of their own, and which of them is the present one."""
 
     def __init__(self, folder: Path) -> None:
@@ -160,10 +146,9 @@ class History:
     def steps(self) -> tuple[bool, bool]:
         """Return whether there is a version to go back to, and one to go forward to."""
         versions, at = self._versions(), self._at()
-        same = (
-            at in versions and self.file.is_file() and self._path(at).read_bytes() == self.file.read_bytes()
-        )
-        return at in versions and (not same or at - 1 in versions), same and at + 1 in versions
+        known = at in versions
+        same = known and self.file.is_file() and self._path(at).read_bytes() == self.file.read_bytes()
+        return known and (not same or at - 1 in versions), same and at + 1 in versions
 
     def _known(self, digest: str) -> bytes:
         content = self.file.read_bytes()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -27,11 +27,7 @@ from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError, Outline
 from mechanics.model import repair_drawing, survey_drawing
 from mechanics.records import read_record, response_spectrum
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from mechanics import Assembly
-    from mechanics.types import Array
+from mechanics.types import Array
 
 SAMPLES = 2000  # of a record that are drawn
 PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150)])  # s
@@ -48,7 +44,12 @@ def model_picture(folder: Path) -> dict[str, Any]:
     found |= {"error": None, "self_weight": None, "tag": drawing_tag(project)}
     try:
         model = build_model(project)
-        found |= _blocks(model.assembly)
+        blocks = []
+        for block in model.assembly.blocks:
+            role = {"layer": block.layer, "support": block.support, "weight": float(f"{block.weight:.6g}")}
+            blocks.append({"at": _short(block.polygon), "centre": _short(block.centroid)} | role)
+        found["joints"] = [{"at": ends} for ends in _short(model.assembly.joints.ends)]
+        found |= {"blocks": blocks, "layers": Counter(each.layer for each in model.assembly.blocks)}
         if contradictions is not None:
             raise contradictions
         check = checked(project, model)
@@ -63,14 +64,11 @@ def model_picture(folder: Path) -> dict[str, Any]:
     except (ValueError, OSError) as error:
         if not is_input_error(error):
             raise
-        found = _outlined(_readable_outlines(project)) | found | {"error": error_text(error)}
+        outlines: tuple[Outline, ...] = ()
+        with suppress(ValueError, OSError):
+            outlines = survey_drawing(*how_to_read(project)).outlines
+        found = _outlined(outlines) | found | {"error": error_text(error)}
     return found
-
-
-def _readable_outlines(project: Project) -> tuple[Outline, ...]:
-    with suppress(ValueError, OSError):
-        return survey_drawing(*how_to_read(project)).outlines
-    return ()
 
 
 def _outlined(outlines: tuple[Outline, ...]) -> dict[str, Any]:
@@ -80,15 +78,6 @@ def _outlined(outlines: tuple[Outline, ...]) -> dict[str, Any]:
         role = {"layer": each.layer, "support": each.support or None, "open": not each.closed}
         blocks.append({"at": _short(each.points)} | role)
     return {"blocks": blocks, "layers": Counter(each.layer for each in outlines)}
-
-
-def _blocks(assembly: Assembly) -> dict[str, Any]:
-    blocks = []
-    for block in assembly.blocks:
-        role = {"layer": block.layer, "support": block.support, "weight": float(f"{block.weight:.6g}")}
-        blocks.append({"at": _short(block.polygon), "centre": _short(block.centroid)} | role)
-    joints = [{"at": ends} for ends in _short(assembly.joints.ends)]
-    return {"blocks": blocks, "joints": joints, "layers": Counter(block.layer for block in assembly.blocks)}
 
 
 def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
@@ -200,8 +189,7 @@ def begin_project(folder: Path, drawing: Path, given: dict[str, Any]) -> None:
     except ValidationError as error:
         raise project_error("project.toml", schema_problems(error, own), {}) from None
     content, _ = _proposed(drawing, given["unit"])
-    content |= {
-        key: content.get(key, {}) | each if isinstance(each, dict) else each for key, each in own.items()
-    }
+    for key, each in own.items():
+        content[key] = content.get(key, {}) | each if isinstance(each, dict) else each
     toml = commented_toml(content).encode()
     write_files(folder, {drawing.name: drawing.read_bytes(), "project.toml": toml})

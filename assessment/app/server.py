@@ -73,6 +73,10 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
         response.set_cookie(cookie, key, httponly=True, samesite="strict", path="/")
         return response
 
+    def static(request: Request) -> Response:
+        kind = STATIC.get(name := request.path_params["name"])
+        return Response(_template(name), media_type=kind) if kind else _refused("no such file", 404)
+
     async def drop(request: Request) -> Response:
         name, kind = request.path_params["name"], request.query_params.get("kind", "")
         content = await _body(request, MOST_DROPPED)
@@ -80,14 +84,17 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
             _answered, session, request, lambda held: held.receive(name, kind, content)
         )
 
+    async def too_large(_: Request, error: Exception) -> Response:
+        return _refused(f"more than {error.args[0] // 1_000_000} MB; take what is needed of it", 413)
+
     routes = [
         Route("/", page, methods=["GET"]),
-        Route("/static/{name}", _static, methods=["GET"]),
+        Route("/static/{name}", static, methods=["GET"]),
         Route("/{place:str}/{name:path}", partial(_file, session), methods=["GET"]),
         Route("/file/{name:path}", drop, methods=["PUT"]),
         Route("/{name:str}", partial(_question, session), methods=["POST"]),
     ]
-    served = Starlette(routes=routes, exception_handlers={TooLargeError: _too_large})
+    served = Starlette(routes=routes, exception_handlers={TooLargeError: too_large})
 
     async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse what does not come from the page itself before anything of it is read."""
@@ -104,11 +111,6 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
     return guarded
 
 
-def _static(request: Request) -> Response:
-    kind = STATIC.get(name := request.path_params["name"])
-    return Response(_template(name), media_type=kind) if kind else _refused("no such file", 404)
-
-
 async def _question(session: Session, request: Request) -> Response:
     """Answer one of ANSWERS, asked with a JSON object."""
     answer = ANSWERS.get(request.path_params["name"])
@@ -117,7 +119,9 @@ async def _question(session: Session, request: Request) -> Response:
     if request.headers.get("content-type", "").partition(";")[0] != "application/json":
         return _refused("a question is JSON", 415)
     try:
-        sent = json.loads(await _body(request, MOST_SENT) or b"{}", parse_constant=_no_number)
+        sent = json.loads(
+            await _body(request, MOST_SENT) or b"{}", parse_constant=int
+        )  # NaN and infinity are none
     except (ValueError, RecursionError):
         return _refused("no JSON", 422)
     if not isinstance(sent, dict):
@@ -156,10 +160,6 @@ async def _body(request: Request, most: int) -> bytes:
             raise TooLargeError(most)
         parts.append(part)
     return b"".join(parts)
-
-
-async def _too_large(_: Request, error: Exception) -> Response:
-    return _refused(f"more than {error.args[0] // 1_000_000} MB; take what is needed of it", 413)
 
 
 def _answered(
@@ -210,10 +210,6 @@ def _template(name: str) -> bytes:
     return (files("templates") / "app" / name).read_bytes()
 
 
-def _no_number(text: str) -> float:
-    raise ValueError(text)
-
-
 HOST = "127.0.0.1"
 IDLE = 60  # s, after which a connection without questions ends
 QUIET = {"log_level": "critical", "server_header": False, "lifespan": "off"}
@@ -228,7 +224,10 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     session = Session(Path.cwd(), folder)
     place = session.folder / OWN / "at" if session.opened else None
     known = _running(place) if place else None
-    listening = None if known else _listening(port)
+    try:
+        listening = None if known else socket.create_server((HOST, port))
+    except OSError as error:
+        raise ProjectError(f"--port {port}: {error.strerror}; leave it out, or give another one") from None
     token = secrets.token_urlsafe(24)
     address = known or f"http://{HOST}:{listening.getsockname()[1] if listening else 0}/?token={token}"
     say(address)
@@ -237,9 +236,8 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     if listening is None:
         return
     tell("Ctrl-C ends it; a run that it has started goes on")
-    threading.Thread(
-        target=session.worker.begin, daemon=True
-    ).start()  # its imports take longer than the page
+    # its imports take longer than the page
+    threading.Thread(target=session.worker.begin, daemon=True).start()
     served = application(session, listening.getsockname()[1], token)
     config = uvicorn.Config(served, timeout_keep_alive=IDLE, timeout_graceful_shutdown=1, **QUIET)  # type: ignore[arg-type]
     try:
@@ -254,13 +252,6 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
             with suppress(OSError):
                 if place.read_text(encoding="utf-8") == address:  # not that of a later one
                     place.unlink()
-
-
-def _listening(port: int) -> socket.socket:
-    try:
-        return socket.create_server((HOST, port))
-    except OSError as error:
-        raise ProjectError(f"--port {port}: {error.strerror}; leave it out, or give another one") from None
 
 
 def _leave(place: Path, address: str) -> None:

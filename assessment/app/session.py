@@ -19,7 +19,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from assessment.app.editing import OWN, ConflictError, History, digest_of, drawing_tag
+from assessment.app.editing import OWN, ConflictError, Versions, digest_of, drawing_tag
 from assessment.app.worker import Worker
 from assessment.project.formats.convert import SOURCES, TOML
 from assessment.project.project import survey_project
@@ -104,7 +104,7 @@ class Opened:
 
     def __init__(self, folder: Path, staging: Path) -> None:
         self.tag = digest_of(str(folder).encode())  # by which the page knows which project it shows
-        self.folder, self.history = folder, History(folder)
+        self.folder, self.history = folder, Versions(folder)
         self.runs = Runs(folder, staging / f"{self.tag}.log")
         self._known: tuple[Any, dict[str, Any]] = (None, {})
         self._stored: tuple[int, dict[str, Any]] = (0, {})

@@ -175,21 +175,28 @@ class CapacityCurve:
 
     def steps(self) -> Trace:
         """Return α0*, a_y*, T_0 and d_0* by hand."""
-        fit, F_C, e, Gamma = self.fit, self.confidence_factor, self.e_star, self.gamma_star
+        fit, F_C, e, Gamma, first = (
+            self.fit,
+            self.confidence_factor,
+            self.e_star,
+            self.gamma_star,
+            self.activation,
+        )
+        own = first.e_star == e  # of the mechanism of the curve, or of another one that moves before
+        alpha, e_act = ("alpha_0", "e_star") if own else ("alpha_act", "e_star_act")
         lines = [
             datum("e_star", e, "", _LAW),
             datum("Gamma_star", Gamma, "", _LAW),
             datum("F_C", F_C, "", self.confidence_source),
-            *self._activation_steps(),
-        ]
+            datum(alpha, first.alpha, "", first.source),
+            *([] if own else [datum(e_act, first.e_star, "", first.source)]),
+            step("a_0_star", f"{alpha}/({e_act}*F_C)", self.a_0_star, "g", _LAW,
+                 **{alpha: first.alpha, e_act: first.e_star}, F_C=F_C),
+        ]  # fmt: skip
         if fit.d_0 is not None and self.d_0_star is not None:
+            why = "equilibrium lost before α = 0" if fit.drops else "α = 0"
             lines += [
-                datum(
-                    "d_0",
-                    fit.d_0,
-                    "m",
-                    f"{fit.source}: {'equilibrium lost before α = 0' if fit.drops else 'α = 0'}",
-                ),
+                datum("d_0", fit.d_0, "m", f"{fit.source}: {why}"),
                 step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
             ]
         if fit.alpha_y is not None and fit.d_y is not None:
@@ -203,22 +210,6 @@ class CapacityCurve:
                      d_y_star=d_y, a_y_star=a_y, g=GRAVITY),
             ]  # fmt: skip
         return tuple(lines)
-
-    def _activation_steps(self) -> Trace:
-        """Return a_0* by hand: of the mechanism of the curve, or of another one that moves before."""
-        first, F_C = self.activation, self.confidence_factor
-        if first.e_star == self.e_star:
-            return (
-                datum("alpha_0", first.alpha, "", first.source),
-                step("a_0_star", "alpha_0/(e_star*F_C)", self.a_0_star, "g", _LAW, alpha_0=first.alpha,
-                     e_star=first.e_star, F_C=F_C),
-            )  # fmt: skip
-        return (
-            datum("alpha_act", first.alpha, "", first.source),
-            datum("e_star_act", first.e_star, "", first.source),
-            step("a_0_star", "alpha_act/(e_star_act*F_C)", self.a_0_star, "g", _LAW, alpha_act=first.alpha,
-                 e_star_act=first.e_star, F_C=F_C),
-        )  # fmt: skip
 
 
 def capacity_curve(

@@ -221,20 +221,6 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     return d_secant, alpha_u, (np.maximum.accumulate(d[:end]), alpha[:end])
 
 
-@dataclass(frozen=True)
-class _Plateau:
-    """The elastic branch up to (`d_y` m, `alpha_y`), then the plateau up to `end` (m), where the rigid branch begins.
-
-    `cut`: the elastic branch meets the rigid one below the chosen plateau; there is then none.
-    """
-
-    d_y: float
-    alpha_y: float
-    end: float
-    cut: bool
-    notes: tuple[Message, ...]
-
-
 def _idealised(
     model: str,
     rigid: tuple[Array, Array, float | None],
@@ -246,92 +232,61 @@ def _idealised(
 ) -> CurveFit:
     """Return min(secant stiffness times d, α_y, rigid branch) as a piecewise-linear curve.
 
-    secant: displacement at 0.4 α_u, m; area: of the curve from which α_y was found, m, None for a share of α_u.
+    secant: displacement at 0.4 α_u, m; area: of the curve from which α_y was found, m, None for a share of α_u. Where
+    the elastic branch meets the rigid one below the plateau, there is none.
     """
     d, alpha, d_0 = rigid
-    stiffness = SECANT_SHARE * alpha_u / secant
+    K = SECANT_SHARE * alpha_u / secant
+    d_y, meets, cut = alpha_y / K, _crossing(d, alpha - K * d), False
     if alpha_u > alpha[0]:
-        notes += (
-            message(
-                "elastic peak α_u = {peak:.4g} above the rigid onset α0 = {onset:.4g}: the fit is cut",
-                peak=alpha_u,
-                onset=float(alpha[0]),
-            ),
-        )
-    plateau = _plateau(d, alpha, stiffness, alpha_y)
-    displacement, multiplier = _joined(d, alpha, plateau)
-    beyond = displacement >= plateau.end
-    steps = (
-        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
-        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
-        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", stiffness, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
-        *_yield_steps(
-            plateau, stiffness, alpha_u, area, float(np.trapezoid(multiplier[beyond], displacement[beyond]))
-        ),
-    )
-    return CurveFit(
-        model, float(alpha[0]), d_0, alpha_u, plateau.alpha_y, plateau.d_y, displacement, multiplier,
-        notes + plateau.notes, steps,
-    )  # fmt: skip
-
-
-def _plateau(d: Array, alpha: Array, stiffness: float, alpha_y: float) -> _Plateau:
-    """Return the plateau α_y of an elastic branch of the given stiffness (1/m) under the rigid branch (d m, alpha)."""
-    d_y = alpha_y / stiffness
-    meets = _crossing(d, alpha - stiffness * d)
+        above = message("elastic peak α_u = {peak:.4g} above the rigid onset α0 = {onset:.4g}: the fit is cut",
+                        peak=alpha_u, onset=float(alpha[0]))  # fmt: skip
+        notes += (above,)
     if meets is None:
         raise CapacityError(
             message("the elastic branch does not meet the rigid branch: follow the rigid pushover further")
         )
     if meets < d_y:
-        alpha_y = float(stiffness * meets)
-        note = message(
-            "the secant meets the rigid branch at α = {alpha:.4g}, below the plateau: no plateau",
-            alpha=alpha_y,
-        )
-        return _Plateau(meets, alpha_y, meets, True, (note,))
-    below = d >= d_y
-    tail_d = np.concatenate([[d_y], d[below]])
-    tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
-    end = _crossing(tail_d, tail)
-    if end is None:
-        note = message("the plateau does not meet the rigid branch within the curve")
-        return _Plateau(float(d_y), float(alpha_y), float(d[-1]), False, (note,))
-    return _Plateau(float(d_y), float(alpha_y), end, False, ())
-
-
-def _joined(d: Array, alpha: Array, plateau: _Plateau) -> tuple[Array, Array]:
-    """Return the points (k,) m and (k,) of elastic branch, plateau and rigid branch."""
-    d_y, alpha_y, end = plateau.d_y, plateau.alpha_y, plateau.end
+        d_y, alpha_y, end, cut = meets, float(K * meets), meets, True
+        none = message("the secant meets the rigid branch at α = {alpha:.4g}, below the plateau: no plateau",
+                       alpha=alpha_y)  # fmt: skip
+        notes += (none,)
+    else:
+        below = d >= d_y
+        tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
+        found = _crossing(np.concatenate([[d_y], d[below]]), tail)
+        d_y, alpha_y, end = float(d_y), float(alpha_y), float(d[-1]) if found is None else found
+        if found is None:
+            notes += (message("the plateau does not meet the rigid branch within the curve"),)
     knots = [(0.0, 0.0), (d_y, alpha_y)] + ([(end, alpha_y)] if end > d_y else [])
-    after = d > end
-    displacement = np.concatenate([[k[0] for k in knots], d[after]])
-    multiplier = np.concatenate([[k[1] for k in knots], np.minimum(alpha[after], alpha_y)])
-    return displacement, multiplier
-
-
-def _yield_steps(
-    plateau: _Plateau, K: float, alpha_u: float, area: float | None, beyond: float
-) -> tuple[Step, ...]:
-    """Return how α_y and d_y follow: cut by the rigid branch, from equal areas, or as a share of α_u."""
-    d_y, alpha_y, d_m = plateau.d_y, plateau.alpha_y, plateau.end
-    if plateau.cut:
-        return (
+    displacement = np.concatenate([[knot[0] for knot in knots], d[d > end]])
+    multiplier = np.concatenate([[knot[1] for knot in knots], np.minimum(alpha[d > end], alpha_y)])
+    steps: list[Step] = [
+        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
+        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
+        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", K, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
+    ]
+    if cut:
+        steps += [
             datum("d_y", d_y, "m", "where the secant meets the rigid branch"),
             step("alpha_y", "K*d_y", alpha_y, "", _PAPER, K=K, d_y=d_y),
-        )
-    last = step("d_y", "alpha_y/K", d_y, "m", _PAPER, alpha_y=alpha_y, K=K)
-    if area is None:
-        share = alpha_y / alpha_u
-        return step("alpha_y", f"{share:g}*alpha_u", alpha_y, "", _PAPER, alpha_u=alpha_u), last
-    return (
-        datum("A", area, "m", "area of the elastic curve, up to the rigid branch"),
-        datum("d_m", d_m, "m", "where the plateau meets the rigid branch"),
-        datum("A_m", beyond, "m", "area of the rigid branch beyond d_m"),
-        step("alpha_y", "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))", alpha_y, "",
-             "equal area: NTC 2018, C7.3.4.2", A=area, A_m=beyond, d_m=d_m, K=K),
-        last,
-    )  # fmt: skip
+        ]
+    elif area is None:
+        steps.append(step("alpha_y", f"{alpha_y / alpha_u:g}*alpha_u", alpha_y, "", _PAPER, alpha_u=alpha_u))
+    else:
+        beyond = float(np.trapezoid(multiplier[displacement >= end], displacement[displacement >= end]))
+        steps += [
+            datum("A", area, "m", "area of the elastic curve, up to the rigid branch"),
+            datum("d_m", end, "m", "where the plateau meets the rigid branch"),
+            datum("A_m", beyond, "m", "area of the rigid branch beyond d_m"),
+            step("alpha_y", "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))", alpha_y, "",
+                 "equal area: NTC 2018, C7.3.4.2", A=area, A_m=beyond, d_m=end, K=K),
+        ]  # fmt: skip
+    if not cut:
+        steps.append(step("d_y", "alpha_y/K", d_y, "m", _PAPER, alpha_y=alpha_y, K=K))
+    return CurveFit(
+        model, float(alpha[0]), d_0, alpha_u, alpha_y, d_y, displacement, multiplier, notes, tuple(steps)
+    )
 
 
 def _crossing(d: Array, value: Array) -> float | None:

@@ -303,7 +303,18 @@ def site_curve(
         return HazardCurve(grid.name, grid.values[node[0]], grid.values[node], np.zeros(1))
     cell = _cell(np.column_stack([x[near], y[near]]))
     if cell is None:
-        raise HazardError(_outside(grid, latitude, longitude, int(near[0]), float(distance[near[0]])))
+        lon, lat, first = grid.longitude, grid.latitude, int(near[0])
+        inside = lon.min() <= latitude <= lon.max() and lat.min() <= longitude <= lat.max()
+        turned = (
+            f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " if inside else ""
+        )
+        raise HazardError(
+            f"{grid.name}: site latitude = {latitude:g}, longitude = {longitude:g}: no cell of four nodes holds it; "
+            f"the nearest node is {distance[first]:.1f} km away (latitude {lat[first]:g}, longitude {lon[first]:g}; "
+            f"the grid spans latitude {lat.min():g}–{lat.max():g}, longitude {lon.min():g}–{lon.max():g}). {turned}"
+            "Check the coordinates; at the edge of the grid and on islands (Allegato B, table 2) give ag_g, F0 and "
+            "Tc_star_s of each limit state instead of coordinates"
+        )
     nodes = near[cell]
     weights = 1.0 / distance[nodes]
     values = np.tensordot(weights / weights.sum(), grid.values[nodes], axes=1)
@@ -316,11 +327,9 @@ def hazard_range(return_period: float) -> tuple[Hazard, Hazard]:
     Raises ValueError outside 30–2475 years.
     """
     values = allegato_b().values
-    bounds = [
-        HazardCurve(ALLEGATO_B, v, v[None], np.zeros(1)).at(return_period)
-        for v in (values.min(axis=0), values.max(axis=0))
-    ]
-    return bounds[0], bounds[1]
+    least, most = values.min(axis=0), values.max(axis=0)
+    low, high = (HazardCurve(ALLEGATO_B, v, v[None], np.zeros(1)).at(return_period) for v in (least, most))
+    return low, high
 
 
 def site_hazard(
@@ -370,21 +379,6 @@ def _cell(nodes: Array) -> Sequence[int] | None:
         return None
     reach = np.hypot(corners[found, :, 0], corners[found, :, 1]).sum(axis=1)
     return fours[found[np.argmin(reach)]].tolist()
-
-
-def _outside(grid: HazardGrid, latitude: float, longitude: float, node: int, distance: float) -> str:
-    lon, lat = grid.longitude, grid.latitude
-    inside = lon.min() <= latitude <= lon.max() and lat.min() <= longitude <= lat.max()
-    swapped = (
-        f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " if inside else ""
-    )
-    return (
-        f"{grid.name}: site latitude = {latitude:g}, longitude = {longitude:g}: no cell of four nodes holds "
-        f"it; the nearest node is {distance:.1f} km away (latitude {lat[node]:g}, longitude {lon[node]:g}; "
-        f"the grid spans latitude {lat.min():g}–{lat.max():g}, longitude {lon.min():g}–{lon.max():g}). {swapped}Check "
-        "the coordinates; at the edge of the grid and on islands (Allegato B, table 2) give ag_g, F0 and "
-        "Tc_star_s of each limit state instead of coordinates"
-    )
 
 
 def _interval(return_period: float) -> int:

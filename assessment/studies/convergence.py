@@ -115,11 +115,10 @@ class Levels:
 
     def row(self, state: str, direction: Direction, halvings: int, tolerance: float) -> ConvergenceRow:
         """Return the row of the results: errors, the largest relative one with its order, values of each level."""
-        relative = self.relative
+        relative, worst = self.relative, None
         errors = {key: error for key, error in relative.items() if error is not None}
-        worst = (
-            max(errors, key=lambda key: errors[key], default=None) if len(errors) == len(relative) else None
-        )
+        if len(errors) == len(relative):
+            worst = max(errors, key=lambda key: errors[key], default=None)
         return ConvergenceRow(
             state=state,
             direction=direction,
@@ -141,7 +140,7 @@ def _error_key(quantity: str) -> str:
 
 
 @dataclass
-class Convergence:
+class Converged:
     """The finest stages of every state, and `halvings` of its increments behind them.
 
     `given`: the stages with the increments given. `rows` of results.json; `warnings`: where the tolerance was not met.
@@ -159,7 +158,7 @@ def converge(
     models: Mapping[str, StateModel],
     demands: Demands,
     analyse: Callable[[Project, Collection[str]], list[StateResult]],
-) -> Convergence:
+) -> Converged:
     """Analyse the states in ever finer increments until the errors of their capacities meet the tolerance.
 
     `analyse`: a function that analyses the states of these names in the increments of a project. A state keeps its
@@ -168,7 +167,7 @@ def converge(
     """
     accuracy = accuracy_of(project)
     given = analyse(project, project.states)
-    found = Convergence(given, given)
+    found = Converged(given, given)
     if accuracy.tolerance is None:
         return found
     levels = {

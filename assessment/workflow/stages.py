@@ -38,7 +38,7 @@ from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies.campaign import summary as searches
 from assessment.studies.campaign.scans import Scans
 from assessment.studies.campaign.stage import campaign
-from assessment.studies.convergence import Convergence, converge
+from assessment.studies.convergence import Converged, converge
 from assessment.studies.identification.stage import identification
 from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Checked, read_inputs
@@ -198,7 +198,7 @@ def _requests(project: Project, models: Mapping[str, StateModel]) -> list[Reques
     ]
 
 
-def _add_states(draft: Draft, converged: Convergence) -> None:
+def _add_states(draft: Draft, converged: Converged) -> None:
     """Add configuration of every state, certificates, times, failures and estimated errors of its analyses."""
     draft.warnings += converged.warnings
     draft.errors += converged.rows
@@ -217,7 +217,7 @@ def _add_states(draft: Draft, converged: Convergence) -> None:
 
 
 def _add_capacities(
-    draft: Draft, converged: Convergence, ensembles: Mapping[str, Sequence[Run]]
+    draft: Draft, converged: Converged, ensembles: Mapping[str, Sequence[Run]]
 ) -> list[Governed]:
     """Add what every state comes to: movement, curves, ranges and, where asked for, checks, demand, chosen mechanisms.
 

@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
@@ -270,11 +271,8 @@ def _v2(text: RecordText, _: float | None) -> Samples:
     if more:
         raise text.error(more[0][0], f"this is a V2 file of {len(blocks)} channels; give one channel a file")
     count, width = int(block["count"]), int(block["width"] or 10)
-    end = next(
-        (n for n, line in enumerate(text.lines[start:], start) if re.search(r"points of|/&", line)),
-        len(text.lines),
-    )
-    own = text.unit(start, block["unit"])
+    ends = (n for n, line in enumerate(text.lines[start:], start) if re.search(r"points of|/&", line))
+    end, own = next(ends, len(text.lines)), text.unit(start, block["unit"])
 
     def cells(line: str) -> list[str]:
         return [line[k : k + width] for k in range(0, len(line.rstrip()), width)]
@@ -286,9 +284,8 @@ def _v2(text: RecordText, _: float | None) -> Samples:
         if match := re.match(rf"Peak acceleration = *(-?{NUMBER}) +(\S+)", line, re.IGNORECASE):
             stated = float(match[1]) * text.unit(n, match[2]).size
             _check_peak(text, n, stated, own.size * values)
-    return Samples(
-        own.size * values, text.step(start, text.positive(start, "the step", block["step"])), own.unit
-    )
+    step = text.step(start, text.positive(start, "the step", block["step"]))
+    return Samples(own.size * values, step, own.unit)
 
 
 def _check_peak(text: RecordText, line: int, stated: float, acceleration: Array) -> None:
@@ -323,9 +320,8 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
     if separator is None and len(columns) == 1 and "," in body:
         whole = np.diff(np.trunc(values[:, 0]))
         if whole[0] > 0.0 and (whole == whole[0]).all():
-            raise text.error(
-                start + 1, "commas may part columns or decimals; part the columns with semicolons"
-            )
+            wrong = "commas may part columns or decimals; part the columns with semicolons"
+            raise text.error(start + 1, wrong)
     which = next(k for k, each in enumerate(columns) if each.quantity == "acceleration")
     acceleration = columns[which].size * values[:, which]
     times = next((k for k, each in enumerate(columns) if each.quantity == "time"), None)
@@ -373,7 +369,9 @@ def _described(text: RecordText, start: int, count: int, separator: str | None) 
         number, comment, heading = lines.pop()
         _refuse_damaged(text, number, comment, heading, separator)
         if lines and separator and _names_units(heading, separator):  # below a line of names
-            heading = _together(lines.pop()[2].split(separator), heading.split(separator), separator)
+            pairs = zip_longest(lines.pop()[2].split(separator), heading.split(separator), fillvalue="")
+            marked = (f"{name} [{own.strip(' ()[]')}]" if own.strip() else name for name, own in pairs)
+            heading = separator.join(marked)
         try:
             columns = [column(label) for label in labels(heading, count, separator)]
         except HeadingError as error:
@@ -387,16 +385,14 @@ def _described(text: RecordText, start: int, count: int, separator: str | None) 
     if columns is None:
         if count > 2:
             names = "such as t [s], a [g], v [m/s], d [m]"
-            raise text.error(
-                start + 1, f"{count} columns without a heading; write a line that names them, {names}"
-            )
+            wrong = f"{count} columns without a heading; write a line that names them, {names}"
+            raise text.error(start + 1, wrong)
         columns = [Column("time", "s", 1.0), Column("acceleration", "g", 1.0)][2 - count :]
     kinds = [each.quantity for each in columns]
     accelerations = kinds.count("acceleration")
     if not accelerations:
-        raise text.error(
-            number, f"the heading {heading[:SHOWN]!r} names {' and '.join(kinds)}; give accelerations"
-        )
+        wrong = f"the heading {heading[:SHOWN]!r} names {' and '.join(kinds)}; give accelerations"
+        raise text.error(number, wrong)
     if accelerations > 1:
         raise text.error(number, f"{accelerations} columns of accelerations; give a record of one component")
     if kinds.count("time") != (count > 1):
@@ -416,11 +412,6 @@ def _names_units(line: str, separator: str) -> bool:
     """Whether every cell of a line is a unit, or empty."""
     cells = [cell.strip(" ()[]") for cell in line.split(separator)]
     return any(cells) and all(unit(cell) is not None for cell in cells if cell)
-
-
-def _together(names: list[str], units: list[str], separator: str) -> str:
-    pairs = zip_longest(names, units, fillvalue="")
-    return separator.join(f"{name} [{own.strip(' ()[]')}]" if own.strip() else name for name, own in pairs)
 
 
 def _numeric(line: str) -> bool:
@@ -443,16 +434,15 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
 
 def _counted(text: RecordText, header: int, count: float, key: str) -> Array:
     """Read the values (n,) after the header, as many as the field `key` gives."""
-    values = _values(text, header, lambda line: _apart(line).split())
+    # numbers of fixed columns that touch are parted where a minus starts the next one
+    apart = (("-", " -"), ("E -", "E-"), ("e -", "e-"))
+    values = _values(
+        text, header, lambda line: reduce(lambda cut, each: cut.replace(*each), apart, line).split()
+    )
     if values.size != count:
         message = f"{values.size} values where {key} says {count:g}; the file was cut or edited: get it again"
         raise text.error(len(text.lines), message)
     return values
-
-
-def _apart(line: str) -> str:
-    """Part the numbers of fixed columns that touch, where a minus starts the next one."""
-    return line.replace("-", " -").replace("E -", "E-").replace("e -", "e-")
 
 
 def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) -> Array:

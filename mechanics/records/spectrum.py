@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mechanics.errors import ConvergenceError, require
-from mechanics.messages import Message, message
+from mechanics.messages import message
 from mechanics.records.record import Record
-from mechanics.types import GRAVITY, Array
+from mechanics.types import GRAVITY, Array, Mask
 
 STEPS_PER_PERIOD = (
     20  # with a parabola through the highest sample: 0.02 % of a sine's peak, 0.2 % under white noise
@@ -32,13 +32,11 @@ def response_spectrum(
     """
     a = np.asarray(acceleration_g, dtype=float)
     T = np.atleast_1d(np.asarray(periods, dtype=float))
-    require(
-        a.ndim == 1 and a.size > 1 and bool(np.isfinite(a).all()), "acceleration_g", a.shape, "finite, (n,)"
-    )
+    known = a.ndim == 1 and a.size > 1 and bool(np.isfinite(a).all())
+    require(known, "acceleration_g", a.shape, "finite, (n,)")
     require(0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
-    require(
-        T.ndim == 1 and bool((np.isfinite(T) & (T >= 0.0)).all()), "periods", periods, "zero or more, in s"
-    )
+    known = T.ndim == 1 and bool((np.isfinite(T) & (T >= 0.0)).all())
+    require(known, "periods", periods, "zero or more, in s")
     require(0.0 <= damping < 1.0, "damping", damping, "a fraction of critical in [0, 1)")
 
     S_a, S_d = np.full(T.size, np.abs(a).max()), np.zeros(T.size)
@@ -137,12 +135,8 @@ def compatible_record(
     require(0.0 < tolerance < 1.0, "tolerance", tolerance, "a fraction below 1")
     periods = np.geomspace(SHORTEST, LONGEST, PERIODS)
     target = np.asarray(spectrum(periods), dtype=float)
-    require(
-        target.shape == periods.shape and bool((np.isfinite(target) & (target > 0.0)).all()),
-        "spectrum",
-        target,
-        "a positive acceleration in g for each period",
-    )
+    fine = target.shape == periods.shape and bool((np.isfinite(target) & (target > 0.0)).all())
+    require(fine, "spectrum", target, "a positive acceleration in g for each period")
     time = time_step * np.arange(round(duration / time_step) + 1, dtype=float)
     intensity = _intensity(time, plateau)
     spacing = periods[1] / periods[0]  # the first periods outside the band count too: no gap at its ends
@@ -150,38 +144,26 @@ def compatible_record(
     random = np.random.default_rng(seed)
     error = np.inf
     for _ in range(ATTEMPTS):
-        motion, error = _matched(
-            random,
-            time=time,
-            intensity=intensity,
-            periods=periods,
-            target=target,
-            matched=matched,
-            tolerance=tolerance,
-        )
+        motion, error = _matched(random, time, intensity, periods, target, matched, tolerance)
         if error <= tolerance:
             return Record(motion, time_step, name)
-    raise ConvergenceError(_missed(seed, error, tolerance))
-
-
-def _missed(seed: int, error: float, tolerance: float) -> Message:
-    return message(
+    missed = message(
         "seed = {seed}: the last motion is within {error:.1%} of the spectrum, not {tolerance:.1%}; "
         "try another seed, a longer plateau or a wider tolerance",
         seed=seed,
         error=error,
         tolerance=tolerance,
     )
+    raise ConvergenceError(missed)
 
 
 def _matched(
     random: np.random.Generator,
-    *,
     time: Array,
     intensity: Array,
     periods: Array,
     target: Array,
-    matched: NDArray[np.bool_],
+    matched: Mask,
     tolerance: float,
 ) -> tuple[Array, float]:
     """Correct one draw of phases: the best motion (n,), g, and its largest relative error where `matched`."""

@@ -24,7 +24,7 @@ from assessment.analyses.checks.kinematics import (
     virtual_displacements,
     virtual_work,
 )
-from assessment.ntc.capacity_curve import CapacityCurve, capacity_curve
+from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
@@ -74,7 +74,7 @@ GIVEN = GivenTolerances()
 
 
 @dataclass(frozen=True)
-class Control:
+class ControlPoint:
     """A point (x, z) m, from the origin, of a block, and its horizontal displacement `delta_x` in a mechanism."""
 
     point: tuple[float, float]
@@ -142,12 +142,35 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
 def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, JointMotion, VirtualWork]:
     """Return the virtual displacements (b, 3) of a chosen mechanism, its motion in the joints and its virtual work.
 
-    Raises MechanismError as `evaluate`: what refuses a mechanism needs no analysis.
+    Raises MechanismError as `evaluate`, for a mechanism that cannot move, that no horizontal load starts, or that needs
+    none: what refuses a mechanism needs no analysis.
     """
     delta = virtual_displacements(model, positions, chosen)
-    motion = joint_motion(model, positions, delta)
-    work = virtual_work(model, positions, chosen)
-    _refuse(model, motion, lengthenings(model, positions, delta), work, delta)
+    motion, work = joint_motion(model, positions, delta), virtual_work(model, positions, chosen)
+    if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does
+        raise MechanismError(
+            message(
+                "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
+                "correct centres, rotations (anticlockwise positive) or the choice of blocks",
+                block=motion.pair[0],
+                other=motion.pair[1],
+                share=100.0 * motion.penetration,
+            )
+        )
+    for tie, more in zip(model.ties, lengthenings(model, positions, delta), strict=True):
+        if more > 0.0 and np.isinf(tie.yield_force):
+            raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
+                                         "mechanism that it allows", name=tie.name))  # fmt: skip
+    if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
+        raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
+    if work.alpha_0 <= 0.0:
+        raise MechanismError(
+            message(
+                "alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
+                "rotation",
+                alpha=work.alpha_0,
+            )
+        )
     return delta, motion, work
 
 
@@ -158,7 +181,7 @@ def evaluate(
     confidence_factor: float,
     demands: Mapping[str, Spectrum],
     method: Method,
-    controls: Mapping[str, Control] | None = None,
+    controls: Mapping[str, ControlPoint] | None = None,
     confidence_source: str = CONFIDENCE_FACTOR,
 ) -> parts.GivenMechanism:
     """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
@@ -206,32 +229,9 @@ def evaluate(
 
     by_hand = [*work.steps, *work.result_steps(), *others, participation]
     steps = [*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]
-    found = _given(model, chosen, delta, direction, work, capacity, control).replace(
-        penetration=motion.penetration,
-        sliding_joints=sliding,
-        met=met.joints,
-        notes=notes,
-        trace=lines(steps),
-    )
     checks = verify(capacity, demands, method)
     if capacity.d_0_star is None:  # the finite motion is not known
         checks = {name: check for name, check in checks.items() if check.method == "linear"}
-    return found.with_checks(checks_of(capacity, checks))
-
-
-def _given(
-    model: Assembly,
-    chosen: Chosen,
-    delta: Array,
-    direction: parts.Direction,
-    work: VirtualWork,
-    capacity: CapacityCurve,
-    control: Control,
-) -> parts.GivenMechanism:
-    """Return a mechanism with its displacements, those of blocks (b, 3) over the largest, and its capacity curve.
-
-    The curve is null where the finite motion is not known.
-    """
     return parts.GivenMechanism(
         name=chosen.name,
         state=chosen.state,
@@ -254,44 +254,17 @@ def _given(
             for part in chosen.parts
         ],
         displacements=(delta / abs(delta[:, :2]).max()).tolist(),
-    )
-
-
-def _refuse(model: Assembly, motion: JointMotion, longer: Array, work: VirtualWork, delta: Array) -> None:
-    """Raise MechanismError for a mechanism that cannot move, that no horizontal load starts, or that needs none.
-
-    Blocks penetrate by more than a hinge set back from the edge does; a tie that never yields would lengthen.
-    """
-    if motion.penetration > GIVEN.penetration:
-        one, other = motion.pair
-        raise MechanismError(
-            message(
-                "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
-                "correct centres, rotations (anticlockwise positive) or the choice of blocks",
-                block=one,
-                other=other,
-                share=100.0 * motion.penetration,
-            )
-        )
-    for tie, more in zip(model.ties, longer, strict=True):
-        if more > 0.0 and np.isinf(tie.yield_force):
-            raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
-                                         "mechanism that it allows", name=tie.name))  # fmt: skip
-    if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
-        raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
-    if work.alpha_0 <= 0.0:
-        raise MechanismError(
-            message(
-                "alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
-                "rotation",
-                alpha=work.alpha_0,
-            )
-        )
+        penetration=motion.penetration,
+        sliding_joints=sliding,
+        met=met.joints,
+        notes=[*notes],
+        trace=lines(steps),
+    ).with_checks(checks_of(capacity, checks))
 
 
 def followed(
-    model: Assembly, positions: Array, delta: Array, control: Control | None, sense: float
-) -> Control:
+    model: Assembly, positions: Array, delta: Array, control: ControlPoint | None, sense: float
+) -> ControlPoint:
     """Return the control point that is given, if it moves along the push, or the centroid that moves farthest along it.
 
     Its virtual displacement is that of the configuration at `positions` (b, 3).
@@ -304,10 +277,12 @@ def followed(
             return replace(control, delta_x=float(sense * own))
     block = int(np.argmax(along))
     x, z = positions[block, :2].tolist()
-    return Control((x, z), block, float(delta[block, 0]))
+    return ControlPoint((x, z), block, float(delta[block, 0]))
 
 
-def _fit(model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: Control) -> CurveFit:
+def _fit(
+    model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: ControlPoint
+) -> CurveFit:
     """Return α over the displacement of the control point, m, along the finite motion (C8.7.1.2.1.2)."""
     path = finite_motion(model, positions, chosen, hinges_of(chosen, closed))
     x, z = np.subtract(control.point, positions[control.block, :2])
@@ -395,12 +370,12 @@ def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
                 yield _of_mechanism(chosen.name, refusal)
 
 
-def _controls(project: Project, model: Assembly, positions: Array) -> dict[str, Control]:
+def _controls(project: Project, model: Assembly, positions: Array) -> dict[str, ControlPoint]:
     """Return the control point of each pushover direction at its place in a configuration (b, 3)."""
-    found: dict[str, Control] = {}
+    found: dict[str, ControlPoint] = {}
     for direction in project.pushover.directions if project.pushover else ():
         point = project.pushover_control(direction).point_m
         block = model.block_at(point)
         x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
-        found[direction] = Control((x, z), block)
+        found[direction] = ControlPoint((x, z), block)
     return found

@@ -16,10 +16,9 @@ import numpy as np
 
 from assessment.analyses.checks.capacity import Assessed, other_mechanism, refused, towards
 from assessment.analyses.found import Found, in_increments
-from assessment.analyses.static.paths import Settled
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.results.schema import State
-from assessment.results.schema.checks import Capacity, Direction
+from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import Part, known
 from assessment.results.schema.static import Contacts, ElasticPush, Pushovers, RigidPush
 from assessment.results.table import cells, indices
@@ -175,7 +174,9 @@ def governed(name: str, state: State, runs: Sequence[Run], assess: Assess) -> Go
         same = (stage.moved for run in runs for stage in run if stage.behaviour == own.behaviour)
         moves = [moved for moved in same if moved is not None and moved.value is not None]
         if moves:
-            least, paths = _least_movement(moves), [known(each.value).path for each in moves]
+            paths = [known(each.value).path for each in moves]
+            ends = [inf if path.ultimate_movement_m is None else path.ultimate_movement_m for path in paths]
+            least = moves[ends.index(min(ends))]
             path = known(least.value).path
             pushdown[own.behaviour] = _ranged(path, ("ultimate_movement_m",), paths)
             found.warnings.extend(least.warnings)
@@ -194,8 +195,12 @@ def governed(name: str, state: State, runs: Sequence[Run], assess: Assess) -> Go
         value = checked[number].value
         pushover[direction] = _with_curves(value.curves if value else followed[number], number, followed)
         if value is not None:
-            others = [each.value.capacity for each in checked if each.value]
-            capacity[direction] = _with_ranges(value.capacity, others)
+            others = [each.value.capacity.checks for each in checked if each.value]
+            ranged = {
+                check: _ranged(part, CHECKED, [each[check] for each in others if check in each])
+                for check, part in value.capacity.checks.items()
+            }
+            capacity[direction] = value.capacity.with_checks(ranged)
         notes = [
             towards(direction, each) for each in (*_refusals(checked, len(runs)), *checked[number].warnings)
         ]
@@ -225,12 +230,6 @@ def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]
     return min(agreeing, key=lambda k: d_0[k])
 
 
-def _least_movement(moves: Sequence[Found[Settled]]) -> Found[Settled]:
-    """Return the movement of the run with the least ultimate one; the first where none has one."""
-    ultimate = [known(each.value).path.ultimate_movement_m for each in moves]
-    return min(zip(moves, ultimate, strict=True), key=lambda each: inf if each[1] is None else each[1])[0]
-
-
 def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> Pushovers:
     """Return the curves of the run of that number, with the ranges of all and the curves of the others."""
     if len(runs) == 1:
@@ -243,16 +242,6 @@ def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> P
         others = [each.curve for k, each in numbered if k != number]
         found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, [each for _, each in numbered])
     return chosen.replace(**found)
-
-
-def _with_ranges(governing: Capacity, runs: Sequence[Capacity]) -> Capacity:
-    """Return the capacity of the governing run with the range of each of its checks over the runs."""
-    return governing.with_checks(
-        {
-            name: _ranged(check, CHECKED, [each.checks[name] for each in runs if name in each.checks])
-            for name, check in governing.checks.items()
-        }
-    )
 
 
 def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part]) -> Ranged:

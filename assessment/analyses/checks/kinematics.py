@@ -109,22 +109,15 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
         lines.append(step(symbol, formula, value, unit, _WORK, **{n: known[n] for n in names(formula)}))
     stretched = lengthenings(model, positions, delta)
     yielding = [(tie.yield_force, float(e)) for tie, e in zip(model.ties, stretched, strict=True) if e > 0.0]
-    lines += _tie_lines(yielding)
-    return VirtualWork(dead, lateral, total, second, tuple(lines), sum(ties))
-
-
-def _tie_lines(yielding: list[tuple[float, float]]) -> list[Step]:
-    """Return the work of ties from their yield forces (kN) and virtual lengthenings (m)."""
-    lines: list[Step] = []
     for k, (force, more) in enumerate(yielding, 1):
         lines.append(datum(f"F_{k}", force, "kN", _TIE))
         lines.append(datum(f"e_{k}", more, "m", "virtual lengthening of the tie"))
     if yielding:
         formula = " + ".join(f"F_{k}*e_{k}" for k in range(1, len(yielding) + 1))
         known = {line.symbol: line.result for line in lines}
-        total = sum(force * more for force, more in yielding)
-        lines.append(step("L_F", formula, total, "kN·m", _WORK, **{n: known[n] for n in names(formula)}))
-    return lines
+        total_ties = sum(force * more for force, more in yielding)
+        lines.append(step("L_F", formula, total_ties, "kN·m", _WORK, **{n: known[n] for n in names(formula)}))
+    return VirtualWork(dead, lateral, total, second, tuple(lines), sum(ties))
 
 
 def _macro_block(k: int, part: MacroBlock, model: Assembly, positions: Array) -> list[Step]:
@@ -197,7 +190,7 @@ class Hinge:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FiniteMotion:
     """A finite motion: positions (k, b, 3) and multipliers (k,), the first as given, the last not above zero."""
 
     positions: Array
@@ -235,7 +228,7 @@ def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], clos
     return False
 
 
-def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> Motion:
+def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> FiniteMotion:
     """Follow a mechanism from `positions` (b, 3) until its multiplier is zero.
 
     Raises KinematicsError if the hinges allow no motion or more than one, and if other blocks stop the motion.
@@ -264,7 +257,7 @@ def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: lis
             message("its hinges do not stay closed as it moves: there are more of them than it can keep")
         )
     _unhindered(model, at, parts.blocks)
-    return Motion(np.array(at), np.array(alpha))
+    return FiniteMotion(np.array(at), np.array(alpha))
 
 
 @dataclass(frozen=True, eq=False)

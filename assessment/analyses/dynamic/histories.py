@@ -81,7 +81,7 @@ def scatter_of(project: Project) -> Scatter:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class Track:
     """The control displacement (k,) m of a member at times (k,) s, and whether the motion ends in collapse."""
 
     time: Array
@@ -94,7 +94,7 @@ class Course:
         return sustained_peak(self.displacement, self.collapsed)
 
 
-def agree(one: Course, other: Course, tolerance: float, size: float) -> bool:
+def agree(one: Track, other: Track, tolerance: float, size: float) -> bool:
     """Whether two members are the same motion: both collapse or neither, and their courses agree up to the peak.
 
     `tolerance`: of their distance at any time, relative to the peak; `size` (m): of the model. Equal peaks alone might
@@ -109,7 +109,7 @@ def agree(one: Course, other: Course, tolerance: float, size: float) -> bool:
     return float(abs(apart).max()) <= max(tolerance * peak, NOISE * size)
 
 
-def enough(courses: Sequence[Course], scatter: Scatter, size: float) -> bool:
+def enough(courses: Sequence[Track], scatter: Scatter, size: float) -> bool:
     """Whether the members run so far suffice: their first pair agrees, or all are run."""
     if len(courses) >= scatter.members:
         return True
@@ -134,7 +134,7 @@ def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[FoundHist
     tables = zip(inputs.project.history, motions, strict=True)
     tasks = [task for table, motion in tables for task in inputs.tasks(table, [motion])]
     tasks.sort(key=lambda task: states.index(task.state))
-    studies = [Study(task, accuracy, scatter) for task in tasks]
+    studies = [HistoryStudy(task, accuracy, scatter) for task in tasks]
     rounds = [[0]]  # halvings of the time step that are run together
     if accuracy.tolerance is not None:
         rounds = [list(range(LEVELS)), *([level] for level in range(LEVELS, accuracy.halvings + 1))]
@@ -145,7 +145,7 @@ def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[FoundHist
     return [study.result() for study in studies]
 
 
-def _run(inputs: MotionInputs, wanted: Sequence[tuple[Study, int, int]]) -> None:
+def _run(inputs: MotionInputs, wanted: Sequence[tuple[HistoryStudy, int, int]]) -> None:
     """Run members of studies side by side."""
     tasks = [(study.at(level, member),) for study, level, member in wanted]
     for (study, level, member), found in zip(wanted, inputs.each("history", history, tasks), strict=True):
@@ -253,7 +253,7 @@ class Refinement:
 
 
 @dataclass
-class Study:
+class HistoryStudy:
     """One history: its members, by halvings of the time step, then by their place among the amplitudes."""
 
     task: Shaking
@@ -388,12 +388,12 @@ def peak(result: FoundHistory) -> float | None:
     return None if result.numbers.collapsed else result.numbers.peak_displacement_m
 
 
-def _course(member: FoundHistory) -> Course:
+def _course(member: FoundHistory) -> Track:
     curve = known(member.numbers.curve)
-    return Course(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
+    return Track(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
 
 
-def _courses(members: dict[int, FoundHistory]) -> list[Course]:
+def _courses(members: dict[int, FoundHistory]) -> list[Track]:
     return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 

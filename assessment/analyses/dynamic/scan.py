@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from assessment.analyses.dynamic.histories import Course, Scatter, enough, lowest_median_highest
+from assessment.analyses.dynamic.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.dynamic.time_history import Response, Setting, respond, thinned
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
 from mechanics import Assembly, ConvergenceError, State
@@ -274,7 +274,7 @@ class _Motions:
 
 
 @dataclass(frozen=True, eq=False)
-class _Member(Course):
+class _Member(Track):
     """A motion: when it ended (s of the window), why it `fell`, and the share of the integrator."""
 
     end: float

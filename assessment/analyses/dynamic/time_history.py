@@ -143,7 +143,15 @@ def respond(
     while len(parts) <= TAILS and _goes_on(model, parts, to_rest and table.contacts == "rigid"):
         with stretch(record if len(parts) == 1 else 1.0, 1.0):
             parts.append(run(free, None, parts[-1].final, None))
-    return _joined(parts)
+    time, displacement = parts[0].time, known(parts[0].displacement)
+    for part in parts[1:]:
+        time = np.concatenate([time, time[-1] + part.time[1:]])
+        displacement = np.concatenate([displacement, displacement[-1] + known(part.displacement)[1:]])
+    positions, forces = (
+        np.concatenate([getattr(parts[0], name), *(getattr(part, name)[1:] for part in parts[1:])])
+        for name in ("positions", "forces")
+    )
+    return Response(time, displacement, positions, forces, tuple(parts))
 
 
 def speed_at_end(model: Assembly, last: TimeHistory) -> float:
@@ -170,21 +178,6 @@ def _goes_on(model: Assembly, parts: list[TimeHistory], to_rest: bool) -> bool:
     lowest = float(stored[-len(last.time) :].min())
     left = float(stored[-1] + last.energy.kinetic[-1]) - lowest
     return left >= SPENT * (float(stored.max()) - lowest)
-
-
-def _joined(parts: list[TimeHistory]) -> Response:
-    """Return the runs joined, times and displacements continued."""
-    time, displacement = parts[0].time, parts[0].displacement
-    for part in parts[1:]:
-        assert displacement is not None and part.displacement is not None
-        time = np.concatenate([time, time[-1] + part.time[1:]])
-        displacement = np.concatenate([displacement, displacement[-1] + part.displacement[1:]])
-    assert displacement is not None
-    positions, forces = (
-        np.concatenate([getattr(parts[0], name), *(getattr(part, name)[1:] for part in parts[1:])])
-        for name in ("positions", "forces")
-    )
-    return Response(time, displacement, positions, forces, tuple(parts))
 
 
 Start = State | Message

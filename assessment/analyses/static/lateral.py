@@ -77,8 +77,14 @@ def rigid_push(
     """
     at, met = path.states[path.formed], Met(model)
     point = path.formed
-    moving = _Moving(point, float(path.multiplier[point]), at, path.mechanism, path.contacts, path.forces)
+    moving = _AtPoint(point, float(path.multiplier[point]), at, path.mechanism, path.contacts, path.forces)
     mechanism = _mechanism(model, control, met, moving)
+    delta = np.array(mechanism.displacements)
+    by_work = virtual_work_multiplier(model, delta, direction)
+    if model.ties:  # those that yield do work too
+        pulled, longer = tensions(model, path.forces), lengthenings(model, at.positions, delta)
+        lateral = float((model.lateral_load(direction) * delta)[model.movable].sum())
+        by_work += float(np.where(yielding(model, pulled), pulled, 0.0) @ longer) / lateral
     found = RigidPush(
         alpha_0=float(path.multiplier[path.peak]),
         alpha_onset=float(path.multiplier[0]),
@@ -92,7 +98,7 @@ def rigid_push(
         curve=_curve(path, direction),
         d_star_m=_way_of_blocks(model, direction, path, mechanism),
         mechanism=mechanism,
-        virtual_work_alpha=finite(_virtual_work(model, direction, path, np.array(mechanism.displacements))),
+        virtual_work_alpha=finite(by_work),
         mechanism_configuration=configuration(model, at),
         final_configuration=configuration(model, path.states[-1]),
         frames=pushover_frames(model, path, met),
@@ -100,7 +106,7 @@ def rigid_push(
     if path.formed:
         first = limit_in(model, direction, path.states[0], sliding)
         begins = float(path.multiplier[0])
-        moving = _Moving(0, begins, path.states[0], first.mechanism, first.contacts, first.forces)
+        moving = _AtPoint(0, begins, path.states[0], first.mechanism, first.contacts, first.forces)
         found = found.replace(onset=_mechanism(model, control, met, moving))
     carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
     carried[path.formed] = path.forces
@@ -123,7 +129,9 @@ def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: 
 
     A check against the standard replaces the yield point by that of the capacity curve that it fits.
     """
-    yields = _yield_point(path)
+    yields = None  # where the control point does not advance as the load grows
+    with suppress(CapacityError):
+        yields = yield_point((path.displacement, path.multiplier))
     found = ElasticPush(
         alpha_u=float(path.multiplier[path.peak]),
         d_u_m=float(path.displacement[path.peak]),
@@ -144,15 +152,7 @@ def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: 
     return found.replace(ties=ties) if ties else found
 
 
-def _yield_point(path: Pushover) -> tuple[float, float] | None:
-    """Return d_y (m) and α_y of an elastic curve; None where the control point does not advance as the load grows."""
-    try:
-        return yield_point((path.displacement, path.multiplier))
-    except CapacityError:
-        return None
-
-
-class _Moving(NamedTuple):
+class _AtPoint(NamedTuple):
     """What moves at a point of a curve: virtual displacements (b, 3), contacts and the forces (j, 3) in them."""
 
     point: int
@@ -163,13 +163,22 @@ class _Moving(NamedTuple):
     forces: NDArray[np.float64]
 
 
-def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _Moving) -> Mechanism:
+def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _AtPoint) -> Mechanism:
     """Return a mechanism; pairs of faces that slide in it although they did not touch as drawn are added to `met`."""
     point, alpha, at, moved, contacts, forces = moving
-    displacements, control_dx = _scaled(model, control, at, moved)
+    block, fastest = model.block_at(control.point_m), float(abs(moved[:, :2]).max())
+    small = 1e-6 * model.size / fastest
+    shift = model.point_displacement(control.point_m, block, at.positions + small * moved)
+    rate = float((shift - model.point_displacement(control.point_m, block, at.positions))[0]) / small
+    # 1 m of the control point along ±x; if that takes no part, the largest displacement is 1 m
+    size = abs(rate) if abs(rate) > STILL * fastest else fastest
+    displacements, control_dx = moved / size, rate / size
     found = hinges(model, contacts, at, displacements, forces)
     slides = np.isin(np.arange(len(contacts)), found.sliding)
-    e_star, gamma_star = _participation(model, displacements, control_dx)
+    e_star = gamma_star = None  # where they are not defined the capacity is refused later, with its reason
+    with suppress(CapacityError):
+        e_star = mass_share(model, displacements)
+        gamma_star = mechanism_participation(model, displacements, control_dx).gamma_star
     return Mechanism(
         point=point,
         alpha=alpha,
@@ -204,19 +213,6 @@ def _way_of_blocks(
     return way
 
 
-def _virtual_work(
-    model: Assembly, direction: Direction, path: Pushover, mechanism: NDArray[np.float64]
-) -> float:
-    """Return the multiplier of virtual displacements (b, 3) at α0 by the work of weights, and of ties that yield."""
-    by_weights = virtual_work_multiplier(model, mechanism, direction)
-    if not model.ties:
-        return by_weights
-    pulled = tensions(model, path.forces)
-    longer = lengthenings(model, path.states[path.formed].positions, mechanism)
-    lateral = float((model.lateral_load(direction) * mechanism)[model.movable].sum())
-    return by_weights + float(np.where(yielding(model, pulled), pulled, 0.0) @ longer) / lateral
-
-
 def _other_law(
     found: RigidPush, model: Assembly, control: ControlTable, direction: Direction, path: Pushover, met: Met
 ) -> OtherLaw | None:
@@ -231,7 +227,7 @@ def _other_law(
             limit = limit_in(model, direction, path.states[point], law)
         except (NoEquilibriumError, ConvergenceError):  # the curve has its own multiplier
             return None
-        moving[point] = _Moving(
+        moving[point] = _AtPoint(
             point, limit.alpha, path.states[point], limit.mechanism, limit.contacts, limit.forces
         )
     own = {0: found.alpha_onset, path.formed: found.mechanism.alpha}
@@ -242,33 +238,6 @@ def _other_law(
     if not path.formed:
         return other
     return other.replace(alpha_onset=moving[0].alpha, onset=_mechanism(model, control, met, moving[0]))
-
-
-def _scaled(
-    model: Assembly, control: ControlTable, at: State, mechanism: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
-    """Return virtual displacements (b, 3) scaled to 1 m of the control point along ±x, and its own displacement.
-
-    If the control point takes no part, the largest displacement is 1 m.
-    """
-    block, fastest = model.block_at(control.point_m), float(abs(mechanism[:, :2]).max())
-    small = 1e-6 * model.size / fastest
-    shift = model.point_displacement(control.point_m, block, at.positions + small * mechanism)
-    rate = float((shift - model.point_displacement(control.point_m, block, at.positions))[0]) / small
-    size = abs(rate) if abs(rate) > STILL * fastest else fastest
-    return mechanism / size, rate / size
-
-
-def _participation(
-    model: Assembly, mechanism: NDArray[np.float64], control_dx: float
-) -> tuple[float | None, float | None]:
-    """Return e* and Γ*; None where they are not defined: the capacity is refused later, with its reason."""
-    e_star = None
-    try:
-        e_star = mass_share(model, mechanism)
-        return e_star, mechanism_participation(model, mechanism, control_dx).gamma_star
-    except CapacityError:
-        return e_star, None
 
 
 def _curve(path: Pushover, direction: Direction) -> Curve:

@@ -299,6 +299,11 @@ def _pushdown_path(
     whole = _whole(model, settlement)
     falls = path.ultimate is not None
     lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
+    along = None
+    if control:  # displacements (k, 2) of the control point from the beginning of the path, m
+        point, block = control.point_m, model.block_at(control.point_m)
+        moved_to = [model.point_displacement(point, block, state.positions) for state in path.states]
+        along = [(each - moved_to[0]).tolist() for each in moved_to]
     found = PushdownPath(
         sliding=sliding,
         movement_m=path.movement.tolist(),
@@ -310,7 +315,7 @@ def _pushdown_path(
         end=path.end,
         configuration=configuration(model, path.final),
         ultimate_configuration=configuration(model, path.states[-1]) if falls else None,
-        control_displacement_m=_control_path(model, control, path) if control else None,
+        control_displacement_m=along,
         frames=pushdown_frames(model, path, whole),
     )
     asked = int(np.argmin(abs(path.movement - whole)))
@@ -322,13 +327,3 @@ def _pushdown_path(
     moved = list(np.diff([state.positions for state in path.states], axis=0))
     known = determined(model, [*(moved[:1] or [np.zeros_like(path.states[0].positions)]), *moved])
     return found.replace(ties=along_path(model, carried, asked, None, known))
-
-
-def _control_path(model: Assembly, control: ControlTable, path: Pushdown) -> list[list[float]]:
-    """Return the displacement (k, 2) of the control point from the beginning of the path, m."""
-    block = model.block_at(control.point_m)
-    start = model.point_displacement(control.point_m, block, path.states[0].positions)
-    return [
-        (model.point_displacement(control.point_m, block, state.positions) - start).tolist()
-        for state in path.states
-    ]

@@ -92,11 +92,7 @@ def asked_for(
             run_sign, place = signs[0] if one_sign else sign, (path, motion.name, sign)
             after = before.get(place) or before.get(motion.name) or (found[0] if found else None)
             turned = replace(shaking, motion=replace(motion, record=motion.record.scaled(float(run_sign))))
-            own = (
-                reach
-                if not reach.stripes
-                else replace(reach, stripes=tuple(x / ratio for x in reach.stripes))
-            )
+            own = replace(reach, stripes=tuple(level / ratio for level in reach.stripes))
             before[place] = Asked(turned, sign, run_sign, own, after, ratio, state)
             before.setdefault(motion.name, before[place])
             found.append(before[place])
@@ -120,7 +116,14 @@ class Scans:
                 new.setdefault(each.key, each)
         wanted = sorted(new.values(), key=lambda each: -each.shaking.motion.record.acceleration.size)
         numbers = {each.key: number for number, each in enumerate(wanted)}
-        tasks = [self._task(each, halvings, numbers) for each in wanted]
+        campaign = self.project.campaign
+        curves, scatter = (campaign.curve_members if campaign else None) or (), scatter_of(self.project)
+        tasks: list[tuple[Any, ...]] = []
+        for each in wanted:
+            of, motion, near = each.shaking, each.shaking.motion, self._near(each, numbers)
+            for _ in range(halvings):
+                motion = motion.at_half_step()
+            tasks.append((of.model, motion, of.setting, of.start, scatter, each.reach, near, curves))
         samples = [task[1].record.acceleration.size for task in tasks]
         work = EXPECTED * sum(len(task[0].contacts) * n for task, n in zip(tasks, samples, strict=True))
         titles = [each.title for each in wanted]
@@ -128,20 +131,14 @@ class Scans:
         for each, found in zip(wanted, done, strict=True):
             self.found.setdefault(each.key, {})[halvings] = found
 
-    def _task(self, asked: Asked, halvings: int, numbers: Mapping[str, int]) -> tuple[Any, ...]:
-        shaking, motion = asked.shaking, asked.shaking.motion
-        near: float | From | None = None
-        for _ in range(halvings):
-            motion = motion.at_half_step()
+    def _near(self, asked: Asked, numbers: Mapping[str, int]) -> float | From | None:
+        """Return the level that a scan begins at, or which of the tasks it is taken `From`."""
         known = [each for each in (asked, asked.after) if each is not None and each.key in self.found]
         if known:
-            near = level_found(self.of(known[0]))
-        elif asked.after is not None and asked.after.key in numbers and not asked.reach.stripes:
-            near = From(numbers[asked.after.key], level_found)
-        campaign = self.project.campaign
-        curves = (campaign.curve_members if campaign else None) or ()
-        start = (shaking.model, motion, shaking.setting, shaking.start, scatter_of(self.project))
-        return (*start, asked.reach, near, curves)
+            return level_found(self.of(known[0]))
+        if asked.after is not None and asked.after.key in numbers and not asked.reach.stripes:
+            return From(numbers[asked.after.key], level_found)
+        return None
 
     def _by_step(self, asked: Asked) -> dict[int, Scan]:
         """The scans of what is asked for, by halvings of the time step."""

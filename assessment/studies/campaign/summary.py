@@ -75,10 +75,8 @@ def fragility_of(
     if table.levels_g:
         fit = _of_stripes([each for each, _ in known], scans, table.levels_g)
     elif known and len(levels) == len(known):
-        by_measure = [
-            replace(x, level=x.level * each.ratio) for (each, _), x in zip(known, levels, strict=True)
-        ]
-        fit = over_records(by_measure)
+        ratio = (each.ratio for each, _ in known)
+        fit = over_records([replace(x, level=x.level * by) for by, x in zip(ratio, levels, strict=True)])
     numbers = fitted(fit)
     if table.levels_g:
         numbers |= {"beta_record": None, "beta_ensemble": None}

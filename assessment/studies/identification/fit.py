@@ -166,16 +166,13 @@ def best_length(share: Array, residual: Array) -> tuple[float, float]:
     return float(share[k] + part[k] * (share[k + 1] - share[k])), float(squares[k])
 
 
-def refined(
-    unknowns: Unknowns, start: Array, residual: Array, predict: Predict, tolerances: FitTolerances = FIT
-) -> Fit:
+def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict) -> Fit:
     """Return the fit near the values `start` (n,), m, whose residuals over σ (m,) are given."""
     u, stopped = start, False
-    jacobian = _jacobian(unknowns, u, residual, predict, tolerances)
-    for _ in range(tolerances.iterations):
+    jacobian = _jacobian(unknowns, u, residual, predict)
+    for _ in range(FIT.iterations):
         trials = [
-            unknowns.bounded(u + _step(unknowns, u, residual, jacobian, damping, tolerances))
-            for damping in tolerances.dampings
+            unknowns.bounded(u + _step(unknowns, u, residual, jacobian, damping)) for damping in FIT.dampings
         ]
         found = predict(trials)
         stopped = any(each is None for each in found)
@@ -191,18 +188,16 @@ def refined(
         gained = float(residual @ residual) - square
         residual = np.asarray(found[number])
         u = trials[number]
-        jacobian = _jacobian(unknowns, u, residual, predict, tolerances)
-        short = length < max(tolerances.step * float(np.linalg.norm(u)), tolerances.least)
-        if short or gained < tolerances.gain * max(square, tolerances.exact):
+        jacobian = _jacobian(unknowns, u, residual, predict)
+        short = length < max(FIT.step * float(np.linalg.norm(u)), FIT.least)
+        if short or gained < FIT.gain * max(square, FIT.exact):
             break
-    return Fit(u, residual, _slopes(unknowns, u, residual, predict, tolerances), stopped)
+    return Fit(u, residual, _slopes(unknowns, u, residual, predict), stopped)
 
 
-def _jacobian(
-    unknowns: Unknowns, u: Array, residual: Array, predict: Predict, tolerances: FitTolerances
-) -> Array:
+def _jacobian(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> Array:
     """Return the derivatives (m, n), 1/m, by central differences; one-sided at a bound, or where one side falls."""
-    size = _difference(u, tolerances)
+    size = _difference(u)
     sides = [
         np.array([unknowns.bounded(u + sign * size * unit) for sign in (1.0, -1.0)])
         for unit in np.eye(len(u))
@@ -224,20 +219,18 @@ def _jacobian(
     return np.array(columns).T
 
 
-def _difference(u: Array, tolerances: FitTolerances) -> float:
+def _difference(u: Array) -> float:
     """Return the step of finite differences, m."""
-    return max(tolerances.difference * float(np.linalg.norm(u)), tolerances.least)
+    return max(FIT.difference * float(np.linalg.norm(u)), FIT.least)
 
 
-def _slopes(
-    unknowns: Unknowns, u: Array, residual: Array, predict: Predict, tolerances: FitTolerances
-) -> tuple[tuple[Array, ...], ...]:
+def _slopes(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> tuple[tuple[Array, ...], ...]:
     """Return the slopes (m,), 1/m, of each unknown on either side of `u` (n,); where both agree, their mean alone.
 
     A side whose slopes over two successive steps differ has a jump or a kink in the first one: where the other side has
     none it is left out; where it has one too, the slopes of the second steps count.
     """
-    size = _difference(u, tolerances)
+    size = _difference(u)
     steps = [
         (k, sign, np.array([unknowns.bounded(u + n * sign * size * unit) for n in (1, 2)]))
         for k, unit in enumerate(np.eye(len(u)))
@@ -251,29 +244,25 @@ def _slopes(
             continue
         near = (first - residual) / (sign * size)
         far = near if second is None else (second - first) / (sign * size)
-        (smooth if _alike(near, far, tolerances) else beyond)[k].append(far)
-    return tuple(
-        _distinct(sides or others, residual, tolerances) for sides, others in zip(smooth, beyond, strict=True)
-    )
+        (smooth if _alike(near, far) else beyond)[k].append(far)
+    return tuple(_distinct(sides or others, residual) for sides, others in zip(smooth, beyond, strict=True))
 
 
-def _alike(one: Array, other: Array, tolerances: FitTolerances) -> bool:
+def _alike(one: Array, other: Array) -> bool:
     largest = max(np.linalg.norm(one), np.linalg.norm(other))
-    return bool(np.linalg.norm(one - other) <= tolerances.smooth * largest)
+    return bool(np.linalg.norm(one - other) <= FIT.smooth * largest)
 
 
-def _distinct(sides: list[Array], residual: Array, tolerances: FitTolerances) -> tuple[Array, ...]:
+def _distinct(sides: list[Array], residual: Array) -> tuple[Array, ...]:
     """Return the slopes (m,) of the sides, the flatter one first, or their mean; of none, those of no effect."""
     if not sides:
         return (np.zeros_like(residual),)
-    if len(sides) == 2 and _alike(sides[0], sides[1], tolerances):
+    if len(sides) == 2 and _alike(sides[0], sides[1]):
         return (0.5 * (sides[0] + sides[1]),)
     return tuple(sorted(sides, key=lambda slope: float(np.linalg.norm(slope))))
 
 
-def kinks(
-    unknowns: Unknowns, fit: Fit, error: Array, predict: Predict, tolerances: FitTolerances = FIT
-) -> Mask:
+def kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> Mask:
     """Return whether the prediction has a kink within a standard error `error` (n,), m, below and above: (n, 2).
 
     There what is predicted departs by more than `linear` from its linear part. Unknowns without an error, and movements
@@ -290,19 +279,17 @@ def kinks(
         far = end[k] - fit.u[k]
         if shown is not None and far != 0.0:
             departs = [np.linalg.norm(shown - fit.residual - far * slope) for slope in fit.slopes[k]]
-            found[k, side] = min(departs) > tolerances.linear
+            found[k, side] = min(departs) > FIT.linear
     return found
 
 
-def _step(
-    unknowns: Unknowns, u: Array, residual: Array, jacobian: Array, damping: float, tolerances: FitTolerances
-) -> Array:
+def _step(unknowns: Unknowns, u: Array, residual: Array, jacobian: Array, damping: float) -> Array:
     """Return the damped step (n,), m; unknowns that it would take over their bound stay on it."""
     free = np.ones(len(u), dtype=bool)
     step = np.zeros(len(u))
     for _ in range(len(u)):
         step = np.where(free, 0.0, unknowns.bounded(u) - u)
-        step[free] = _least_squares(jacobian[:, free], -residual - jacobian @ step, damping, tolerances)
+        step[free] = _least_squares(jacobian[:, free], -residual - jacobian @ step, damping)
         over: Mask = free & unknowns.falling & (u + step > 0.0) & (u >= 0.0)
         if not over.any() or over.sum() == free.sum():
             break
@@ -310,12 +297,12 @@ def _step(
     return step
 
 
-def _least_squares(jacobian: Array, target: Array, damping: float, tolerances: FitTolerances) -> Array:
+def _least_squares(jacobian: Array, target: Array, damping: float) -> Array:
     """Return the shortest x that minimises |J x − target|² + damping · s₁² |x|², s₁ the largest singular value."""
     left, s, right = np.linalg.svd(jacobian, full_matrices=False)
     if not s.size or s[0] == 0.0:
         return np.zeros(jacobian.shape[1])
-    kept = s > tolerances.singular * s[0]
+    kept = s > FIT.singular * s[0]
     factor = np.divide(s, s**2 + damping * s[0] ** 2, out=np.zeros_like(s), where=kept)
     found: Array = right.T @ (factor * (left.T @ target))
     return found

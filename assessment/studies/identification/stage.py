@@ -12,6 +12,7 @@ from functools import reduce
 import numpy as np
 from scipy.special import gammaincc
 
+from assessment.analyses.found import as_part
 from assessment.analyses.static.paths import configuration, quality_row
 from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
@@ -70,13 +71,10 @@ def kinked_components(unknowns: Unknowns, kinked: Mask) -> list[Message]:
 
 def _together(unknowns: Unknowns, direction: Array) -> Message:
     """Return the components that can change together along a direction (n,)."""
-    parts = [
-        _component(support, name)
-        for (support, name), part in zip(unknowns.components, direction, strict=True)
-        if abs(part) > IN_IT
-    ]
+    pairs = zip(unknowns.components, direction, strict=True)
+    names = [_component(*each) for each, part in pairs if abs(part) > IN_IT]
     return reduce(
-        lambda first, second: message("{first} together with {second}", first=first, second=second), parts
+        lambda first, second: message("{first} together with {second}", first=first, second=second), names
     )
 
 
@@ -247,7 +245,7 @@ class Measured:
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
+class MovementSearch:
     """How movements are followed: model, law of sliding, gauges and measured values, processes; messages to `study`.
 
     `stopped`: why paths of a hypothesis could not be followed to their end, other than by a collapse.
@@ -331,12 +329,20 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     assert project.identification is not None
     found = gauges(project, model)
     lever = 0.5 * float(np.ptp(drawn_extent(model), axis=0).max())
-    search = Search(model, project.contacts.sliding, measured(project, found, lever), workers, study)
-    asked = [
-        unknowns_of(each, lever, project.identification.downward_only)
-        for each in project.identification.hypotheses
-    ]
-    hypotheses = _all_explained(project, search, asked)
+    search = MovementSearch(model, project.contacts.sliding, measured(project, found, lever), workers, study)
+    table = project.identification
+    asked = [unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
+    show, workers.show = workers.show, SILENCE  # one line of progress for all of their many short paths
+    show.begin("identification", len(asked), 0, float(len(asked)))
+    hypotheses: list[parts.Explanation] = []
+    try:
+        for unknowns in asked:
+            show.under_way(unknowns.title)
+            hypotheses.append(_explained(project, search, unknowns))
+            show.advance(float(len(hypotheses)))
+    finally:
+        workers.show = show
+    show.end()
     known = [each.aic for each in hypotheses if each.aic is not None]
     least = min(known, default=math.nan)
     alike = [each.aic is not None and math.isclose(each.aic, least, abs_tol=1e-6) for each in hypotheses]
@@ -368,24 +374,7 @@ def measured(project: Project, found: Sequence[Gauge], lever: float) -> Measured
     return Measured(tuple(found), value, sigma, largest)
 
 
-def _all_explained(project: Project, search: Search, asked: Sequence[Unknowns]) -> list[parts.Explanation]:
-    """Return the best movement of each hypothesis; one line of progress for all of their many short paths."""
-    workers = search.workers
-    show, workers.show = workers.show, SILENCE
-    show.begin("identification", len(asked), 0, float(len(asked)))
-    found: list[parts.Explanation] = []
-    try:
-        for unknowns in asked:
-            show.under_way(unknowns.title)
-            found.append(_explained(project, search, unknowns))
-            show.advance(float(len(found)))
-    finally:
-        workers.show = show
-    show.end()
-    return found
-
-
-def _explained(project: Project, search: Search, unknowns: Unknowns) -> parts.Explanation:
+def _explained(project: Project, search: MovementSearch, unknowns: Unknowns) -> parts.Explanation:
     """Return the best movement of one hypothesis."""
     fit, n = search.best(unknowns), len(unknowns)
     freedom = len(project.measurement) - n
@@ -397,8 +386,16 @@ def _explained(project: Project, search: Search, unknowns: Unknowns) -> parts.Ex
         )  # fmt: skip
     sure = sureness(fit, search.measured.largest)
     rows = [
-        _fitted(each, float(residual))
-        for each, residual in zip(project.measurement, fit.residual, strict=True)
+        as_part(
+            parts.Fitted,
+            each,
+            measurement=each.name,
+            predicted=each.value + residual * each.sigma,
+            measured=each.value,
+            residual=residual * each.sigma,
+            residual_in_sigma=residual,
+        )
+        for each, residual in zip(project.measurement, fit.residual.tolist(), strict=True)
     ]
     return parts.Explanation(
         hypothesis=unknowns.title,
@@ -425,36 +422,17 @@ def probability(chi_squared: float, freedom: int) -> float:
 
 def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[parts.SupportMovement]:
     """Return the movement of each support with its standard errors."""
-    errors = {
-        each: float(error) if np.isfinite(error) else None
-        for each, error in zip(unknowns.components, sure.error / unknowns.size, strict=True)
-    }
-    units = {"x": "m", "z": "m", "rotation": "rad"}
+    errors = [float(error) if np.isfinite(error) else None for error in sure.error / unknowns.size]
+    keys = {"x": "x_standard_error_m", "z": "z_standard_error_m", "rotation": "rotation_standard_error_rad"}
     found = []
     for each in unknowns.movements(fit.u):
-        own = {
-            f"{name}_standard_error_{units[name]}": error
-            for (support, name), error in errors.items()
-            if support == each.support
-        }
+        pairs = zip(unknowns.components, errors, strict=True)
+        own = {keys[name]: error for (support, name), error in pairs if support == each.support}
         x, z = each.displacement
         found.append(
             parts.SupportMovement(support=each.support, x_m=x, z_m=z, rotation_rad=each.rotation, **own)
         )
     return found
-
-
-def _fitted(each: MeasurementTable, residual: float) -> parts.Fitted:
-    return parts.Fitted(
-        measurement=each.name,
-        kind=each.kind,
-        unit=each.unit,
-        predicted=each.value + residual * each.sigma,
-        measured=each.value,
-        sigma=each.sigma,
-        residual=residual * each.sigma,
-        residual_in_sigma=residual,
-    )
 
 
 def _site(each: MeasurementTable, gauge: Gauge) -> parts.MeasuredPoint:

@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from assessment.app.editing import ConflictError, History, digest_of, edited
+from assessment.app.editing import ConflictError, Versions, digest_of, edited
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import PROJECT
 
@@ -79,7 +79,7 @@ def test_undo_and_redo_to_the_byte(tmp_path):
     file = tmp_path / "project.toml"
     first = COMMENTED.replace("\n", "\r\n").encode()
     file.write_bytes(first)
-    history = History(tmp_path)
+    history = Versions(tmp_path)
     assert history.steps() == (False, False)
     second = history.write([(("title",), "Two")], digest_of(first))
     third = history.write([(("scatter",), 2)], second)
@@ -98,7 +98,7 @@ def test_undo_and_redo_to_the_byte(tmp_path):
 def test_a_change_made_elsewhere_is_noticed_and_undone_too(tmp_path):
     file = tmp_path / "project.toml"
     file.write_text(COMMENTED, encoding="utf-8")
-    history = History(tmp_path)
+    history = Versions(tmp_path)
     known = history.write([(("title",), "Two")], digest_of(COMMENTED.encode()))
     by_editor = file.read_bytes() + b"# by hand\n"
     file.write_bytes(by_editor)
@@ -112,7 +112,7 @@ def test_a_change_made_elsewhere_is_noticed_and_undone_too(tmp_path):
 def test_a_file_that_an_editor_broke_is_not_written_and_can_be_undone(tmp_path):
     file = tmp_path / "project.toml"
     file.write_text(COMMENTED, encoding="utf-8")
-    history = History(tmp_path)
+    history = Versions(tmp_path)
     known = history.write([(("title",), "Two")], digest_of(COMMENTED.encode()))
     file.write_bytes(b"title = ")
     with pytest.raises(ProjectError, match="line 1"):
@@ -124,7 +124,7 @@ def test_no_more_versions_are_kept_than_wanted(tmp_path, monkeypatch):
     monkeypatch.setattr("assessment.app.editing.VERSIONS", 3)
     file = tmp_path / "project.toml"
     file.write_text(COMMENTED, encoding="utf-8")
-    history, known = History(tmp_path), digest_of(COMMENTED.encode())
+    history, known = Versions(tmp_path), digest_of(COMMENTED.encode())
     for number in range(6):
         known = history.write([(("scatter",), number + 1)], known)
     assert len([*history.folder.glob("*.toml")]) == 3
@@ -140,5 +140,5 @@ def test_a_full_disk_changes_nothing(tmp_path, monkeypatch):
 
     monkeypatch.setattr("assessment.app.editing.write_atomically", full)
     with pytest.raises(OSError, match="No space left"):
-        History(tmp_path).write([(("scatter",), 2)], digest_of(COMMENTED.encode()))
+        Versions(tmp_path).write([(("scatter",), 2)], digest_of(COMMENTED.encode()))
     assert file.read_text(encoding="utf-8") == COMMENTED

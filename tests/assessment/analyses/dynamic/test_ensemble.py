@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.analyses.dynamic import histories
-from assessment.analyses.dynamic.histories import Course, Scatter, agree, lowest_median_highest, together
+from assessment.analyses.dynamic.histories import Scatter, Track, agree, lowest_median_highest, together
 from assessment.analyses.dynamic.time_history import FoundHistory, Setting, Shaking, quality_row, respond
 from assessment.analyses.found import Accuracy
 from assessment.project.motions import BaseMotion
@@ -36,16 +36,16 @@ SWING = np.sin(2.0 * np.pi * TIME) * TIME
 
 
 def test_members_agree_only_where_they_go_the_same_way():
-    one, near = Course(TIME, SWING, False), Course(TIME, 0.99 * SWING, False)
+    one, near = Track(TIME, SWING, False), Track(TIME, 0.99 * SWING, False)
     assert agree(one, near, 0.05, 1.0)
-    mirrored = Course(TIME, -SWING, False)
+    mirrored = Track(TIME, -SWING, False)
     assert abs(mirrored.displacement).max() == abs(one.displacement).max()
     assert not agree(one, mirrored, 0.05, 1.0), "equal peaks may be chance"
-    assert not agree(one, Course(TIME, SWING, True), 0.05, 1.0)
+    assert not agree(one, Track(TIME, SWING, True), 0.05, 1.0)
     # what follows the peak does not count
     parting = np.where(np.arange(201) > abs(SWING).argmax(), 0.0, SWING)
-    assert agree(one, Course(TIME, parting, False), 0.05, 1.0)
-    assert agree(Course(TIME, 1e-9 * SWING, False), Course(TIME, -1e-9 * SWING, False), 0.05, 1.0)
+    assert agree(one, Track(TIME, parting, False), 0.05, 1.0)
+    assert agree(Track(TIME, 1e-9 * SWING, False), Track(TIME, -1e-9 * SWING, False), 0.05, 1.0)
 
 
 @given(st.lists(st.none() | st.floats(0.0, 9.0), min_size=1, max_size=9))
