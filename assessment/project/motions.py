@@ -83,7 +83,7 @@ def records_of(project: Project) -> list[Record]:
         files += [(path, project.incremental.time_step_s) for path in project.incremental_records()]
     if project.campaign is not None:
         files += [(path, project.campaign.time_step_s) for path in project.campaign_records()]
-    return [_read(*file) for file in dict.fromkeys(files)]
+    return list({(path, (record := _read(path, step)).time_step): record for path, step in files}.values())
 
 
 def described(record: Record) -> str:

@@ -32,7 +32,9 @@ def _block(folder, *tables, heading="time [s],acceleration [m/s²]", size=3.2067
 def test_check_prints_a_line_for_every_record(tmp_path, capsys):
     """PGA and duration are those of the file: neither scaled nor cut; a file that is named twice has one line."""
     incremental = '[incremental]\nrecords = ["*.csv"]\ncontacts = "rigid"\n'
-    folder = _block(tmp_path / "block", HISTORY, 'vertical_record = "up.csv"\n', incremental)
+    folder = _block(
+        tmp_path / "block", HISTORY, 'time_step_s = 0.005\nvertical_record = "up.csv"\n', incremental
+    )
     (folder / "up.csv").write_text(
         "t,a\n" + "\n".join(f"{0.01 * k:.2f},{0.1 * (k % 3)}" for k in range(2501)), encoding="utf-8"
     )
