@@ -150,9 +150,8 @@ def new(options: argparse.Namespace) -> int:
         return DONE
     given = [each for each in (options.template, options.example, options.drawing) if each is not None]
     if len(given) != 1:
-        what = (
-            "more than one given; choose one" if given else "missing; assesto new --list names what there is"
-        )
+        what = "more than one given; choose one"
+        what = what if given else "missing; assesto new --list names what there is"
         raise ValueError(f"--template, --drawing or --example: {what}")
     if options.folder is None:
         raise ValueError("DIR: missing; give the folder to make: assesto new DIR --template NAME")

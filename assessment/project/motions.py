@@ -210,15 +210,13 @@ def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
         text = ""
         a, b = one.original, other.original
         if one.name == other.name:
-            text = (
-                f'two records are called "{one.name}"; rename a file, tables tell them apart by their names'
-            )
+            text = f'two records are called "{one.name}"'
+            text += "; rename a file, tables tell them apart by their names"
         elif a.acceleration.size == b.acceleration.size and a.time_step == b.time_step:
             x, y = (each.acceleration / each.pga for each in (a, b))
             if min(np.abs(x - y).max(), np.abs(x + y).max()) < SAME:
-                text = (
-                    f"{one.name} and {other.name} are the same motion; keep one, or both count as two records"
-                )
+                text = f"{one.name} and {other.name} are the same motion"
+                text += "; keep one, or both count as two records"
         if text:
             raise ProjectError(f"{project.source}: campaign.records: {text}")
 
@@ -230,9 +228,8 @@ def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
         record = motion.original
         doubts = [*_doubtful_units(record)]
         if record.duration < SHORTEST:
-            doubts.append(
-                message("lasts {duration:.3g} s; check that the record is whole", duration=record.duration)
-            )
+            length = record.duration
+            doubts.append(message("lasts {duration:.3g} s; check that the record is whole", duration=length))
         elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:
             doubts.append(message("begins or ends with strong motion; check that the record is whole"))
         found += [message("campaign, {record}: {text}", record=motion.name, text=doubt) for doubt in doubts]

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 SMALL = 100  # joints times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
+Report = Callable[[float | None], None]
 
 
 @dataclass(frozen=True)
@@ -62,10 +63,8 @@ class _Stage:
 
     def task(self, number: int) -> tuple[Any, ...]:
         """Return the arguments of a task that is ready."""
-        return tuple(
-            each.read(self.known[each.number]) if isinstance(each, From) else each
-            for each in self.tasks[number]
-        )
+        given = self.tasks[number]
+        return tuple(each.read(self.known[each.number]) if isinstance(each, From) else each for each in given)
 
     def key(self, number: int) -> str:
         """Return the fingerprint of a task that is ready."""
@@ -162,9 +161,8 @@ class Workers:
         Raises KilledError where a process was ended from outside.
         """
         every = range(len(tasks))
-        at_hand = _Stage(
-            function, tasks, titles, self.show, dict(zip(every, weights or repeat(1.0), strict=False))
-        )
+        shares = dict(zip(every, weights or repeat(1.0), strict=False))
+        at_hand = _Stage(function, tasks, titles, self.show, shares)
         for number in filter(at_hand.ready, every):
             if self._took(at_hand, number):
                 del at_hand.weights[number]
@@ -266,9 +264,7 @@ def large(*models: Assembly) -> bool:
     return sum(len(model.contacts) for model in models) > SMALL
 
 
-def _packed(
-    function: Callable[..., Any], task: tuple[Any, ...], report: Callable[[float | None], None]
-) -> str:
+def _packed(function: Callable[..., Any], task: tuple[Any, ...], report: Report) -> str:
     """Compute a task; `report` receives the share that is done, at first 0, in the end None."""
     from mechanics.progress import listening  # late: a run in which nothing has changed needs no mechanics
 

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
 
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s, of the spectra of motions
+Ensembles = Mapping[str, Sequence[Run]]
 FEW = 3  # warnings of a study that are repeated among those of the run
 
 
@@ -216,9 +217,7 @@ def _add_states(draft: Draft, converged: Converged) -> None:
             draft.put_state(name, configuration=configuration)
 
 
-def _add_capacities(
-    draft: Draft, converged: Converged, ensembles: Mapping[str, Sequence[Run]]
-) -> list[Governed]:
+def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) -> list[Governed]:
     """Add what every state comes to: movement, curves, ranges and, where asked for, checks, demand, chosen mechanisms.
 
     `ensembles`: the further runs of a state. A state without capacity in a direction that was asked for has no index:

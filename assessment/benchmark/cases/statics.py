@@ -28,6 +28,7 @@ from mechanics.procedures.pushover import Pushover
 from mechanics.solvers import lp_highs, qp_piqp
 from mechanics.steps.static_system import Sliding
 
+Values = Sequence[float]
 # times the template's; the reference: half of the last
 INCREMENTS, FEWER = ((4.0, 2.0, 1.0, 0.5), (4.0, 2.0, 1.0))
 # infinite: the exact bed
@@ -105,9 +106,7 @@ def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENT
     return Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
-def pushing(
-    name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS, moved: bool = False
-) -> Case:
+def pushing(name: str, contacts: Behaviour, values: Values = INCREMENTS, moved: bool = False) -> Case:
     """Pushover as drawn, or settled: rigid, where the multiplier comes down to zero; elastic, its peak."""
     at_rest = cache(lambda: settled(name, contacts).final)
 

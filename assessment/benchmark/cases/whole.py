@@ -69,9 +69,8 @@ def analyses(name: str) -> Iterator[Row]:
             count, full = Counter[str](), f"{title}, pushover {way}" if way else title
             with counting(count), suppress(*FAILURES):
                 paths[full] = work(1.0)
-            rows += (
-                row | count for row in rows_of(Case(f"{name.replace('-', ' ')}, {full}, {contacts}", work))
-            )
+            case = Case(f"{name.replace('-', ' ')}, {full}, {contacts}", work)
+            rows += (row | count for row in rows_of(case))
             yield rows[-1]
     solved = [row for row in rows if row.get("failed") is None]
     summed = ("steps", "attempts", "unsolved", "seconds")

@@ -74,9 +74,8 @@ class Ring:
         angle = np.linspace(0.0, self.half_angle, self.voussoirs // 2 + 1)[:-1]
         x, z = r * np.cos(angle) - apart, self.springing + r * np.sin(angle)
         crown = [(self.middle, self.springing + float(np.sqrt(r**2 - apart**2)))]
-        return np.vstack(
-            [np.column_stack([self.middle - x, z]), crown, np.column_stack([self.middle + x, z])[::-1]]
-        )
+        left, right = (np.column_stack([self.middle + sign * x, z]) for sign in (-1.0, 1.0))
+        return np.vstack([left, crown, right[::-1]])
 
     def blocks(self) -> list[Array]:
         """Return the voussoirs, each (4, 2) m, from left to right."""
@@ -90,9 +89,8 @@ class Ring:
         """
         inner, outer = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
         if outer[0] - inner[0] > width + 1e-9:
-            raise ValueError(
-                f"thickness: the ring's foot is {outer[0] - inner[0]:.3g} m wide, its support {width:g} m"
-            )
+            text = f"the ring's foot is {outer[0] - inner[0]:.3g} m wide, its support {width:g} m"
+            raise ValueError(f"thickness: {text}")
         return inner, outer
 
     def springer(self, width: float, bottom: float) -> Array:
@@ -134,9 +132,8 @@ def courses(z0: float, z1: float, course_height: float) -> Array:
     """Return the levels, m, of the nearest whole number of equal courses. Raises ValueError for too many."""
     count = max(1, round((z1 - z0) / course_height))
     if count > MOST_COURSES:
-        raise ValueError(
-            f"course_height_m: {course_height:g} makes {count} courses, at most {MOST_COURSES}; write more"
-        )
+        text = f"{course_height:g} makes {count} courses, at most {MOST_COURSES}; write more"
+        raise ValueError(f"course_height_m: {text}")
     return np.linspace(z0, z1, count + 1)
 
 

@@ -49,10 +49,8 @@ _HELP = "help"  # the sheet that lists all keys; it is not read
 ACTIVE = "active"  # the row of a sheet that says whether its table is in the project
 YES, NO = ("sì", "si", "yes", "true", "vero"), ("no", "false", "falso")  # the first ones are written
 HEADS = {"en": ("key", "value", "comment"), "it": ("chiave", "valore", "nota")}
-IN_USE = {
-    "en": "sì: the table is in the project; no: it is left out",
-    "it": "sì: la tabella vale; no: è tralasciata",
-}
+IN_USE = {"en": "sì: the table is in the project; no: it is left out"}
+IN_USE["it"] = "sì: la tabella vale; no: è tralasciata"
 # sheets with names to choose from
 _OF = {"support": "layers", "control point": "control", "settlement": "settlements"}
 LAST = 200  # row of a list down to which cells have a drop-down list
@@ -147,10 +145,9 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
                 cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
         headings = [(cell.column_letter, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
         _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in headings])
-    every = [
-        [*_help_on(name, at if name in _SINGLE else (name, 0), "", language)] for name, at in _SHEETS.items()
-    ]
-    _fill(book.create_sheet(_HELP), [["sheet", "key", "default", "meaning"], *chain(*every)])
+    tables = {name: path if name in _SINGLE else (name, 0) for name, path in _SHEETS.items()}
+    every = chain(*(_help_on(name, path, "", language) for name, path in tables.items()))
+    _fill(book.create_sheet(_HELP), [["sheet", "key", "default", "meaning"], *every])
     file = BytesIO()
     book.save(file)
     return file.getvalue()

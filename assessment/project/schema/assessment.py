@@ -74,10 +74,8 @@ class SiteTable(Table):
                 key,
                 table,
             ) in typed.items():  # what nominal life and use class make, but for rounding (§3.2.1)
-                given, by_life = (
-                    table.return_period_years,
-                    return_period(key, self.nominal_life_years, self.use_class),
-                )
+                by_life = return_period(key, self.nominal_life_years, self.use_class)
+                given = table.return_period_years
                 if given is not None and abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
                     text = f"{given:g} years, but nominal_life_years = {self.nominal_life_years:g} and use_class = "
                     text += f'"{self.use_class}" make {by_life:.4g} at {key}; correct one of them'
