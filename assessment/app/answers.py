@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 
 from assessment.app.editing import Versions
 from assessment.app.session import Session, file_name, plain
-from assessment.project.formats.convert import TOML, XLSX
-from assessment.project.formats.convert import convert as to_other_format
+from assessment.project.formats import TOML, XLSX
+from assessment.project.formats import convert as to_other_format
 from assessment.project.project import json_schema, survey_project
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically

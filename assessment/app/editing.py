@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from assessment.project.formats.convert import TOML
+from assessment.project.formats import TOML
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.problems import project_error, schema_problems
 from assessment.project.schema import KeyPath, ProjectContent

@@ -21,7 +21,7 @@ from typing import Any
 
 from assessment.app.editing import OWN, ConflictError, Versions, digest_of, drawing_tag
 from assessment.app.worker import Worker
-from assessment.project.formats.convert import SOURCES, TOML
+from assessment.project.formats import SOURCES, TOML
 from assessment.project.project import survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files import write_atomically

@@ -134,7 +134,7 @@ def new(options: argparse.Namespace) -> int:
         new_project,
         template_options,
     )  # fmt: skip
-    from assessment.project.formats.convert import TOML, XLSX
+    from assessment.project.formats import TOML, XLSX
 
     if options.template is not None:
         options.template = "-".join(options.template.lower().replace("_", " ").split())
@@ -180,7 +180,7 @@ def new(options: argparse.Namespace) -> int:
 
 def convert(options: argparse.Namespace) -> int:
     """Write project.toml as project.xlsx, or back."""
-    from assessment.project.formats.convert import convert as to_other_format
+    from assessment.project.formats import convert as to_other_format
     from assessment.project.project import load_project
 
     project = load_project(options.project)

@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic import Field, ValidationError
 
-from assessment.project.formats.convert import SOURCES, is_converted
+from assessment.project.formats import SOURCES, is_converted
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.problems import content_problems, matches, project_error, schema_problems

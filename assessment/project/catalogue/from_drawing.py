@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from assessment.project.catalogue.new_project import write_files
-from assessment.project.formats.convert import TOML, source_bytes
+from assessment.project.formats import TOML, source_bytes
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
 from mechanics import Layer, Material

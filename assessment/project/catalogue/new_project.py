@@ -13,7 +13,7 @@ from typing import NamedTuple
 from assessment.project.catalogue import arches, walls
 from assessment.project.catalogue.content import DRAWING, Made
 from assessment.project.catalogue.geometry import Layout
-from assessment.project.formats.convert import TOML, convert, source_bytes
+from assessment.project.formats import TOML, convert, source_bytes
 from assessment.project.project import CONTROL, load_project
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import left_over, naming, temporary_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon, box
 
-from assessment.project.formats.convert import convert
+from assessment.project.formats import convert
 from assessment.project.project import load_project
 from assessment.project.schema import BondTable
 from assessment.project.structure.masonry import running

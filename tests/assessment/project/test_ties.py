@@ -9,7 +9,7 @@ import pytest
 
 from assessment.analyses.checks.governing import shaken_corners
 from assessment.analyses.static.states import Request, _beginnings
-from assessment.project.formats.convert import convert
+from assessment.project.formats import convert
 from assessment.project.formats.toml import read_toml
 from assessment.project.plausibility import HEAVIEST_TIE
 from assessment.project.project import ProjectError, load_project

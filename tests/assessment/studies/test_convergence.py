@@ -14,7 +14,7 @@ from assessment.analyses.found import Accuracy, Found, accuracy_of, refined
 from assessment.analyses.static.lateral import Pushed
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
-from assessment.project.formats.convert import convert
+from assessment.project.formats import convert
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.project.structure.model import build_model
