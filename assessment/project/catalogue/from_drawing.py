@@ -43,9 +43,9 @@ def new_from_drawing(folder: Path, drawing: Path, source: str = TOML) -> tuple[s
     Returns what tells of the proposal. Raises ProjectError where the folder holds something already, DrawingError where
     the drawing cannot be read or has no closed outline, OSError where something cannot be read or written.
     """
-    data = drawing.read_bytes()
     content, told = proposal(drawing)
-    write_files(folder, {drawing.name: data, source: source_bytes(source, content, TO_FILL_IN)})
+    source_data = source_bytes(source, content, TO_FILL_IN)
+    write_files(folder, {drawing.name: drawing.read_bytes(), source: source_data})
     return told
 
 

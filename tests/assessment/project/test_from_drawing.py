@@ -131,7 +131,10 @@ def lines(folder):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda folder: None, "g.dxf"),
+        (
+            lambda folder: None,
+            "g.dxf: cannot be read (No such file or directory); give the path of a DXF file",
+        ),
         (lambda folder: (folder / "g.dxf").write_bytes(b"AC1032 a DWG"), "DWG"),
         (lines, "nothing closed is in model space, but 1 LINE; draw each block as one closed polyline"),
     ],
