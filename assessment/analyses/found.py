@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 
 from assessment.project.project import Project
 from assessment.project.schema import SettlementTable
-from assessment.results.plain import finite
+from assessment.results.numbers import finite
 from assessment.results.quality import lines
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Part

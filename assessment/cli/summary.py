@@ -12,7 +12,7 @@ from assessment.report.chapters.lead import lead
 from assessment.report.text.language import Words, plain_text
 from assessment.results.asked import turns, undetermined
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import Campaign, History
 from assessment.results.table import among_known, gains_by, quoted_limit_state

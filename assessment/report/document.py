@@ -89,14 +89,13 @@ def render_html(
     full = results.echo.report.annexes == "full"
     attached = _attached(results, figures.parent)
     calculations = list(traces(results, words))
-    there = {
-        "dynamic": results.campaign is not None
-        or any(state.history or state.incremental.records is not None for state in results.states.values()),
-        "cracks": any(state.settlement for state in results.states.values()),
-        "validation": full,
-        "trace": bool(calculations),
-        "attachments": bool(attached),
+    states = results.states.values()
+    shaken = any(state.history or state.incremental.records is not None for state in states)
+    there: dict[str, Any] = {
+        "dynamic": shaken or results.campaign,
+        "cracks": any(state.settlement for state in states),
     }
+    there |= {"validation": full, "trace": calculations, "attachments": attached}
     return environment.get_template("report.html.j2").render(
         w=words,
         results=results,

@@ -6,10 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from assessment.ntc.tables import CHECKS
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction, Indices
-from assessment.results.schema.model import Block, Echo
-from assessment.results.schema.part import present
+from assessment.results.schema import Block, Direction, Echo, Indices, Results, present
 from mechanics.messages import layer_key
 
 

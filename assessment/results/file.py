@@ -10,9 +10,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from assessment.results.plain import plain
-from assessment.results.schema import FORMAT, Results
-from assessment.results.schema.part import Worded, first_error
+from assessment.results.numbers import plain
+from assessment.results.schema import FORMAT, Results, Worded, first_error
 from mechanics.messages import Message
 
 AGAIN = "run the project again"

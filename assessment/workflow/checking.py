@@ -22,7 +22,7 @@ from assessment.project.schema import ORIGINAL
 from assessment.project.structure.masonry import table_of
 from assessment.project.structure.model import ProjectModel, build_model
 from assessment.results.configurations.faces import described
-from assessment.results.plain import finite
+from assessment.results.numbers import finite
 from assessment.results.schema import FORMAT, Results, State
 from assessment.results.schema import model as parts
 from assessment.results.schema.dynamic import Incremental

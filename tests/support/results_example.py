@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.schema import FORMAT, Results
 from assessment.results.summary import EMPTY, summary_of
 

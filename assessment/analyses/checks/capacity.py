@@ -33,7 +33,7 @@ from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import QUOTED
 from assessment.ntc.verification import THRUSTING_A_G, Check, Method, verify, vertical_component
-from assessment.results.plain import finite
+from assessment.results.numbers import finite
 from assessment.results.quality import lines
 from assessment.results.schema import checks as parts
 from assessment.results.schema import static

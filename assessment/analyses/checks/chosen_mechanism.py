@@ -32,7 +32,7 @@ from assessment.project.schema import ORIGINAL
 from assessment.project.structure.places import chosen_mechanisms
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.ties import lengthenings
-from assessment.results.plain import finite
+from assessment.results.numbers import finite
 from assessment.results.quality import lines
 from assessment.results.schema import checks as parts
 from assessment.results.schema.part import known

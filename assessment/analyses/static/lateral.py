@@ -29,7 +29,7 @@ from assessment.project.schema import ControlTable
 from assessment.results.configurations.faces import Met
 from assessment.results.configurations.frames import pushover_frames
 from assessment.results.configurations.ties import along_path, determined, lengthenings, tensions, yielding
-from assessment.results.plain import finite
+from assessment.results.numbers import finite
 from assessment.results.schema.static import (
     Curve,
     ElasticPush,

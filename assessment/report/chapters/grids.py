@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Any
 
@@ -13,17 +13,11 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_period
 from assessment.report.tables import capacity as checked
-from assessment.report.tables import dynamic, structure
+from assessment.report.tables import dynamic, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
 from assessment.report.tables.rows import TABLES, pushes, without
-from assessment.report.tables.studies import (
-    Range,
-    ranges,
-    reported_identification,
-    reported_studies,
-)
 from assessment.report.text.language import Words, cell, check_name, direction_name, heading, is_text, written
 from assessment.results.asked import printed
 from assessment.results.configurations.hand_check import (
@@ -34,8 +28,7 @@ from assessment.results.configurations.hand_check import (
     ties_in,
     virtual_work_table,
 )
-from assessment.results.schema import Results
-from assessment.results.schema.part import present
+from assessment.results.schema import Results, present
 from assessment.results.summary import index_limit, index_of, least_row
 from assessment.results.table import Row, Table, cells, reference_of
 
@@ -71,11 +64,10 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     found = [
         _validation(words),
-        without(
-            structure.layers(results), *["vertical_load_kN"] * bool(results.loads)
-        ),  # loads have their own table
+        # loads have their own table
+        without(structure.layers(results), *["vertical_load_kN"] * bool(results.loads)),
         structure.reported_loads(results, words),
-        *reported_identification(results),
+        *studies.reported_identification(results),
         reported_cracks(results),
         survey_table(results),
         _mechanisms(results, words),
@@ -88,22 +80,19 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         checked.reported_interventions(results, words),
         _interventions(results),
         _chosen(results),
-        *reported_studies(results),
+        *studies.reported_studies(results),
         *dynamic.reported_campaign(results),
         hand_check(results),
         without(second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
-        ranges_table(ranges(results), words, reference_of(results)),
+        ranges_table(studies.ranges(results), words, reference_of(results)),
         *(TABLES[name](results) for name in AS_THEY_ARE.split()),
     ]
-    reference = reference_of(results)
-    return {
-        table.name: grid(
-            table, words, words(f"caption.{table.name}"), SIGNIFICANT.get(table.name, 3), reference
-        )
-        for table in found
-        if table.rows
-    }
+    grids = {}
+    for table in (each for each in found if each.rows):
+        caption, digits = words(f"caption.{table.name}"), SIGNIFICANT.get(table.name, 3)
+        grids[table.name] = grid(table, words, caption, digits, reference_of(results))
+    return grids
 
 
 def check_grids(results: Results, words: Words) -> Iterator[Grid]:
@@ -125,9 +114,8 @@ def check_grids(results: Results, words: Words) -> Iterator[Grid]:
                 rows.append(row)
         limits = Markup("; ").join(dict.fromkeys(check_name(row["limit_state"], words) for row in own))
         missing = dict.fromkeys(row["direction"] for row in own if row["direction"] not in state.capacity)
-        rows += [
-            {"direction": way, "limit_state": limits, "zeta_E": None, "verified": None} for way in missing
-        ]
+        open_: Row = {"limit_state": limits, "zeta_E": None, "verified": None}
+        rows += [open_ | {"direction": way} for way in missing]
         if rows:
             caption = words("caption.checks", state=name, factor=factor)
             yield grid(Table("checks", rows, tuple(columns)), words, caption, reference=reference_of(results))
@@ -145,7 +133,7 @@ def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> It
 def _chosen(results: Results) -> Table:
     """Return the mechanisms of the user's that are none of the refused ones."""
     table = checked.chosen_mechanisms(results)
-    return Table(table.name, [row for row in table.rows if "refused" not in row], table.columns)
+    return replace(table, rows=[row for row in table.rows if "refused" not in row])
 
 
 def _mechanisms(results: Results, words: Words) -> Table:
@@ -199,7 +187,7 @@ def _interventions(results: Results) -> Table:
     return Table("compared", rows, tuple(columns.split()))
 
 
-def ranges_table(found: Iterable[Range], words: Words, reference: str = ROCK) -> Table:
+def ranges_table(found: Iterable[studies.Range], words: Words, reference: str = ROCK) -> Table:
     """Return the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
 
     Ratios are left out: they are those of the a_g above them.
@@ -244,7 +232,9 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
             continue
         yield {
             "table": _group(path, words) if path != last else Markup(""),
-            "setting": _setting(path, key, words),
+            "setting": _name(
+                own if (own := "_".join((*path[:1], key))) in words.strings["input"] else key, words
+            ),
             "value": Markup.escape(_value(value, words, key in CHOICES or "hypotheses" in path)),
         }
         last = path
@@ -283,12 +273,6 @@ def _group(path: Path, words: Words) -> Markup:
 def _inner(name: Markup) -> Markup:
     """Return a name as it is written behind a comma: "punto di controllo", but SLV."""
     return name[:1].lower() + name[1:] if name[1:2].islower() else name
-
-
-def _setting(path: Path, key: str, words: Words) -> Markup:
-    """Name a key: where it means something else in this table than in others, by table and key."""
-    own = "_".join((*path[:1], key))
-    return _name(own if own in words.strings["input"] else key, words)
 
 
 def _name(key: str, words: Words) -> Markup:

@@ -19,16 +19,9 @@ from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.report.tables.rows import capacities
 from assessment.report.text.language import COARSE, Words, told, translated
 from assessment.results import asked
-from assessment.results.configurations.hand_check import (
-    BY_HAND,
-    block_size,
-    figures_of,
-    governing_mechanisms,
-    mechanisms,
-)
+from assessment.results.configurations import hand_check
 from assessment.results.identified import UNLIKELY, best_of, fits, settlement_lines, told_of
-from assessment.results.schema import Results
-from assessment.results.schema.static import Contacts, RigidPush
+from assessment.results.schema import Contacts, Results, RigidPush
 
 ORIGINAL = "original"
 ELASTIC_END = "end of the elastic curve"  # what governs a check
@@ -190,7 +183,7 @@ def onsets(results: Results, words: Words) -> Sentences:
 
     As drawn there are none; blocks that meet others are a warning.
     """
-    for name, direction, rigid in sorted(mechanisms(results), key=lambda each: each[1]):
+    for name, direction, rigid in sorted(hand_check.mechanisms(results), key=lambda each: each[1]):
         if name == ORIGINAL or rigid.alpha_onset >= (1.0 - ONSET) * rigid.alpha_0:
             continue
         alpha = rigid.curve.multiplier
@@ -222,7 +215,7 @@ def displacement_limits(results: Results, words: Words) -> Sentences:
         reason = reason or words.plain("value.no_reason")
         yield words("text.local_limit", limit=1000.0 * limit, reason=reason)
     else:
-        for name, direction, rigid in mechanisms(results):
+        for name, direction, rigid in hand_check.mechanisms(results):
             if loss := rigid.local_loss:  # a joint that bears: the local limit of its direction
                 place = {
                     "state": name,
@@ -240,7 +233,7 @@ def lost_before_zero(results: Results, words: Words) -> Sentences:
     """Yield the states whose d_0 is not where α vanishes: they lose equilibrium before, at an α that is left."""
     found = [
         words("text.lost_at", state=name, direction=direction, alpha=left)
-        for name, direction, rigid in mechanisms(results)
+        for name, direction, rigid in hand_check.mechanisms(results)
         if (left := alpha_at_d_0(rigid)) is not None
     ]
     if found:
@@ -318,7 +311,7 @@ def slackened(results: Results, words: Words) -> Sentences:
 
 def second_solver(results: Results, words: Words) -> Sentences:
     """Yield what was compared and with what, or why nothing was; nothing without rigid curves."""
-    rigid = [each for _, _, each in mechanisms(results)]
+    rigid = [each for _, _, each in hand_check.mechanisms(results)]
     if any(each.second_solver for each in rigid):
         yield words("text.second_solver", version=results.software.packages.get("scipy", ""))
         law = any(each.sliding == "coulomb" for each in rigid)
@@ -329,7 +322,7 @@ def second_solver(results: Results, words: Words) -> Sentences:
 
 def agreement(results: Results, words: Words) -> Sentences:
     """Yield how far the two programs are apart at most, and where one of them has no result."""
-    found = [each.second_solver for _, _, each in mechanisms(results) if each.second_solver]
+    found = [each.second_solver for _, _, each in hand_check.mechanisms(results) if each.second_solver]
     known = [abs(each.relative_difference) for each in found if each.relative_difference is not None]
     if known:
         key = f"judgement.second_{'agrees' if max(known) <= SOLVERS_AGREE else 'differs'}"
@@ -338,17 +331,17 @@ def agreement(results: Results, words: Words) -> Sentences:
         yield words("judgement.second_missing", count=len(found) - len(known))
 
 
-def too_many(results: Results, words: Words, most: int = BY_HAND) -> Sentences:
+def too_many(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Sentences:
     """Yield a sentence for each mechanism of more macro-blocks than a hand works out, which are `most`."""
-    for name, direction in governing_mechanisms(results):
-        count = len(figures_of(results, name, direction))
+    for name, direction in hand_check.governing_mechanisms(results):
+        count = len(hand_check.figures_of(results, name, direction))
         if count > most:
             yield words("text.many_macro_blocks", count=count, state=name, direction=direction)
 
 
 def overlaps(results: Results, words: Words) -> Sentences:
     """Yield what a penetration is, and the analyses in which the largest is more than a hundredth of a block."""
-    least = NOTICED * block_size(results)
+    least = NOTICED * hand_check.block_size(results)
     listed = []
     for row in results.quality.by_stage:
         if (row.worst_penetration_m or 0.0) > least:

@@ -16,9 +16,7 @@ from assessment.report.figures.motions import bounds_of_views, shaken
 from assessment.report.figures.style import sheet
 from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.faces import outlines
-from assessment.results.schema import Results
-from assessment.results.schema.dynamic import History
-from assessment.results.schema.part import known
+from assessment.results.schema import History, Results, known
 from assessment.runtime.files import naming, write_atomically
 from assessment.runtime.pool import Pool
 from mechanics.pictures import GHOST, INK, STYLE, SUPPORT, TIE

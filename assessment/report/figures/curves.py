@@ -12,10 +12,7 @@ from matplotlib.figure import Figure
 from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, state_style
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.text.language import Words, direction_name, label
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Check, Direction
-from assessment.results.schema.part import known
-from assessment.results.schema.static import Pushovers
+from assessment.results.schema import Check, Direction, Pushovers, Results, known
 from assessment.results.table import reference_of, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY, Array
@@ -103,11 +100,8 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
 
 def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
     """Return the pushovers in a direction by the states that have one."""
-    return {
-        name: state.pushover[direction]
-        for name, state in results.states.items()
-        if direction in state.pushover
-    }
+    states = results.states.items()
+    return {name: state.pushover[direction] for name, state in states if direction in state.pushover}
 
 
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:

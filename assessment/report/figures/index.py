@@ -21,8 +21,7 @@ from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.structure import printed
 from assessment.report.text.language import slug, words_of
 from assessment.results.configurations.joint_states import situations
-from assessment.results.schema import Results
-from assessment.results.schema.part import known
+from assessment.results.schema import Results, known
 from assessment.results.summary import governing_view, worst_settled
 from assessment.runtime.pool import Pool, result_of
 
@@ -145,12 +144,9 @@ def _static(results: Results, show: Show) -> None:
             stem = f"chosen_mechanism_{number}"
             show(stem, "mechanisms", deformed.draw_chosen, given, caption="chosen_mechanism", **fields)
     for limit in ("SLV", "SLC"):
-        able = [
-            (name, way)
-            for name, state in results.states.items()
-            for way, capacity in sorted(state.capacity.items())
-            if capacity.curve.d_star_m and limit in capacity.checks
-        ]
+        every = [(name, way) for name, state in results.states.items() for way in sorted(state.capacity)]
+        found = {view: results.states[view[0]].capacity[view[1]] for view in every}
+        able = [view for view, each in found.items() if each.curve.d_star_m and limit in each.checks]
         for name, views in _portions(f"spectra_{limit}", able):
             caption = "spectra" if curves.one_scale(results, views, limit) else "spectra_own"
             full = limit == "SLC"
@@ -174,11 +170,8 @@ def _dynamic(results: Results, show: Show) -> None:
         for name in moving:
             stem = f"shapes_{number + 1}_{slug(results, name)}"
             told(stem, "history", motions.draw_shapes, name, number, caption="shapes", full=True, state=name)
-    searched = [
-        name
-        for name, state in results.states.items()
-        if any(record.points for record in state.incremental.records or [])
-    ]
+    found = {name: state.incremental.records or [] for name, state in results.states.items()}
+    searched = [name for name, records in found.items() if any(record.points for record in records)]
     for name, states in _portions("incremental", searched):
         show(name, "incremental", motions.draw_incremental, states, caption="incremental_curves")
     if motions.fragile(results):

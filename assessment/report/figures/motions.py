@@ -131,10 +131,8 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     shape = outlines(results)
     start = shape.moved(results.states[state].configuration)
     kinds = ("sustained", "at_collapse") if entry.collapsed else ("at_peak", "at_end")
-    times = (
-        entry.time_of_peak_s,
-        entry.time_of_collapse_s if entry.collapsed else known(entry.curve).time_s[-1],
-    )
+    end = entry.time_of_collapse_s if entry.collapsed else known(entry.curve).time_s[-1]
+    times = (entry.time_of_peak_s, end)
     moved = [known(entry.peak_configuration), known(entry.final_configuration)]
     views = [shape.moved(at) for at in moved]
     page = sheet(bounds_of_views(start, views), 2, border_mm=5.0, height_mm=90.0, below_mm=5.0)

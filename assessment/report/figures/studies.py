@@ -13,8 +13,7 @@ from matplotlib.patches import Patch
 from assessment.report.figures.style import chart, key, state_style
 from assessment.report.tables.studies import ROUNDING, Bar, bars
 from assessment.report.text.language import Words, label
-from assessment.results.schema import Results
-from assessment.results.schema.part import known
+from assessment.results.schema import Results, known
 from assessment.results.table import compared, reference_of
 
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left

@@ -18,10 +18,7 @@ from assessment.report.text.language import Words, label
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
 from assessment.results.configurations.ties import ties_of
-from assessment.results.schema import Results, State
-from assessment.results.schema.checks import Direction
-from assessment.results.schema.dynamic import Snapshots
-from assessment.results.schema.static import Frames, TieTension
+from assessment.results.schema import Direction, Frames, Results, Snapshots, State, TieTension
 
 VALUES = 15  # of a joint at a frame
 Series = dict[str, Any]

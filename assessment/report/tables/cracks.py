@@ -12,8 +12,7 @@ from assessment.report.tables.rows import Found, table
 from assessment.report.tables.structure import printed
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import block_size
-from assessment.results.schema import Results
-from assessment.results.schema.part import Point
+from assessment.results.schema import Point, Results
 from assessment.results.table import Table, columns_of
 from mechanics.model import H, V, end_gaps, end_points
 from mechanics.types import Array, Mask

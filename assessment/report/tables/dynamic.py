@@ -201,14 +201,10 @@ def reported_campaign(results: Results) -> list[Table]:
     """Return the tables of the report: without counts that are all zero, and the bounds of β."""
     gone = OF_ENSEMBLES if not results.campaign or results.campaign.members == 1 else ()
     spread, lost = fragilities(results), losses(results)
-    counted = [
-        key for key in COUNTS if not any(each.get(key) for found in (spread, lost) for each in found.rows)
-    ]
-    return [
-        records(results),
-        without(spread, "beta_low", "beta_high", "combinations", *gone, *counted),
-        without(lost, "share", *counted),
-    ]
+    rows = [*spread.rows, *lost.rows]
+    counted = [key for key in COUNTS if not any(each.get(key) for each in rows)]
+    spread = without(spread, "beta_low", "beta_high", "combinations", *gone, *counted)
+    return [records(results), spread, without(lost, "share", *counted)]
 
 
 records = table("campaign_records", CampaignRecord)(
@@ -264,21 +260,19 @@ def losses(results: Results) -> Found:
 @table("fragility_measures", "analysis state share measure unit median_of_measure beta_of_measure efficient")
 def measures(results: Results) -> Found:
     """List the fragilities by every measure of intensity; the most efficient one has the least β."""
-    fits: list[tuple[Row, Sequence[MeasureFit]]] = [
-        ({"analysis": "incremental", "state": name}, each.fragility.measures)
-        for name, each in _incrementals(results)
-        if each.fragility
-    ]
-    fits += [
-        ({"analysis": "campaign", "state": row.settlement, "share": row.share}, row.measures)
-        for number, row in enumerate(results.campaign.fragility if results.campaign else [])
-        if row.share > 0.0 or number == 0
-    ]
+    fits: list[tuple[Row, Sequence[MeasureFit]]] = []
+    for name, found in _incrementals(results):
+        if found.fragility:
+            fits.append(({"analysis": "incremental", "state": name}, found.fragility.measures))
+    for number, fit in enumerate(results.campaign.fragility if results.campaign else []):
+        if fit.share > 0.0 or number == 0:
+            place = {"analysis": "campaign", "state": fit.settlement, "share": fit.share}
+            fits.append((place, fit.measures))
     for place, own in fits:
         least = min((each.beta for each in own if each.beta is not None), default=None)
         for each in own:
-            found = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
-            yield found | {"median_of_measure": each.median, "beta_of_measure": each.beta}
+            row = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
+            yield row | {"median_of_measure": each.median, "beta_of_measure": each.beta}
 
 
 def fragility_model(results: Results) -> str | None:

@@ -110,11 +110,8 @@ def all_mechanisms(results: Results) -> Found:
 def macro_element(results: Results, displacements: Configuration) -> str:
     """Return the layers whose blocks move in a mechanism; WHOLE where all do that can."""
     size = [max(abs(x), abs(z)) for x, z, _ in displacements]
-    movable = [
-        (block.layer, moved)
-        for block, moved in zip(results.geometry.blocks, size, strict=True)
-        if block.support is None
-    ]
+    blocks = zip(results.geometry.blocks, size, strict=True)
+    movable = [(block.layer, moved) for block, moved in blocks if block.support is None]
     moving = {layer for layer, moved in movable if moved > MOVES * max(size)}
     return WHOLE if moving == {layer for layer, _ in movable} else ", ".join(sorted(moving))
 

@@ -7,10 +7,7 @@ from dataclasses import asdict, is_dataclass
 from functools import wraps
 from typing import Any
 
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.part import Part
-from assessment.results.schema.static import ElasticPush, PushdownPath, RigidPush
+from assessment.results.schema import Capacity, Direction, ElasticPush, Part, PushdownPath, Results, RigidPush
 from assessment.results.table import Row, Table, cells, columns_of
 
 Found = Iterable[Any]

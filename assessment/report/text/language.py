@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from markupsafe import Markup, escape
 
 from assessment.ntc.tables import ROCK
-from assessment.results.plain import ratio_decimals
+from assessment.results.numbers import ratio_decimals
 from assessment.results.schema import (
     Results,
     derived,  # noqa: F401 - its columns

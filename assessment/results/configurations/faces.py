@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.plain import finite
-from assessment.results.schema import Results
-from assessment.results.schema.model import Face
+from assessment.results.numbers import finite
+from assessment.results.schema import Face, Results
 from mechanics import Assembly
 from mechanics.model import Contacts, FaceLines, H, face_lines, kinematic_contacts
 from mechanics.pictures import Shape

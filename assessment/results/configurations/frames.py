@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from assessment.results.configurations.faces import Met, shares
 from assessment.results.configurations.ties import tensions
-from assessment.results.plain import plain
-from assessment.results.schema.dynamic import Snapshots
-from assessment.results.schema.part import Configuration, Point, present
-from assessment.results.schema.static import Frames
+from assessment.results.numbers import plain
+from assessment.results.schema import Frames, Snapshots
 
 if TYPE_CHECKING:
-    from assessment.results.schema.model import Face
     from mechanics import Assembly
     from mechanics.model import Contacts, State
     from mechanics.procedures import Pushdown, Pushover
@@ -36,28 +33,6 @@ class Carried:
 
     contacts: Contacts
     forces: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Pictured:
-    """Some points of a path (f,): displacements and rotations of the blocks (f, b, 3), m and rad.
-
-    `force_kN` (f, j, 2): N and T of each joint, `centre` (f, j): where N presses, as a share of the overlap; None where
-    not known. Joints are the drawn ones and then those in `met`, which did not touch as drawn. `tie_kN` (f, t): tension
-    of each tie; None where the state has none.
-    """
-
-    configuration: list[Configuration]
-    force_kN: list[list[Point] | None]  # noqa: N815
-    centre: list[list[float | None] | None]
-    met: list[Face]
-    tie_kN: list[list[float] | None] | None  # noqa: N815
-
-    @property
-    def parts(self) -> dict[str, Any]:
-        """What frames and snapshots have in common, by their keys."""
-        found = {each.name: getattr(self, each.name) for each in fields(self)}
-        return present(found)
 
 
 def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Frames:
@@ -83,11 +58,11 @@ def frames(
     wanted: Iterable[int],
     met: Met,
 ) -> Frames:
-    """Describe some points of a path (see Pictured): first, last and `wanted` ones, and others evenly between them."""
+    """Describe some points of a path (see `_pictured`): first, last and `wanted` ones, others evenly between them."""
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
     at = [states[k].positions for k in kept]
     found = _pictured(model, at, [carried[k] for k in kept], met)
-    return Frames(index=kept, **found.parts)
+    return Frames(index=kept, **found)
 
 
 def _size(model: Assembly) -> int:
@@ -97,7 +72,13 @@ def _size(model: Assembly) -> int:
 
 def _pictured(
     model: Assembly, positions: Sequence[Array], carried: Sequence[Carried | None], met: Met
-) -> Pictured:
+) -> dict[str, Any]:
+    """Return what frames and snapshots have in common, by their keys: some points of a path (f,).
+
+    `configuration` (f, b, 3): displacements and rotations of the blocks, m and rad; `force_kN` (f, j, 2): N and T of
+    each joint, `centre` (f, j): where N presses, as a share of the overlap; None where not known. Joints are the drawn
+    ones and then those in `met`, which did not touch as drawn. `tie_kN` (f, t): tension of each tie of the state.
+    """
     least = LEAST * model.weight
     numbers = [None if c is None else met.numbers(c.contacts, c.forces[:, 0] > least) for c in carried]
     count = met.drawn + len(met.joints)
@@ -115,16 +96,19 @@ def _pictured(
         share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
         force.append(_rounded(resultant, model.weight))
         centre.append(plain(np.round(share, 6).tolist()))
-    pulled: list[list[float] | None] | None = None
+    told = {"configuration": configurations(model, np.array(positions)), "force_kN": force, "centre": centre}
+    told["met"] = list(met.joints)
     if model.ties:
-        pulled = [None if c is None else _rounded(tensions(model, c.forces), model.weight) for c in carried]
-    return Pictured(configurations(model, np.array(positions)), force, centre, list(met.joints), pulled)
+        told["tie_kN"] = [
+            None if c is None else _rounded(tensions(model, c.forces), model.weight) for c in carried
+        ]
+    return told
 
 
 def snapshots(
     model: Assembly, time: Array, displacement: Array, positions: Array, forces: Array, peak: int
 ) -> Snapshots:
-    """Describe some times of a motion (see Pictured), evenly spaced, the peak among them, of the drawn joints.
+    """Describe some times of a motion (see `_pictured`), evenly spaced, the peak among them, of the drawn joints.
 
     `time` (k,) s; `displacement` (k,) m of the control point; `positions` (k, b, 3); `forces` (k, j, 3), kN and kNm:
     those of the step that led there.
@@ -134,7 +118,7 @@ def snapshots(
     # a motion knows no forces before its first step
     found = _pictured(model, [positions[k] for k in kept], carried, Met(model))
     return Snapshots(
-        time_s=np.round(time[kept], 6).tolist(), displacement_m=displacement[kept].tolist(), **found.parts
+        time_s=np.round(time[kept], 6).tolist(), displacement_m=displacement[kept].tolist(), **found
     )
 
 

@@ -11,11 +11,7 @@ import numpy as np
 from assessment.results.asked import material
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.ties import lengthening, ties_of
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction
-from assessment.results.schema.model import Joint
-from assessment.results.schema.part import known
-from assessment.results.schema.static import RigidPush
+from assessment.results.schema import Direction, Joint, Results, RigidPush, known
 from assessment.results.table import Row, Table, columns_of, sense
 from mechanics.pictures import field, place
 from mechanics.types import Array

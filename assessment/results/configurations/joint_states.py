@@ -8,10 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from assessment.results.configurations.faces import Faces, faces_of
-from assessment.results.schema import Results, State
-from assessment.results.schema.checks import Direction
-from assessment.results.schema.model import Face
-from assessment.results.schema.static import Contacts, Frames
+from assessment.results.schema import Contacts, Direction, Face, Frames, Results, State
 from mechanics.model import NX, NZ, H, V, end_gaps, end_points
 from mechanics.pictures import through_blocks
 from mechanics.types import Array, Index

@@ -8,11 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assessment.results.configurations.faces import outlines
-from assessment.results.plain import finite
-from assessment.results.schema import Results
-from assessment.results.schema.dynamic import ShakenTie
-from assessment.results.schema.model import Tie
-from assessment.results.schema.static import TieTension
+from assessment.results.numbers import finite
+from assessment.results.schema import Results, ShakenTie, Tie, TieTension
 from mechanics import Assembly, State
 from mechanics.pictures import field, place
 from mechanics.types import Array, Mask

@@ -4,24 +4,13 @@ from __future__ import annotations
 
 from typing import Any, Final, Literal
 
-from assessment.results.schema.checks import (
-    Capacity,
-    ComparisonRow,
-    Direction,
-    GivenMechanism,
-    Governing,
-    Indices,
-    Knowledge,
-    SafetyIndex,
-    Spectrum,
-    StrengtheningRow,
-)
-from assessment.results.schema.dynamic import Campaign, History, Incremental, Motion
-from assessment.results.schema.model import Echo, Geometry, LayerLoads, ModelSummary, Quality, Software
-from assessment.results.schema.part import Configuration, Part, Worded, key, optional
-from assessment.results.schema.static import Contacts, PushdownPath, Pushovers, Settlement, Strengthening
-from assessment.results.schema.studies import Convergence, Identification, Scenarios, Sensitivity
-from assessment.results.schema.summary import Summary
+from assessment.results.schema.checks import *
+from assessment.results.schema.dynamic import *
+from assessment.results.schema.model import *
+from assessment.results.schema.part import *
+from assessment.results.schema.static import *
+from assessment.results.schema.studies import *
+from assessment.results.schema.summary import *
 
 FORMAT: Final = 3
 """Of the file: it changes where a key goes, or gets another meaning."""
@@ -30,9 +19,7 @@ FORMAT: Final = 3
 class State(Part):
     """`states.NAME`: the structure as drawn ("original"), or after a settlement or a strengthening of that name."""
 
-    configuration: Configuration = key(
-        "x, z, ω of each block against the drawing; zeros where the state was not reached"
-    )
+    configuration: Configuration = key("x, z, ω of each block against the drawing; zeros: not reached")
     settlement: Settlement | None = key("the movement that leads to it; null: as drawn, or strengthened")
     strengthening: Strengthening | None = optional("what strengthens it after a movement; missing: nothing")
     pushdown: dict[Contacts, PushdownPath] = key("the movement, by behaviour of the joints")

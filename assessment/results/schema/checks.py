@@ -25,9 +25,7 @@ class Check(Part):
     """A check of a limit state."""
 
     method: Literal["linear", "elastic", "nonlinear"] = key("which check")
-    d_star_m: float | None = key(
-        "displacement that counts; null: the check has none", "d*", shown="mm", null="none"
-    )
+    d_star_m: float | None = key("displacement that counts; null: none", "d*", shown="mm", null="none")
     a_star_g: float | None = key("acceleration that counts; null: not defined", "a*", null="not_determined")
     T_s: float | None = key("period that counts; null: not defined", "T", null="not_determined")
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "a_g", ground="rock")
@@ -37,17 +35,13 @@ class Check(Part):
     )
     alpha_0: float | None = optional("of a linear check: multiplier that activates the first mechanism")
     e_star: float | None = optional("of a linear check: share of the mass that takes part, e*")
-    pga_g: float | None = optional(
-        "capacity at the surface, S a_g", "PGA", null="not_determined", ground="surface"
-    )
+    pga_g: float | None = optional("capacity, S a_g", "PGA", null="not_determined", ground="surface")
     demand_pga_g: float | None = optional(
         "demand at the surface, S a_g", "PGA di domanda|PGA demanded", null="not_determined", ground="surface"
     )
     S: float | None = optional("from `reference` to the surface, of the capacity", "S")
     demand_S: float | None = optional("the same, of the demand")
-    reference: str | None = optional(
-        "of a_g, borne and demanded: rock (category A, without S), or surface for a record"
-    )
+    reference: str | None = optional("of a_g: rock (category A, without S), or surface for a record")
     zeta_E: float | None = key(
         "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD",
         "ζ_E",
@@ -144,9 +138,7 @@ class Capacity(_Checked):
     SLV: Check | None = optional("nonlinear check at SLV")
     SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
     SLC: Check | None = optional("nonlinear check at SLC")
-    vertical: VerticalCheck | None = optional(
-        "linear check with the vertical component, where it is asked for"
-    )
+    vertical: VerticalCheck | None = optional("linear check with the vertical component, where asked for")
     scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
     nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
 
@@ -243,9 +235,7 @@ class ComparisonRow(Part):
 
     state: str = key("the settled state", "Stato|State")
     direction: Direction | None = key("direction of the push; null: no pushover", "Direzione|Direction")
-    limit_state: str | None = key(
-        "the farthest one checked, of which the static capacity is", "Stato limite|Limit state"
-    )
+    limit_state: str | None = key("farthest one checked, of the static capacity", "Stato limite|Limit state")
     static_pga_g: float | None = key(
         "capacity of the state as PGA at the surface, S a_g, with F_C",
         "PGA statica|PGA, static",
@@ -255,9 +245,7 @@ class ComparisonRow(Part):
     static_reduction: float | None = key(
         "1 − PGA(settled)/PGA(original) of it", "Riduzione statica|Reduction, static", change=True
     )
-    dynamic_pga_g: float | None = key(
-        "PGA at collapse of the state", "PGA dinamica|PGA, dynamic", ground="surface"
-    )
+    dynamic_pga_g: float | None = key("PGA at its collapse", "PGA dinamica|PGA, dynamic", ground="surface")
     dynamic_reduction: float | None = key(
         "1 − PGA(settled)/PGA(original)", "Riduzione dinamica|Reduction, dynamic", change=True
     )
@@ -269,9 +257,7 @@ class ComparisonRow(Part):
         null="not_determined",
         ground="surface",
     )
-    dynamic_to_static: float | None = optional(
-        "dynamic capacity over that", "Dinamica / statica|Dynamic / static"
-    )
+    dynamic_to_static: float | None = optional("dynamic one over that", "Dinamica / statica|Dynamic / static")
 
 
 class StrengtheningRow(Part):
@@ -306,12 +292,8 @@ class Indices(Part):
     direction: Direction = key("direction of the push")
     check: str = key("which check at SLV: the linear one where the nonlinear one has no number")
     zeta_SLV: float = key("ζ_E at SLV (NTC 2018, §8.3): the headline", "ζ_E SLV", ratio=True)
-    zeta_SLC: float | None = key(
-        "least ratio at SLC; null: not checked", "Rapporto SLC|Ratio SLC", ratio=True
-    )
-    ratio_SLD: float | None = key(
-        "least ratio at SLD; null: not checked", "Rapporto SLD|Ratio SLD", ratio=True
-    )
+    zeta_SLC: float | None = key("least at SLC; null: not checked", "Rapporto SLC|Ratio SLC", ratio=True)
+    ratio_SLD: float | None = key("least at SLD; null: not checked", "Rapporto SLD|Ratio SLD", ratio=True)
     T_SLV_years: float | None = key(
         "return period of the capacity at SLV; null: not known", "T_SLV", null="not_determined"
     )
@@ -324,9 +306,7 @@ class Indices(Part):
     )
     IS_V: float = key("ratio of PGA at SLV (DM 58/2017)", "IS-V", change=True)
     IS_V_class: str = key("its class, A+ to F", "Classe IS-V|IS-V class")
-    PAM: float | None = key(
-        "expected annual loss as a share (DM 58/2017); null: not known", "PAM", change=True
-    )
+    PAM: float | None = key("expected annual loss, a share (DM 58/2017); null: not known", "PAM", change=True)
     PAM_class: str | None = key("its class, A+ to G", "Classe PAM|PAM class")
     risk_class: str | None = key(
         "the worse of the two classes; null: PAM is not known",
@@ -344,9 +324,7 @@ class Indices(Part):
         "ζ_E prima|ζ_E before",
         ratio=True,
     )
-    attained: dict[str, bool] | None = optional(
-        "of a strengthened state: whether ζ_E at SLV reaches each of them"
-    )
+    attained: dict[str, bool] | None = optional("of a strengthened state: whether ζ_E at SLV reaches each")
     trace: list[Line] = key("their calculation")
 
 

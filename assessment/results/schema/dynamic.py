@@ -19,9 +19,7 @@ class Motion(Part):
     scale: float = key("factor on the record")
     window_s: Point = key("start and end in the file")
     time_s: list[float] = key("times in the file", "Tempo|Time")
-    acceleration_g: list[float] = key(
-        "accelerations, positive along x", "Accelerazione|Acceleration", ground="surface"
-    )
+    acceleration_g: list[float] = key("positive along x", "Accelerazione|Acceleration", ground="surface")
     T_s: list[float] = key("periods of the spectrum")
     S_a_g: list[float] = key("accelerations at 5 % damping", "S_a", ground="surface")
     S_d_m: list[float] = key("displacements at 5 % damping")
@@ -98,22 +96,16 @@ class History(Part):
     integrator: str | None = key("integrator used", "Integrazione|Integration")
     amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it")
     control: str = key("control point", "Controllo|Control")
-    peak_displacement_m: float | None = key(
-        "largest displacement of the control point, either way", "Picco|Peak", shown="mm"
-    )
+    peak_displacement_m: float | None = key("of the control point, either way", "Picco|Peak", shown="mm")
     residual_displacement_m: float | None = key(
         "displacement at the end; null: collapse", "Alla fine|At the end", shown="mm"
     )
     collapsed: bool | None = key("whether it ends in collapse; null: not computed", "Collasso|Collapse")
-    time_of_collapse_s: float | None = key(
-        "when, in the record's file; null: it stands", "t di collasso|t of collapse"
-    )
+    time_of_collapse_s: float | None = key("in the record; null: it stands", "t di collasso|t of collapse")
     reason: Sentence | None = key("of the collapse, or why it was not computed")
     sustained_displacement_m: float | None = optional("largest one from which the structure came back")
     time_of_peak_s: float | None = optional("when that is")
-    free_motion_from_s: float | None = optional(
-        "when the record ends, where motion goes on; null: it does not"
-    )
+    free_motion_from_s: float | None = optional("end of the record, where motion goes on; null: it does not")
     curve: Course | None = optional("displacement in time")
     snapshots: Snapshots | None = optional("some of its configurations")
     peak_configuration: Configuration | None = optional("at `time_of_peak_s`")
@@ -161,9 +153,7 @@ class Level(Part):
     collapsed: bool = key("whether any collapses")
     time_of_collapse_s: float | None = key("of the first to collapse")
     reason: Sentence | None = key("of its collapse")
-    integrator_share: float | None = key(
-        "what the integrator took, over the energy turned over: the largest of the motions"
-    )
+    integrator_share: float | None = key("what the integrator took of the energy turned over: the largest")
     curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
 
 
@@ -217,9 +207,7 @@ class SignScan(Scanned):
     """`signs[]`: one sign of the record."""
 
     sign: int = key("factor on the record, 1 or −1")
-    same_as: int | None = optional(
-        "the sign that was run: of a symmetric structure this one is its mirror image"
-    )
+    same_as: int | None = optional("the sign that was run: of a symmetric structure this is its mirror image")
 
 
 class Search(Scanned):
@@ -249,12 +237,10 @@ class Fragility(Part):
     """`fragility`: lognormal distribution of the PGA at collapse."""
 
     median_g: float = key("median")
-    dispersion: float = key(
-        "standard deviation of ln PGA, β: of records and within them", "Dispersione β|Dispersion β"
-    )
+    dispersion: float = key("β of ln PGA: of records and within them", "Dispersione β|Dispersion β")
     records: int = key("records that it is of", "Accelerogrammi|Records")
     censored: int = key("observations (record and sign) without collapse: lower bounds")
-    beta_record: float | None = key("β of the 50 % levels of the records")
+    beta_record: float | None = key("β of 50 % levels of the records")
     beta_ensemble: float | None = key("β of the levels of one record, the root of the mean square")
     level_16_g: float | None = key("level of which 16 % collapse")
     level_84_g: float | None = key("level of which 84 % collapse")
@@ -281,9 +267,7 @@ class Incremental(Part):
     """`incremental`: the levels of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
 
     records: list[Search] | None = optional("the records")
-    mean_pga_collapse_g: float | None = optional(
-        "mean of the records; null: one is open", "Media|Mean", ground="surface"
-    )
+    mean_pga_collapse_g: float | None = optional("mean; null: one is open", "Media|Mean", ground="surface")
     lowest_pga_collapse_g: float | None = optional(
         "lowest of the records; null: an open one may be lower", "Minima|Lowest", ground="surface"
     )
@@ -360,13 +344,9 @@ class CampaignFragility(Part):
     withstood: int = key("of these, without collapse: lower bounds", "Sopportate|Withstood")
     median_g: float | None = key("median of the measure; null: not known", "Mediana|Median", ground="surface")
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
-    beta: float | None = key(
-        "standard deviation of ln of the measure: of records and within them", "β", digits=2
-    )
+    beta: float | None = key("standard deviation of ln measure: of records and within them", "β", digits=2)
     beta_range: Range | None = key("95 % of the bootstrap")
-    beta_record: float | None = key(
-        "β of the 50 % levels of the records", "β accelerogr.|β records", digits=2
-    )
+    beta_record: float | None = key("β of 50 % levels of the records", "β accelerogr.|β records", digits=2)
     beta_ensemble: float | None = key(
         "β of the levels of one record, the root of the mean square", "β insieme|β ensemble", digits=2
     )
@@ -379,9 +359,7 @@ class CampaignFragility(Part):
         "stripes",
         "Regola, §7.3.5|Rule, §7.3.5",
     )
-    pga_collapse_g: float | None = key(
-        "what counts by it, of each record the worse sign; null: open, or no rule"
-    )
+    pga_collapse_g: float | None = key("what counts by it, the worse sign of each; null: open, or no rule")
 
 
 class CampaignLoss(Loss):

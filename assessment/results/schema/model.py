@@ -19,9 +19,7 @@ class Tie(Part):
         "Tiro di snervamento|Yield force",
         null="none",
     )
-    stiffness_kN_m: float | None = key(
-        "stiffness of the whole tie; null: rigid", "Rigidezza|Stiffness", null="none"
-    )
+    stiffness_kN_m: float | None = key("of the whole tie; null: rigid", "Rigidezza|Stiffness", null="none")
     pretension_kN: float = key("tension when it is set", "Pretensione|Pretension")
     states: list[str] = key("states in which it is there", "Stati|States")
     set_in: list[str] = key("of these, strengthened ones in which it is set after the movement")
@@ -34,9 +32,7 @@ class ModelSummary(Part):
     movable_blocks: int = key("blocks that are no support")
     joints: int = key("joints found in the drawing")
     unknowns: int = key("internal forces: three a joint")
-    paper_contact_points: int = key(
-        "contact points of the paper's discretisation; analysed with `segments_per_joint` only"
-    )
+    paper_contact_points: int = key("contact points of the paper; analysed with `segments_per_joint` only")
     contact_points: int = key("the same, for scripts that read it by this name")
     weight_kN: float = key("weight of the movable blocks with their vertical loads")
     self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
@@ -54,9 +50,7 @@ class Block(Part):
     handle: str = key("handle of its polyline in the drawing")
     region: str | None = optional("region of the project that it lies in; null: none")
     support: str | None = key("name of the support that it belongs to; null: it moves")
-    vertical_load_kN: float = key(
-        "load at its centroid, downward: G_2 + ψ₂ Q", "Carico G_2 + ψ_2 Q|Load G_2 + ψ_2 Q"
-    )
+    vertical_load_kN: float = key("at its centroid, down: G_2 + ψ₂ Q", "Carico G_2 + ψ_2 Q|Load G_2 + ψ_2 Q")
     weight_kN: float = key("own weight with the vertical load", "W")
 
 
@@ -68,9 +62,7 @@ class LayerLoads(Part):
     own_weight_kN: float = key("G_1, of the stone", "Peso proprio G_1|Own weight G_1")
     permanent_load_kN: float = key("G_2, loads of the project file", "Permanenti G_2|Permanent G_2")
     variable_load_kN: float = key("Q, characteristic", "Variabili Q|Variable Q")
-    use_category: str | None = key(
-        "category of Q, NTC 2018 Tab. 2.5.I; null: not given", "Categoria|Category"
-    )
+    use_category: str | None = key("category of Q, NTC 2018 Tab. 2.5.I; null: none", "Categoria|Category")
     psi_2: float | None = key("its ψ₂; null: no variable load", "ψ_2")
     combined_kN: float = key("G_1 + G_2 + ψ₂ Q", "G_1 + G_2 + ψ_2 Q")
     seismic_weight_kN: float = key("what of it is seismic mass", "W_s")
@@ -109,9 +101,7 @@ class Geometry(Part):
     blocks: list[Block] = key("the blocks")
     controls: list[Control] = key("the control points, the default one first")
     joints: list[Joint] = key("the joints")
-    origin_m: Point | None = optional(
-        "of a drawing far from (0, 0): where coordinates of hand checks count from"
-    )
+    origin_m: Point | None = optional("of a drawing far from (0, 0): where hand checks count from")
     cracks_m: list[list[Point]] | None = optional("surveyed cracks of the drawing, lines: x, z")
     joint_tolerance_m: float = key("edges closer than this form a joint")
     gravity_m_s2: float = key("acceleration of gravity")
@@ -177,18 +167,10 @@ class QualityRow(Part):
     stage: str = key("which analysis", "Fase|Stage")
     solves: int = key("programs solved", "Problemi|Programs")
     worst_equilibrium_residual: float = key("largest unbalanced force, per weight", "Equilibrio|Equilibrium")
-    worst_penetration_m: float | None = optional(
-        "deepest penetration of two blocks", "Compenetr.|Penetration"
-    )
-    worst_complementarity: float = key(
-        "largest product of a contact force and its gap, per weight and step", "Complem."
-    )
-    worst_cone_violation: float | None = optional(
-        "largest force outside the friction cone, per weight", "Attrito|Friction"
-    )
-    lifting: int | None = optional(
-        "points of curves solved with a dilation, where Coulomb's law was not; missing: none"
-    )
+    worst_penetration_m: float | None = optional("deepest of two blocks", "Compenetr.|Penetration")
+    worst_complementarity: float = key("largest contact force times its gap, per weight and step", "Complem.")
+    worst_cone_violation: float | None = optional("force outside the cone, per weight", "Attrito|Friction")
+    lifting: int | None = optional("points solved with dilation, where Coulomb's law was not; missing: none")
 
 
 class Quality(Part):
@@ -212,21 +194,3 @@ class Line(Part):
     result: float = key("the result", "Risultato|Result", unit="that of `unit`")
     unit: str = key("unit of the result")
     paragraph: Sentence = key("paragraph of the standard, or source of a datum", "Riferimento|Reference")
-
-
-__all__ = [
-    "Block",
-    "Control",
-    "Echo",
-    "Face",
-    "Geometry",
-    "Joint",
-    "LayerLoads",
-    "Line",
-    "ModelSummary",
-    "Quality",
-    "QualityRow",
-    "Software",
-    "Tie",
-    "optional",
-]

@@ -15,9 +15,7 @@ class Run(Part):
     """`run`: which run of an ensemble everything printed of a state and direction comes from, the governing one."""
 
     increment_m: float = key("increment of the control point's displacement, or of a movement")
-    member: int = key(
-        "1: the run itself; more: a member with other increments and corners moved by 1e-7 of a block"
-    )
+    member: int = key("1: the run; more: one with other increments and corners moved by 1e-7 of a block")
 
 
 class TieTension(Part):
@@ -43,9 +41,7 @@ class Frames(Part):
 
     index: list[int] = key("which points of the path", "ζ_E")
     configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
-    force_kN: list[list[Point] | None] = key(
-        "N and T of each joint, those of the drawing and then `met`; null: not known"
-    )
+    force_kN: list[list[Point] | None] = key("N and T of each joint, drawn ones, then `met`; null: not known")
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle")
     met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
     tie_kN: list[list[float] | None] | None = optional(
@@ -74,9 +70,7 @@ class PushdownPath(Part):
         "Spostamento ultimo impresso|Ultimate movement",
         shown="mm",
     )
-    ultimate_movement_m_range: list[float | None] | None = optional(
-        "least and largest of an ensemble; null: none in some"
-    )
+    ultimate_movement_m_range: list[float | None] | None = optional("of an ensemble; null: none in some")
     run: Run | None = optional("which run it is; missing: not told")
     local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
@@ -109,9 +103,7 @@ class Mechanism(Part):
     e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "e*")
     gamma_star: float | None = key("participation factor Γ*; null: not defined", "Γ*")
     displacements: Configuration = key("x, z, ω of each block; the control point moves by 1 m along x")
-    control_displacement_x: float = key(
-        "that of the control point: 1, −1, or less where it hardly moves", unit="m"
-    )
+    control_displacement_x: float = key("of the control point: 1, −1, less where it hardly moves", unit="m")
     hinge_points_m: list[Point] = key("x, z of each hinge in its configuration")
     sliding_joints: list[int] = key("numbers of the joints that slide")
     moving_weight_kN: float = key("weight of the blocks that move", "Peso in moto|Moving weight")
@@ -134,9 +126,7 @@ class SecondSolver(Part):
     """`second_solver`: α of limit analysis with associative friction where α_0 is reached, by two programs."""
 
     alpha_0: float = key("α_0 of the curve, with its law of friction")
-    alpha_program: float | None = key(
-        "by the program; null: none was found", "α di questo programma|α this program"
-    )
+    alpha_program: float | None = key("of this program; null: none", "α di questo programma|α this program")
     alpha_linear_program: float | None = key(
         "by a linear program written apart (static theorem, HiGHS); null: no optimum was found",
         "α del programma lineare|α linear program",
@@ -156,10 +146,8 @@ class RigidPush(Part):
         "others, or a hinge of a settlement closes",
         "α, primo moto|α, first motion",
     )
-    d_0_m: float | None = key(
-        "displacement capacity, along the push; null: the path was cut short", "d_0", shown="mm"
-    )
-    d_0_m_range: list[float | None] | None = optional("least and largest of an ensemble; null: none in some")
+    d_0_m: float | None = key("displacement capacity; null: the path was cut short", "d_0", shown="mm")
+    d_0_m_range: list[float | None] | None = optional("of an ensemble; null: none in some")
     other_law: OtherLaw | None = optional("by the other law of friction, where it differs by 1 % or more")
     d_star_m: list[float] | None = key(
         "d* of the blocks that move, at each point of the curve: ΣPδu/ΣPδ, u how far each has gone since the "
@@ -167,9 +155,7 @@ class RigidPush(Part):
     )
     reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
-    local_loss: LocalLoss | None = optional(
-        "the first joint that is lost: limit of SLV and SLC where none is given"
-    )
+    local_loss: LocalLoss | None = optional("the first joint lost: limit of SLV and SLC where none is given")
     end: Sentence = key("why the path ends")
     curve: Curve = key("the curve")
     members: list[Curve] | None = optional("curves of the other members of the ensemble")

@@ -15,18 +15,10 @@ class ConvergenceRow(Part):
     state: str = key("state")
     direction: str | None = optional("of a pushover")
     record: str | None = optional("of a motion")
-    halvings: int | None = optional(
-        "of the increments or of the time step behind the result", "Dimezzamenti|Halvings"
-    )
-    alpha_0_error: float | None = optional(
-        "estimated error of α_0", "Errore di α_0|Error of α_0", null="not_known"
-    )
-    d_0_error_m: float | None = optional(
-        "estimated error of d_0", "Errore di d_0|Error of d_0", shown="mm", null="not_known"
-    )
-    alpha_u_error: float | None = optional(
-        "estimated error of α_u", "Errore di α_u|Error of α_u", null="not_known"
-    )
+    halvings: int | None = optional("of increments or time step behind the result", "Dimezzamenti|Halvings")
+    alpha_0_error: float | None = optional("of α_0", "Errore di α_0|Error of α_0", null="not_known")
+    d_0_error_m: float | None = optional("of d_0", "Errore di d_0|Error of d_0", shown="mm", null="not_known")
+    alpha_u_error: float | None = optional("of α_u", "Errore di α_u|Error of α_u", null="not_known")
     a_g_error_g: float | None = optional(
         "estimated error of a_g at the farthest limit state",
         "Errore di a_g|Error of a_g",
@@ -53,18 +45,14 @@ class ConvergenceRow(Part):
         "Dispersione della PGA al collasso|Scatter of the PGA at collapse",
         null="not_known",
     )
-    order: float | None = optional(
-        "order that the last levels show; null: none", "Ordine|Order", null="not_known"
-    )
+    order: float | None = optional("that the last levels show; null: none", "Ordine|Order", null="not_known")
     relative_error: float | None = optional(
         "the largest error, relative; null: not known",
         "Errore massimo|Largest error",
         shown="%",
         null="not_known",
     )
-    relative_scatter: float | None = optional(
-        "the scatter, relative", "Dispersione|Scatter", shown="%", null="not_known"
-    )
+    relative_scatter: float | None = optional("relative", "Dispersione|Scatter", shown="%", null="not_known")
     met: bool = key("whether the tolerance is met", "Entro la tolleranza|Within tolerance")
     levels: dict[str, list[float | None]] = key("what each level gave, by quantity; null: not reached")
 
@@ -161,17 +149,13 @@ class Explanation(Part):
     hypothesis: Sentence = key("supports and their unknowns", "Ipotesi|Hypothesis")
     unknowns: int = key("number of unknowns", "Incognite|Unknowns")
     movement: list[SupportMovement] = key("the best movement; empty: none could be followed")
-    chi_squared: float | None = key(
-        "sum of the squared residuals over sigma; null: none could be followed", "χ²"
-    )
+    chi_squared: float | None = key("sum of squared residuals over sigma; null: none could be followed", "χ²")
     degrees_of_freedom: int = key("measurements less unknowns", "Gradi di libertà|Degrees of freedom")
     probability: float | None = key("of a χ² as large, were the hypothesis true; null: no degree of freedom")
     aic: float | None = key("Akaike's criterion, χ² plus twice the number of unknowns", "AIC")
     distinguished: bool = key("whether its AIC is more than 2 above the best one")
     undetermined: list[Sentence] = key("movements that the measurements do not determine")
-    kinked: list[Sentence] = key(
-        "components within whose standard error hinges move to other joints, and on which side"
-    )
+    kinked: list[Sentence] = key("components within whose error hinges move to other joints, on which side")
     contradicting: list[str] = key("measurements more than 3 sigma from what is predicted")
     at_collapse: bool = key("whether the fit would improve beyond what the structure survives")
     fit: list[Fitted] = key("the measurements, each beside its prediction")
@@ -192,9 +176,7 @@ class MeasuredPoint(Part):
 
     measurement: str = key("name of the measurement")
     point_m: Point = key("x and z of the point")
-    from_m: Point | None = optional(
-        "of the point that a relative displacement counts from; null: the benchmark"
-    )
+    from_m: Point | None = optional("point that a relative displacement counts from; null: the benchmark")
     block: int = key("block that the point moves with")
     from_block: int | None = optional("block of the other point; null: the benchmark")
 

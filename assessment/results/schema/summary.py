@@ -12,9 +12,7 @@ from assessment.results.schema.static import OtherLaw, Run
 class SummaryCheck(Part):
     """`summary.rows[].checks.SLV`, …: the check that counts at a limit state."""
 
-    check: str = key(
-        "its name among the checks: the least at SLO and SLD; `SLV linear` where the nonlinear one has no number"
-    )
+    check: str = key("its name: the least at SLO and SLD; `SLV linear` where the nonlinear one has no number")
     zeta_E: float | None = key("ζ_E at SLV and SLC, the ratio at SLO and SLD; null: not determined")
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
     verified: bool | None = key("whether it is 1 or more")
@@ -25,9 +23,7 @@ class SummaryCheck(Part):
 class SummaryMechanism(Part):
     """`summary.rows[].mechanism`: what moves where α_0 is reached with rigid joints."""
 
-    kind: Literal["overturning", "hinges", "sliding", "mixed"] = key(
-        "one hinge; several; joints that slide alone; both"
-    )
+    kind: Literal["overturning", "hinges", "sliding", "mixed"] = key("one hinge; several; slides alone; both")
     hinges: int = key("joints that turn")
     sliding_joints: int = key("joints that slide")
     moving_weight_kN: float = key("weight of the blocks that move")

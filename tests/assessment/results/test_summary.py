@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from assessment.results.plain import ratio_decimals
+from assessment.results.numbers import ratio_decimals
 from assessment.results.schema import Results
 from assessment.results.schema.summary import Summary, SummaryRow
 from assessment.results.summary import summary_of

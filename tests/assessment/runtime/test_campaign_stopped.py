@@ -23,7 +23,7 @@ import pytest
 from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import Stage, read_journal

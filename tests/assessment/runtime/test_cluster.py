@@ -12,7 +12,7 @@ import pytest
 from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.runtime import cluster, tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.cluster import Cluster, Patience

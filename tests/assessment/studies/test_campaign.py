@@ -26,7 +26,7 @@ from assessment.project.motions import BaseMotion, check_record_set, doubtful_re
 from assessment.project.project import load_project
 from assessment.project.schema import CampaignTable
 from assessment.project.structure.model import build_model
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.schema.dynamic import CampaignCombination, CampaignFragility, Level
 from assessment.runtime.cache import Store
 from assessment.runtime.errors import ProjectError

@@ -20,7 +20,7 @@ from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.project.structure.model import build_model
 from assessment.report.document import render_html
 from assessment.report.text.language import words_of
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.tasks import Workers

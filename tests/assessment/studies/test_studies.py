@@ -12,7 +12,7 @@ from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
 from assessment.studies.variants import part, scatter, with_factor, without_effect, worst
 from assessment.workflow import stages

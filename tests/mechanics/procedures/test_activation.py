@@ -22,7 +22,7 @@ from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import weights
 from assessment.results.configurations.joint_states import situations
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.pictures import field, place

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from assessment.analyses.checks.demand import governing, safety_index
 from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables.mechanisms import SECOND_SOLVER
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.quality import quality_of
 from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity

@@ -20,10 +20,7 @@ from assessment.results.configurations.faces import faces_of, outlines
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
 from assessment.results.configurations.ties import ties_of
 from assessment.results.identified import best_of
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction, GivenMechanism
-from assessment.results.schema.model import Face
-from assessment.results.schema.part import Configuration, Point, known
+from assessment.results.schema import Configuration, Direction, Face, GivenMechanism, Point, Results, known
 from mechanics import pictures
 from mechanics.model import end_points
 from mechanics.types import Array

@@ -25,8 +25,7 @@ from assessment.results.configurations.joint_states import (
     situations,
     thrust_lines,
 )
-from assessment.results.schema import Results, State
-from assessment.results.schema.part import Configuration
+from assessment.results.schema import Configuration, Results, State
 from assessment.runtime.files import write_atomically
 from mechanics.pictures import Shape
 

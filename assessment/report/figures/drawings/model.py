@@ -18,8 +18,7 @@ from assessment.report.figures.drawings.parts import ARROW, draw_ties
 from assessment.report.figures.style import Sheet, foot, key, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.faces import outlines
-from assessment.results.schema import Results
-from assessment.results.schema.model import Block
+from assessment.results.schema import Block, Results
 from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill
 from mechanics.types import Array

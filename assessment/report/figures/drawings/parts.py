@@ -14,9 +14,7 @@ from assessment.report.figures.style import MM, Sheet, key
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.ties import ties_of
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction
-from assessment.results.schema.static import Settlement
+from assessment.results.schema import Direction, Results, Settlement
 from assessment.results.table import sense
 from mechanics.pictures import FAINT, INK, TIE, Bounds, Shape, place
 from mechanics.types import Array

@@ -30,7 +30,7 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.project.structure.places import Chosen, MacroBlock
 from assessment.report.tables.capacity import chosen_mechanisms, trace
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from tests.support.block_project import PROJECT

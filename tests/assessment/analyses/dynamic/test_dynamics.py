@@ -28,7 +28,7 @@ from assessment.report.figures.animation import animation, write_animations
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables import tables
 from assessment.report.text.language import words_of
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import Pool
 from assessment.runtime.progress import Show

@@ -5,7 +5,7 @@ import pytest
 
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.plain import plain
+from assessment.results.numbers import plain
 from assessment.results.schema.dynamic import Search, SignScan
 from assessment.runtime.cache import Store
 from assessment.studies.campaign.summary import summarise
