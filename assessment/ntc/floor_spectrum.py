@@ -81,6 +81,10 @@ class _OnGround:
         """S at the ground."""
         return self.ground.S
 
+    def with_damping(self, damping: float) -> Self:
+        """Return the demand for an element of another damping (fraction of critical)."""
+        return replace(self, ground=self.ground.with_damping(damping))
+
 
 @dataclass(frozen=True)
 class FloorSpectrum(_OnGround):
@@ -120,7 +124,8 @@ class FloorSpectrum(_OnGround):
         """
         candidates = [(float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T)]
         if self._edge < T:
-            candidates.append((self._plateau_end, self._edge))
+            plateau_end = float(self._modes(self.T_1)) * GRAVITY * (self._edge / (2.0 * np.pi)) ** 2
+            candidates.append((plateau_end, self._edge))
         return max(candidates, key=lambda found: found[0])
 
     def demand_steps(self, T_0: float, T: float) -> Trace:
@@ -134,10 +139,6 @@ class FloorSpectrum(_OnGround):
         last = step("S_DeZ", f"S_eZ_mod*g*({_UPPER:g}*T_1)**2/(4*pi**2)", demand, "m",
                     "Circolare 7/2019, C8.7.1.2", S_eZ_mod=modal[-1].result, g=GRAVITY, T_1=self.T_1)  # fmt: skip
         return (*self.ground.steps(self.T_1), *modal, last)
-
-    def with_damping(self, damping: float) -> Self:
-        """Return the floor spectrum for an element of another damping (fraction of critical)."""
-        return replace(self, ground=self.ground.with_damping(damping))
 
     def steps(self, T: float) -> Trace:
         """Return S_eZ(T) and S_DeZ(T) by hand."""
@@ -156,11 +157,6 @@ class FloorSpectrum(_OnGround):
     def _edge(self) -> float:
         """End b T_1 of the first mode's plateau, s."""
         return _UPPER * self.T_1
-
-    @property
-    def _plateau_end(self) -> float:
-        """The modes' S_eZ(T_1) b² T_1²/4π², m."""
-        return float(self._modes(self.T_1)) * GRAVITY * (self._edge / (2.0 * np.pi)) ** 2
 
     def _modes(self, T: ArrayLike) -> Array:
         """Return √Σ S_eZ,k²(T), g: the modes without the ground."""
@@ -241,10 +237,6 @@ class FloorSpectrum2009(_OnGround):
         return max(
             (float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T), key=lambda f: f[0]
         )
-
-    def with_damping(self, damping: float) -> Self:
-        """Return the demand for another damping (fraction of critical)."""
-        return replace(self, ground=self.ground.with_damping(damping))
 
     def demand_steps(self, T_0: float, T: float) -> Trace:
         """Return the calculation of largest_displacement(T_0, T) by hand."""

@@ -30,7 +30,13 @@ if TYPE_CHECKING:
 Measured = Mapping[str, float | None]
 SAFETY = 1.25  # on estimated errors, which are as often too small as too large (Roache's grid convergence index, 1994)
 LOCATED = 1e-5  # relative: ends of paths that do not depend on increments agree to this
-QUANTITIES = ("alpha_0", "d_0_m", "alpha_u", "a_g_g")
+ERRORS = {
+    "alpha_0": "alpha_0_error",
+    "d_0_m": "d_0_error_m",
+    "alpha_u": "alpha_u_error",
+    "a_g_g": "a_g_error_g",
+}
+QUANTITIES = tuple(ERRORS)
 
 
 def estimated_error(values: Sequence[float | None]) -> float | None:
@@ -127,16 +133,10 @@ class Levels:
             relative_error=None if worst is None else errors[worst],
             met=self.within(tolerance),
             levels={key: self.values(key) for key in self.measured[-1]},
-        ).replace(**{_error_key(key): error for key, error in self.errors.items()})
+        ).replace(**{ERRORS[key]: error for key, error in self.errors.items()})
 
     def _least(self, key: str) -> float:
         return NOISE * (self.size if key.endswith("_m") else 1.0)
-
-
-def _error_key(quantity: str) -> str:
-    """Name the error of a quantity, its unit last: d_0_error_m."""
-    stem, _, unit = quantity.rpartition("_")
-    return f"{stem}_error_{unit}" if unit in {"m", "g"} else f"{quantity}_error"
 
 
 @dataclass
@@ -188,8 +188,12 @@ def converge(
         stages = analyse(finer, wanted)
         measured = measure(finer, models, demands, stages)
         for state in wanted:
-            if failures := _new_failures(found.stages, stages, state):
-                failed[state] = failures
+            before, after = (
+                [text for stage in runs if stage.state == state for text in stage.failures]
+                for runs in (found.stages, stages)
+            )
+            if len(after) > len(before):
+                failed[state] = linked(after)
                 continue
             found.halvings[state] = halvings
             levels[state] = {way: each.joined(measured[state][way]) for way, each in levels[state].items()}
@@ -247,15 +251,6 @@ def measure(
             for direction, each in capacities_of(project, own, pushovers, checked).items()
         }
     return found
-
-
-def _new_failures(coarse: Sequence[StateResult], fine: Sequence[StateResult], state: str) -> Message | None:
-    """Return the failures of the finer analyses of a state if there are more than before, else None."""
-    before, after = (
-        [text for stage in stages if stage.state == state for text in stage.failures]
-        for stages in (coarse, fine)
-    )
-    return linked(after) if len(after) > len(before) else None
 
 
 def _finest(coarse: StateResult, stages: Sequence[StateResult], failed: Collection[str]) -> StateResult:

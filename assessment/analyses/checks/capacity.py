@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -33,6 +33,7 @@ from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import QUOTED
 from assessment.ntc.verification import THRUSTING_A_G, Check, Method, verify, vertical_component
+from assessment.project.project import Project
 from assessment.results.numbers import finite
 from assessment.results.quality import lines
 from assessment.results.schema import checks as parts
@@ -41,12 +42,8 @@ from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.part import known
 from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
 from assessment.results.table import sense
+from mechanics import Assembly
 from mechanics.messages import Message, linked, message
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from mechanics import Assembly
-
 
 Kind = TypeVar("Kind", bound=parts.Check)
 BLOCKS = "pushover with rigid contacts, d* of the blocks over Γ*"  # where α0 and d_0 of the curve come from
@@ -182,7 +179,7 @@ def _assessed(
     if demands.hazard is not None and "SLV" in demands.spectra:
         made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
     if project.incremental or project.campaign:
-        made = made.replace(nominal=_nominal(capacity, demands.spectra, method))
+        made = made.replace(nominal=nominal_check(capacity, demands.spectra, method))
     if elastic is not None and fit.alpha_y is not None and fit.way is not None:
         d_y = float(fit.way.control_point(known(fit.d_y)))
         d_star = (capacity.gamma_star * fit.way.blocks(along_push(elastic.curve, direction)[0])).tolist()
@@ -304,7 +301,9 @@ def _vertical(
     return as_part(parts.VerticalCheck, made)
 
 
-def _nominal(capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method) -> parts.NominalCheck:
+def nominal_check(
+    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method
+) -> parts.NominalCheck:
     """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
 
     A dynamic analysis shakes the model at the surface: its PGA at collapse contains neither F_C nor S.

@@ -133,16 +133,13 @@ def _follow(
 def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:
     """Return the assembly with every corner of its movable blocks moved by `noise` of the block, each at random."""
     random = np.random.default_rng(seed)
-    blocks = [
-        block
-        if block.support is not None
-        else replace(
-            block,
-            vertices=block.polygon
-            + noise * np.ptp(block.polygon, axis=0).max() * random.uniform(-1.0, 1.0, block.polygon.shape),
-        )
-        for block in model.blocks
-    ]
+    blocks = []
+    for block in model.blocks:
+        if block.support is None:
+            corners, size = block.polygon, np.ptp(block.polygon, axis=0).max()
+            moved = corners + noise * size * random.uniform(-1.0, 1.0, corners.shape)
+            block = replace(block, vertices=moved)  # noqa: PLW2901
+        blocks.append(block)
     return replace(model, blocks=blocks)
 
 

@@ -49,10 +49,14 @@ def made_record(spectrum: Spectrum, seed: int) -> Record:
     return replace(made, name=f"generated {seed}")
 
 
+def spectrum_of(motion: BaseMotion, periods: Array) -> Array:
+    """Return Sa(T) (k,) of a base motion, g: 5 % damping, at periods (k,) in s."""
+    return response_spectrum(motion.record.acceleration, motion.record.time_step, periods, DAMPING)[0]
+
+
 def ordinate(motion: BaseMotion, period: float) -> float:
-    """Return Sa(T) of a base motion, g: 5 % damping, `period` T in s."""
-    record = motion.record
-    return float(response_spectrum(record.acceleration, record.time_step, period, DAMPING)[0][0])
+    """Return Sa(T) of a base motion, g, at a period T in s."""
+    return float(spectrum_of(motion, np.array([period]))[0])
 
 
 def scaled_to(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
@@ -60,21 +64,13 @@ def scaled_to(target: Target, motions: Sequence[BaseMotion], table: CampaignTabl
 
     The factor makes the mean of ln(S_a / target) over the logarithm of the period vanish.
     """
-    periods = np.geomspace(*table.periods_s, PERIODS)
-    wanted = np.log(target.spectrum.acceleration(periods))
-    return [_scaled(motion, periods, wanted, table) for motion in motions]
-
-
-def _scaled(motion: BaseMotion, periods: Array, wanted: Array, table: CampaignTable) -> BaseMotion:
-    record = motion.record
-    own = np.log(response_spectrum(record.acceleration, record.time_step, periods, DAMPING)[0])
-    best = float(np.exp(np.mean(wanted - own)))
-    factor = float(np.clip(best, *table.scale_limits))
-    notes = motion.notes
-    if factor != best:
-        low, high = table.scale_limits
-        notes += (
-            message(
+    periods, (low, high) = np.geomspace(*table.periods_s, PERIODS), table.scale_limits
+    wanted, found = np.log(target.spectrum.acceleration(periods)), []
+    for motion in motions:
+        best = float(np.exp(np.mean(wanted - np.log(spectrum_of(motion, periods)))))
+        factor, notes = float(np.clip(best, low, high)), motion.notes
+        if factor != best:
+            limited = message(
                 "campaign, {record}: the spectrum of the site asks for a factor of {wanted:.3g}; "
                 "{taken:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
                 record=motion.name,
@@ -82,32 +78,32 @@ def _scaled(motion: BaseMotion, periods: Array, wanted: Array, table: CampaignTa
                 taken=factor,
                 low=low,
                 high=high,
-            ),
+            )
+            notes += (limited,)
+        scaled = replace(
+            motion,
+            record=motion.record.scaled(factor),
+            original=motion.original.scaled(factor),
+            pga=factor * motion.pga,
+            scale=factor * motion.scale,
+            notes=notes,
         )
-    return replace(
-        motion,
-        record=record.scaled(factor),
-        original=motion.original.scaled(factor),
-        pga=factor * motion.pga,
-        scale=factor * motion.scale,
-        notes=notes,
-    )
+        found.append(scaled)
+    return found
 
 
 def compatibility(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> CampaignSpectrum:
     """Return the mean spectrum of a set of records with the target: relative deviations and their periods (s)."""
     periods = np.geomspace(*table.periods_s, PERIODS)
-    own = [
-        response_spectrum(each.record.acceleration, each.record.time_step, periods, DAMPING)[0]
-        for each in motions
-    ]
-    deviation = np.mean(own, axis=0) / target.spectrum.acceleration(periods) - 1.0
+    wanted = target.spectrum.acceleration(periods)
+    mean = np.mean([spectrum_of(each, periods) for each in motions], axis=0)
+    deviation = mean / wanted - 1.0
     return CampaignSpectrum(
         limit_state=target.limit_state,
         periods_s=list(table.periods_s),
         T_s=periods.tolist(),
-        target_g=target.spectrum.acceleration(periods).tolist(),
-        mean_g=np.mean(own, axis=0).tolist(),
+        target_g=wanted.tolist(),
+        mean_g=mean.tolist(),
         lowest_deviation=float(deviation.min()),
         highest_deviation=float(deviation.max()),
         within=bool(deviation.min() >= LOW and deviation.max() <= HIGH),
@@ -138,9 +134,7 @@ class Measures:
         a = record.acceleration - record.acceleration.mean()
         velocity = GRAVITY * record.time_step * np.cumsum(0.5 * (a[1:] + a[:-1]))
         periods = np.geomspace(*(campaign.periods_s if campaign else (FIRST, LAST)), PERIODS)
-        average = np.exp(
-            np.mean(np.log(response_spectrum(record.acceleration, record.time_step, periods, DAMPING)[0]))
-        )
+        average = np.exp(np.mean(np.log(spectrum_of(motion, periods))))
         values = {
             "PGA": motion.pga,
             "PGV": float(abs(velocity).max()),

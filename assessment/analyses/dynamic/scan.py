@@ -113,13 +113,20 @@ def scan(
 def scan_levels(falls: Callable[[float], bool], pga: float, reach: Reach, near: float | None = None) -> None:
     """Ask at which levels (g) a structure `falls`, around its lowest collapse; `pga` (g): of the record itself."""
     lattice = _Lattice(falls, pga, reach)
-    _find_a_collapse(lattice, near)
+    # outwards from the level expected: upwards until one falls, or downwards until one stands
+    place, stride = lattice.nearest(near or pga), 1
+    fell = lattice.run(place)
+    end = lattice.bottom if fell else lattice.top
+    while lattice.run(place) == fell and place != end:
+        place = max(place - stride, end) if fell else min(place + stride, end)
+        stride = min(2 * stride, FARTHEST)
     for ask in iter(lambda: next(_missing(lattice), None), None):
         lattice.run(ask)
     if reach.members > 1 and lattice.fallen:
         low = min(lattice.fallen)
-        for place in _half_way(low)[: reach.members - 1]:
-            lattice.run(place)
+        half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
+        for half in half_way[: reach.members - 1]:
+            lattice.run(half)
     while (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
         lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
 
@@ -169,19 +176,8 @@ class _Lattice:
         if not fallen:
             return None
         low = min(fallen)
-        return max(
-            (level for level, fell in self.levels.items() if not fell and level < low), default=0.0
-        ), low
-
-
-def _find_a_collapse(lattice: _Lattice, near: float | None) -> None:
-    """Run places outwards from the one expected: upwards until one falls, or downwards until one stands."""
-    place, stride = lattice.nearest(near or lattice.pga), 1
-    falls = lattice.run(place)
-    end = lattice.bottom if falls else lattice.top
-    while lattice.run(place) == falls and place != end:
-        place = max(place - stride, end) if falls else min(place + stride, end)
-        stride = min(2 * stride, FARTHEST)
+        below = (level for level, fell in self.levels.items() if not fell and level < low)
+        return max(below, default=0.0), low
 
 
 def _missing(lattice: _Lattice) -> Iterator[int]:
@@ -195,11 +191,6 @@ def _missing(lattice: _Lattice) -> Iterator[int]:
         for place in range(low + 1, min(high + CERTAIN, lattice.top) + 1):
             if place not in lattice.tried:
                 yield place
-
-
-def _half_way(low: float) -> list[float]:
-    """Return places between those of the lattice, the nearest to the lowest collapse first."""
-    return [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
 
 
 @dataclass

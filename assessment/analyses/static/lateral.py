@@ -367,10 +367,8 @@ def add_curve(
     """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
     found.warnings += crossings(title, path.crossed, setting.increment) + lifts(title, path)
     found.scatters = turns_on_rounding(model, path)
-    rigid, curves = (
-        setting.behaviour == "rigid",
-        Pushovers(control=control.name, control_m=list(control.point_m)),
-    )
+    rigid = setting.behaviour == "rigid"
+    curves = Pushovers(control=control.name, control_m=list(control.point_m))
     if rigid:
         curve = rigid_push(model, control, setting.sliding, direction, path)
         found.value = Pushed(curves.replace(rigid=curve), path.states[path.peak])
@@ -474,33 +472,31 @@ def with_control(project: Project, model: Assembly) -> tuple[Project, list[Messa
     if project.control or not needed:
         return project, []
     directions: tuple[Direction, ...] = project.pushover.directions if project.pushover else ("+x",)
-    found = [_chosen(project, model, direction) for direction in directions]
-    notes = [
-        message(
+    points, notes = [], []
+    for direction in directions:
+        begun = model.initial.positions
+        moved = begun + model.movable[:, None] * [
+            1.0,
+            0.0,
+            0.0,
+        ]  # that of the highest corner where nothing moves
+        with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
+            limit = limit_analysis(model, direction, sliding=project.contacts.sliding)
+            moved = begun + 1e-6 * model.size * limit.mechanism
+        (x, z), block = farthest_corner(model, begun, moved, direction)
+        name = CHOSEN[project.report.language].format(direction=direction)
+        points.append(ControlTable(name=name, point_m=(float(x), float(z))))
+        note = message(
             "no control point given: towards {direction} that of block {block} at ({x:.4g}, {z:.4g}) m is followed, "
             "which goes farthest along the push",
             direction=direction,
             block=block,
-            x=point.point_m[0],
-            z=point.point_m[1],
+            x=float(x),
+            z=float(z),
         )
-        for direction, (point, block) in zip(directions, found, strict=True)
-    ]
-    points = tuple(point for point, _ in found)
-    changed: dict[str, object] = {"control": points}
+        notes.append(note)
+    changed: dict[str, object] = {"control": tuple(points)}
     if project.pushover:
         by_direction = {way: point.name for way, point in zip(directions, points, strict=True)}
         changed["pushover"] = project.pushover.model_copy(update={"control": by_direction})
     return project.model_copy(update=changed), notes
-
-
-def _chosen(project: Project, model: Assembly, direction: Direction) -> tuple[ControlTable, int]:
-    """Return the control point of a direction and its block; that of the highest corner where nothing moves."""
-    begun = model.initial.positions
-    moved = begun + model.movable[:, None] * [1.0, 0.0, 0.0]
-    with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
-        limit = limit_analysis(model, direction, sliding=project.contacts.sliding)
-        moved = begun + 1e-6 * model.size * limit.mechanism
-    (x, z), block = farthest_corner(model, begun, moved, direction)
-    name = CHOSEN[project.report.language].format(direction=direction)
-    return ControlTable(name=name, point_m=(float(x), float(z))), block

@@ -231,42 +231,36 @@ def follow(
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
-    """What was measured: `value` and `sigma` (m,), mm or mrad, at the gauges; `largest` (m): a displacement."""
+class MovementSearch:
+    """How movements are followed: model, law of sliding, gauges, what was measured, processes; messages to `study`.
 
+    `value`, `sigma` (m,): measured at the gauges, mm or mrad; `largest` (m): of the displacements. `stopped`: why paths
+    of a hypothesis could not be followed to their end, other than by a collapse.
+    """
+
+    model: Assembly
+    sliding: Sliding
     gauges: tuple[Gauge, ...]
     value: Array
     sigma: Array
     largest: float
+    workers: Workers
+    study: Study
+    stopped: dict[Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
 
     def residual(self, shown: Array) -> Array:
         """Return the residuals over σ of readings (…, m)."""
         return (shown - self.value) / self.sigma
 
-
-@dataclass(frozen=True, eq=False)
-class MovementSearch:
-    """How movements are followed: model, law of sliding, gauges and measured values, processes; messages to `study`.
-
-    `stopped`: why paths of a hypothesis could not be followed to their end, other than by a collapse.
-    """
-
-    model: Assembly
-    sliding: Sliding
-    measured: Measured
-    workers: Workers
-    study: Study
-    stopped: dict[Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
-
     def best(self, unknowns: Unknowns) -> Fit | None:
         """Return the best fit of a hypothesis; None where no movement could be followed."""
         directions = unknowns.directions()
-        length = FARTHEST * self.measured.largest
+        length = FARTHEST * self.largest
         paths = self._followed(unknowns, [length * each for each in directions], COARSE, "search")
         starts: list[tuple[float, Array]] = []
         for direction, path in zip(directions, paths, strict=True):
             if len(path.share):
-                share, square = best_length(path.share, self.measured.residual(path.shown))
+                share, square = best_length(path.share, self.residual(path.shown))
                 starts.append((square, share * length * direction))
         starts.sort(key=lambda each: each[0])
         fits = [fit for _, start in starts[:STARTS] if (fit := self._refined(unknowns, start)) is not None]
@@ -289,20 +283,14 @@ class MovementSearch:
     def _predict(self, unknowns: Unknowns) -> Predict:
         def predict(values: Sequence[Array]) -> list[Array | None]:
             paths = self._followed(unknowns, values, FINE, "fit")
-            return [
-                None if path.configuration is None else self.measured.residual(path.shown[-1])
-                for path in paths
-            ]
+            return [None if path.configuration is None else self.residual(path.shown[-1]) for path in paths]
 
         return predict
 
     def _followed(
         self, unknowns: Unknowns, values: Sequence[Array], increments: int, what: str
     ) -> list[Followed]:
-        tasks = [
-            (self.model, unknowns.movements(u), increments, self.sliding, self.measured.gauges)
-            for u in values
-        ]
+        tasks = [(self.model, unknowns.movements(u), increments, self.sliding, self.gauges) for u in values]
         titles = [f"{unknowns.title}, path {number}" for number in range(1, len(tasks) + 1)]
         found = self.workers.each(
             f"identification: {what}", follow, tasks, titles, large(*[self.model] * len(tasks))
@@ -329,7 +317,11 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     assert project.identification is not None
     found = gauges(project, model)
     lever = 0.5 * float(np.ptp(drawn_extent(model), axis=0).max())
-    search = MovementSearch(model, project.contacts.sliding, measured(project, found, lever), workers, study)
+    value, sigma = np.array([(each.value, each.sigma) for each in project.measurement]).T
+    size = np.array([lever if each.kind == "lean" else 1.0 for each in project.measurement])
+    largest = 1e-3 * float((size * np.maximum(abs(value), sigma)).max())
+    law = project.contacts.sliding
+    search = MovementSearch(model, law, tuple(found), value, sigma, largest, workers, study)
     table = project.identification
     asked = [unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
     show, workers.show = workers.show, SILENCE  # one line of progress for all of their many short paths
@@ -365,15 +357,6 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     return result
 
 
-def measured(project: Project, found: Sequence[Gauge], lever: float) -> Measured:
-    """Return what was measured; `lever` (m): of what a lean moves."""
-    value = np.array([each.value for each in project.measurement])
-    sigma = np.array([each.sigma for each in project.measurement])
-    size = np.array([lever if each.kind == "lean" else 1.0 for each in project.measurement])
-    largest = 1e-3 * float((size * np.maximum(abs(value), sigma)).max())
-    return Measured(tuple(found), value, sigma, largest)
-
-
 def _explained(project: Project, search: MovementSearch, unknowns: Unknowns) -> parts.Explanation:
     """Return the best movement of one hypothesis."""
     fit, n = search.best(unknowns), len(unknowns)
@@ -384,7 +367,7 @@ def _explained(project: Project, search: MovementSearch, unknowns: Unknowns) -> 
             probability=None, aic=None, distinguished=True, undetermined=[], kinked=[], contradicting=[],
             at_collapse=False, fit=[], configuration=None,
         )  # fmt: skip
-    sure = sureness(fit, search.measured.largest)
+    sure = sureness(fit, search.largest)
     rows = [
         as_part(
             parts.Fitted,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from assessment.analyses.checks.capacity import _nominal
+from assessment.analyses.checks.capacity import nominal_check
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import fit_rigid
 from assessment.ntc.spectrum import ElasticSpectrum
@@ -21,12 +21,12 @@ def test_static_capacity_is_brought_to_the_reference_of_the_dynamic_one():
     d = np.linspace(0.0, 0.6, 21)
     capacity = capacity_curve(fit_rigid((d, (1.0 - d / 0.6) / 7.0)), 1.0, 0.5, 1.35)
     demands = dict.fromkeys(("SLV", "SLC"), ElasticSpectrum(0.25, 2.4, 0.30, "A", "T2"))
-    nominal = _nominal(capacity, demands, Method())
+    nominal = nominal_check(capacity, demands, Method())
     assert nominal.limit_state == "SLC"
     assert nominal.pga_g == pytest.approx(0.474080, rel=2e-6)
     found = brought_together(nominal.pga_g, 0.6)
     assert found["dynamic_to_static"] == pytest.approx(1.265609, rel=2e-6)
-    life = _nominal(capacity, {"SLV": demands["SLV"]}, Method())
+    life = nominal_check(capacity, {"SLV": demands["SLV"]}, Method())
     assert life.pga_g == pytest.approx(0.383616, rel=2e-6)
     assert verify(capacity, demands)["SLV"].pga_g < life.pga_g
     assert brought_together(None, 0.6) == {"static_surface_pga_g": None, "dynamic_to_static": None}
