@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 810,
     "assessment/ntc": 2366,
     "assessment/project": 5013,
-    "assessment/report": 6776,
+    "assessment/report": 6768,
     "assessment/results": 3392,
     "assessment/runtime": 1843,
     "assessment/studies": 2516,

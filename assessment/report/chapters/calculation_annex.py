@@ -130,19 +130,15 @@ def _column(steps: Steps, before: Steps) -> Column:
         for name, value in step.inputs.items():
             if known.get(name) == value or name in CONSTANTS:
                 continue
-            same = [symbol for symbol in known if known[symbol] == value and _alike(name, symbol)]
-            if same:
+            # both are displacements, say; ends of an interpolation keep their names
+            alike = [symbol for symbol in known if known[symbol] == value and _head(symbol) == _head(name)]
+            if same := [] if name.endswith(("_1", "_2")) else alike:
                 names[name] = same[-1]
             else:
                 add(Line(name, "", units.get(_head(name), ""), step.paragraph), value)
         formula = renamed(step.formula, names)
         add(Line(step.symbol, formula, step.unit, step.paragraph), step.result)
     return lines
-
-
-def _alike(name: str, symbol: str) -> bool:
-    """Return whether a name can replace a symbol, as both are displacements; ends of an interpolation keep theirs."""
-    return _head(name) == _head(symbol) and not name.endswith(("_1", "_2"))
 
 
 def _head(symbol: str) -> str:

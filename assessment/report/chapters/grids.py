@@ -265,14 +265,12 @@ def _group(path: Path, words: Words) -> Markup:
     first, *rest = path or ("project",)
     name = _name(first, words)
     for before, part in zip((first, *rest), rest, strict=False):
-        plain = part.isdigit() or before == "layers"  # the second cedimento, the layer PIERS
-        name += Markup(" ") + Markup.escape(part) if plain else Markup(", ") + _inner(_name(part, words))
+        if part.isdigit() or before == "layers":  # the second cedimento, the layer PIERS
+            name += Markup(" ") + Markup.escape(part)
+        else:  # "punto di controllo", but SLV
+            inner = _name(part, words)
+            name += Markup(", ") + (inner[:1].lower() + inner[1:] if inner[1:2].islower() else inner)
     return name
-
-
-def _inner(name: Markup) -> Markup:
-    """Return a name as it is written behind a comma: "punto di controllo", but SLV."""
-    return name[:1].lower() + name[1:] if name[1:2].islower() else name
 
 
 def _name(key: str, words: Words) -> Markup:

@@ -43,7 +43,11 @@ def draw_model(results: Results, words: Words) -> Figure:
     by_layer: dict[str, list[int]] = {}
     for number, block in enumerate(blocks):
         by_layer.setdefault(block.layer, []).append(number)
-    named = {layer: _label(layer, blocks[own[0]].support, words) for layer, own in sorted(by_layer.items())}
+    named = {}  # in the legend, cut to the room that it has
+    for layer, own in sorted(by_layer.items()):
+        support = blocks[own[0]].support
+        text = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
+        named[layer] = text if len(text) <= LONGEST_NAME else f"{text[: LONGEST_NAME - 1]}…"
     labels = list(named.values())[:MOST_NAMED]
     marked = ["", "", *([""] if results.model.ties else [])]  # loads, control points, ties
     page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0, foot_mm=foot([*labels, *marked]))
@@ -63,12 +67,6 @@ def draw_model(results: Results, words: Words) -> Figure:
     _dimensions(page, axes, shape.bounds, words)
     page.legend(handles, words)
     return page.figure
-
-
-def _label(layer: str, support: str | None, words: Words) -> str:
-    """Return the text of the legend for a layer, cut to the room it has."""
-    label = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
-    return label if len(label) <= LONGEST_NAME else f"{label[: LONGEST_NAME - 1]}…"
 
 
 def _loads(page: Sheet, axes: Axes, blocks: Sequence[Block], words: Words) -> list[Any]:
