@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from openpyxl import load_workbook
 
 from assessment.cli.main import main
+from assessment.project import formats
 from assessment.project.catalogue.new_project import TEMPLATES
-from assessment.project.formats import convert
 from assessment.project.formats.toml import commented_toml, updated_toml
 from assessment.project.project import load_project
 from assessment.project.schema import ProjectContent
@@ -148,10 +148,10 @@ def test_a_conversion_that_is_killed_at_any_moment_leaves_a_project(tmp_path, mo
         return stepped
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(convert, "write_atomically", killed_before(convert.write_atomically))
+        patch.setattr(formats, "write_atomically", killed_before(formats.write_atomically))
         patch.setattr(Path, "unlink", killed_before(Path.unlink))
         patch.setattr(Path, "replace", killed_before(Path.replace))
-        convert.convert(folder / "project.toml", load_project(folder).content(defaults=False))
+        formats.convert(folder / "project.toml", load_project(folder).content(defaults=False))
     monkeypatch.undo()
     assert load_project(folder).content() == before
     assert main(["convert", str(folder)]) == 0
