@@ -41,7 +41,8 @@ class MotionMemory:
 
     `blocks` (2, b, 3): mean accelerations of the last step, m/s² and rad/s², and velocities at which the next program
     begins; `joints` (k, 2 + JOINT): the two edges of each contact and what is known of it (kernels.dynamics.motion);
-    `largest` kinetic energy so far, kNm; `halved`: how often the last step was.
+    `largest` kinetic energy so far, kNm; `halved`: how often the last step was; `begun` (b, 3): positions in which the
+    motion began.
     """
 
     rigid: bool
@@ -49,6 +50,7 @@ class MotionMemory:
     joints: Array
     largest: float
     halved: int
+    begun: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)

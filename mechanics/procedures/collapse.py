@@ -9,11 +9,11 @@ import shapely
 
 from mechanics.kernels.joint import H, U
 from mechanics.messages import Message, message
-from mechanics.model.assembly import Assembly, State
+from mechanics.model.assembly import Assembly
 from mechanics.model.contacts import Contacts
 from mechanics.types import Array, Mask
 
-TURNED = 1.0  # rad from the beginning: a block that has turned so far does not come back
+TURNED = 1.0  # rad from the drawing: a block that has turned so far does not come back
 GRID = 1e-9  # of the block size, of overlays
 THROUGH = 0.01  # of a block's area: an overlap that is none
 
@@ -26,11 +26,9 @@ class ControlPoint:
     block: int
     ultimate: float | None = None
 
-    def displacement(self, model: Assembly, start: State, x: Array) -> float:
-        """Horizontal displacement (m) since the start, for positions (b, 3)."""
-        now, then = (
-            model.point_displacement(self.point, self.block, positions) for positions in (x, start.positions)
-        )
+    def displacement(self, model: Assembly, begun: Array, x: Array) -> float:
+        """Horizontal displacement (m) from positions (b, 3) in which a motion has begun to others."""
+        now, then = (model.point_displacement(self.point, self.block, positions) for positions in (x, begun))
         return float(now[0] - then[0])
 
     def velocity(self, model: Assembly, x: Array, v: Array) -> float:
@@ -40,24 +38,25 @@ class ControlPoint:
 
 
 def collapse(
-    model: Assembly, contacts: Contacts, start: State, x: Array, v: Array, control: ControlPoint | None
+    model: Assembly, contacts: Contacts, begun: Array, x: Array, v: Array, control: ControlPoint | None
 ) -> Message | None:
     """Return why a motion at positions x (b, 3) and velocities v (b, 3) cannot come back; None where it can.
 
-    The control point is past its ultimate displacement and moves outward; or a block has turned by more than 1 rad, or
-    fallen by more than its size and still falls, or is out of reach of all its contacts.
+    The control point is past its ultimate displacement and moves outward; or a block has turned by more than 1 rad from
+    the drawing, or fallen by more than its size and still falls, or is out of reach of all its contacts. Displacements
+    are from where the motion has `begun` (b, 3).
     """
     if control is not None and control.ultimate is not None:
-        displacement = control.displacement(model, start, x)
+        displacement = control.displacement(model, begun, x)
         if abs(displacement) > control.ultimate and displacement * control.velocity(model, x, v) > 0.0:
             return message(
                 "the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward",
                 displacement=displacement,
             )
-    moved, size = x - start.positions, model.block_size
-    if abs(moved).max() <= min(TURNED, float(size.min())):
+    moved, size = x - begun, model.block_size
+    turned = abs(x[:, 2] - model.initial.positions[:, 2])
+    if turned.max() <= TURNED and abs(moved).max() <= float(size.min()):
         return None  # the cheap test: no block has moved far enough for any criterion below
-    turned = abs(moved[:, 2])
     if turned.max() > TURNED:
         return message(
             "block {block} has turned by {angle:.2f} rad",

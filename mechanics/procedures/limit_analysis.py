@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION
 from mechanics.messages import message
@@ -120,7 +120,11 @@ def limit_analysis(
 
 def limit_in(model: Assembly, direction: Direction, state: State, sliding: Sliding = "coulomb") -> Limit:
     """Return the onset of collapse of a state that is known to stand under gravity; raises as limit_analysis."""
-    return _limit(model, direction, state, closed_program(model, state), sliding)
+    try:
+        standing = check_self_weight(model, state)
+    except UnstableError:  # within the accuracy of its path
+        standing = closed_program(model, state)
+    return _limit(model, direction, state, standing, sliding)
 
 
 def _limit(

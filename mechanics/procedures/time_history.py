@@ -202,7 +202,7 @@ def time_history(
     step of rigid joints that is not solved by the former is solved by the latter, and counted. Joints of finite
     strength have to be elastic: what is crushed of them stays so (kernels.crushing).
 
-    The motion ends at collapse: a block has turned by more than 1 rad, has fallen by more than its size and still
+    The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its size and still
     falls, or is out of reach of all its contacts; or the control point is past its `ultimate` displacement (m) and
     moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
     """
@@ -219,17 +219,18 @@ def time_history(
 
     parts: list[Recorded] = []
     done, reason = 0, None
+    begun = start.positions if start.motion is None else start.motion.begun
     while done < len(base) - 1 and not reason:
         system = system.around(motion)
         ahead = (float(base[done:, 0].min()), float(base[done:, 0].max()))
         marched = system.march(motion, base[done : done + tolerances.chunk + 1], time_step, ahead)
         _check_motion(system, marched, done, time_step, tolerances.checked)
-        part, reason = _until_collapse(system, marched, start, point)
+        part, reason = _until_collapse(system, marched, begun, point)
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
     found = _history(
-        system, start, motion, parts, time_step, point, reason, used, chosen + resolved, tolerances
+        system, start, begun, motion, parts, time_step, point, reason, used, chosen + resolved, tolerances
     )
     return found if undecided is None else replace(found, notes=(undecided, *found.notes))
 
@@ -259,11 +260,11 @@ def _control_point(model: Assembly, control: ArrayLike | None, ultimate: float |
 
 
 def _until_collapse(
-    system: DynamicSystem, part: Recorded, start: State, point: ControlPoint | None
+    system: DynamicSystem, part: Recorded, begun: Array, point: ControlPoint | None
 ) -> tuple[Recorded, Message | None]:
     """Return a part of a motion up to the step at which it has collapsed, and why; None where it has not."""
     for k in np.flatnonzero(part.v.any(axis=(1, 2))):  # what rests does not collapse
-        if k and (reason := collapse(system.model, system.contacts, start, part.x[k], part.v[k], point)):
+        if k and (reason := collapse(system.model, system.contacts, begun, part.x[k], part.v[k], point)):
             return part.until(int(k)), reason
     return part, None
 
@@ -405,12 +406,12 @@ def _settled(
 
 
 def _history(
-    system: DynamicSystem, start: State, motion: Motion, parts: list[Recorded], time_step: float,
+    system: DynamicSystem, start: State, begun: Array, motion: Motion, parts: list[Recorded], time_step: float,
     point: ControlPoint | None, reason: Message | None, integrator: Integrator, chosen: str,
     tolerances: HistoryTolerances,
 ) -> TimeHistory:  # fmt: skip
     """Join the recorded parts of a motion to its result."""
-    # ten arguments: all that the run has, used once
+    # eleven arguments: all that the run has, used once
     model, drawn = system.model, len(system.model.contacts)
     x, v, energies = (
         np.concatenate([parts[0].__dict__[name][:1], *(part.__dict__[name][1:] for part in parts)])
@@ -425,7 +426,7 @@ def _history(
     if not system.system.rigid:
         final = with_springs(system.contacts, final, drawn, motion.shear)
     if not reason:  # at collapse the last steps are left out of the record
-        final = replace(final, motion=system.remembered(motion))
+        final = replace(final, motion=system.remembered(motion, begun))
     programs, iterations, halvings, cold = (int(value) for value in system.counts[:4])
     time: Array = time_step * np.arange(len(x), dtype=float)
     return TimeHistory(
@@ -435,7 +436,9 @@ def _history(
         forces=forces,
         start=start,
         final=final,
-        displacement=None if point is None else np.array([point.displacement(model, start, at) for at in x]),
+        displacement=None
+        if point is None
+        else np.array([point.displacement(model, start.positions, at) for at in x]),
         collapsed=bool(reason),
         time_of_collapse=float(time[-1]) if reason else None,
         collapse_reason=reason or "",

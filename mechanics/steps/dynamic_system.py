@@ -236,11 +236,16 @@ class DynamicSystem:
             motion.energy[ELASTIC] = strain_energy(felt, self.system.law, joints, self.model.size)
         return motion
 
-    def remembered(self, motion: Motion) -> MotionMemory:
-        """Return what a motion goes on from."""
+    def remembered(self, motion: Motion, begun: Array) -> MotionMemory:
+        """Return what a motion goes on from that has `begun` at positions (b, 3)."""
         joints = np.column_stack([self.contacts.edges, motion.joints])
         return MotionMemory(
-            self.system.rigid, motion.blocks[2:].copy(), joints, float(motion.energy[LARGEST]), motion.halved
+            self.system.rigid,
+            motion.blocks[2:].copy(),
+            joints,
+            float(motion.energy[LARGEST]),
+            motion.halved,
+            begun,
         )
 
     def _recall(self, memory: MotionMemory, places: Array, motion: Motion) -> None:

@@ -67,12 +67,14 @@ class ClosedProgram:
         return replace(self, program=replace(self.program, places=moved))
 
 
-def closed_program(model: Assembly, state: State, sliding: Sliding = "associative") -> ClosedProgram:
+def closed_program(
+    model: Assembly, state: State, sliding: Sliding = "associative", tolerance: float = LIMIT.closed
+) -> ClosedProgram:
     """Return the rigid program under gravity over the joints closed in a state.
 
-    An end of a joint is closed if its gap is zero within LIMIT.closed. If the joint is known to carry, the gap of its
-    nearer end is subtracted first: sliding has lifted that joint. A joint of finite strength that has turned on its
-    edge has crushed there: its faces meet at the end of what has.
+    An end of a joint is closed if its gap is zero within the tolerance, a share of the block size. If the joint is
+    known to carry, the gap of its nearer end is subtracted first: sliding has lifted that joint. A joint of finite
+    strength that has turned on its edge has crushed there: its faces meet at the end of what has.
     """
     step = LIMIT.onset * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
@@ -80,7 +82,7 @@ def closed_program(model: Assembly, state: State, sliding: Sliding = "associativ
     gaps = end_gaps(places)
     carrying = np.flatnonzero(carried(system.contacts, state))
     gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # the gap that sliding has left
-    closed = gaps <= LIMIT.closed * model.size
+    closed = gaps <= tolerance * model.size
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > system.no_overlap))
     law = system.law.copy()
     law[:, SLID] = 0.0
@@ -111,11 +113,27 @@ def closed_program(model: Assembly, state: State, sliding: Sliding = "associativ
 
 
 def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProgram:
-    """Return the program of a state (default: as drawn); raise UnstableError where gravity alone cannot be carried."""
-    closed = closed_program(model, state or model.initial)
+    """Return the program of a state (default: as drawn); raise UnstableError where gravity alone cannot be carried.
+
+    Joints are closed within LIMIT.closed as drawn or placed by hand. A state whose forces are known is exact: the least
+    tolerance counts with which it stands, for a wider one closes its cracks.
+    """
+    state = state or model.initial
+    tolerance = LIMIT.closed if state.carrying is None else LIMIT.exact
+    while tolerance < 0.5 * LIMIT.closed:
+        try:
+            return _standing(model, state, tolerance)
+        except UnstableError:
+            tolerance *= 10.0
+    return _standing(model, state, LIMIT.closed)
+
+
+def _standing(model: Assembly, state: State, tolerance: float) -> ClosedProgram:
+    """Return the program over the joints closed within a tolerance; raise UnstableError where it cannot stand."""
+    closed = closed_program(model, state, tolerance=tolerance)
     # the last equilibrium of a path balances within the accuracy of the path, a share of the whole weight on any block
     lightest = float(model.mass[model.movable, 0].min()) * GRAVITY
-    allowed = BALANCED if state is None or state.carrying is None else STEP.slow * model.weight / lightest
+    allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / lightest
     for _ in range(LIMIT.repeats):
         acceleration, forces = least_acceleration(closed.program, closed.layout)
         again = None if acceleration <= allowed else closed.hinged(forces[:, 0])

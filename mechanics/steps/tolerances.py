@@ -108,15 +108,17 @@ class RestTolerances:
 class LimitTolerances:
     """Tolerances of limit analysis.
 
-    As shares of the block size: `closed`, gap that counts as closed (dilatant sliding leaves gaps in a settled state);
-    `onset`, displacement of a mechanism at its onset. `far`: gap of an open end, in such displacements. `repeats`:
-    most programs for hinges that crush, and most descents to a lesser multiplier by Coulomb's law; `hinged`: distance
-    of a hinge from where its force crushes the edge, as a share of the block size. `slight`: share of μ|slip| by which
-    joints lift where Coulomb's law has no flow; `idle`: force, per weight, or motion, per `onset`, that is none;
-    `most_joints`: of a model whose least multiplier is sought: the linear programs grow faster than the flow's own.
+    As shares of the block size: `closed`, gap that counts as closed; `exact`, that of a state whose forces are known,
+    which is in equilibrium to 1e-8 or better: wider ones are cracks; `onset`, displacement of a mechanism at its onset.
+    `far`: gap of an open end, in such displacements. `repeats`: most programs for hinges that crush, and most descents
+    to a lesser multiplier by Coulomb's law; `hinged`: distance of a hinge from where its force crushes the edge, as a
+    share of the block size. `slight`: share of μ|slip| by which joints lift where Coulomb's law has no flow; `idle`:
+    force, per weight, or motion, per `onset`, that is none; `most_joints`: of a model whose least multiplier is sought:
+    the linear programs grow faster than the flow's own.
     """
 
     closed: float = 1e-3
+    exact: float = 1e-6
     onset: float = 1e-3
     far: float = 1e3
     repeats: int = 12

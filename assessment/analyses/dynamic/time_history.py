@@ -128,10 +128,10 @@ def respond(
     table, point = setting.table, setting.control.point_m
     step = motion.record.time_step
 
-    def run(acceleration: Array, vertical: Array | None, state: State, ultimate: float | None) -> TimeHistory:
+    def run(acceleration: Array, vertical: Array | None, state: State) -> TimeHistory:
         return time_history(
             model, acceleration, step, table.contacts, state, table.integrator, vertical,
-            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=ultimate,
+            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=setting.ultimate,
             sliding=setting.sliding, tolerances=HISTORY if to_rest else SEARCH,
         )  # fmt: skip
 
@@ -139,10 +139,10 @@ def respond(
     free = np.zeros(round(TAIL / step) + 2)
     record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
     with stretch(0.0, record):
-        parts = [run(factor * motion.record.acceleration, vertical, start, setting.ultimate)]
+        parts = [run(factor * motion.record.acceleration, vertical, start)]
     while len(parts) <= TAILS and _goes_on(model, parts, to_rest and table.contacts == "rigid"):
         with stretch(record if len(parts) == 1 else 1.0, 1.0):
-            parts.append(run(free, None, parts[-1].final, None))
+            parts.append(run(free, None, parts[-1].final))
     time, displacement = parts[0].time, known(parts[0].displacement)
     for part in parts[1:]:
         time = np.concatenate([time, time[-1] + part.time[1:]])

@@ -243,6 +243,25 @@ def test_overturning_block_collapses_and_the_run_stops() -> None:
     assert motion.displacement[-1] < -0.3
 
 
+@pytest.mark.parametrize("tilted", [0.55, 0.8, 0.95])
+def test_a_block_released_beyond_its_balance_collapses(tilted: float) -> None:
+    """It lies flat at π/2, which is less than 1 rad from where it began."""
+    model = block_on_base(0.3, 1.5, friction=5.0)
+    start = model.rotated(block=1, about=tuple(model.blocks[1].vertices[1]), rotation=-tilted)
+    motion = time_history(model, np.zeros(400), 0.005, state=start)
+    assert motion.collapsed and "turned" in motion.collapse_reason
+
+
+def test_a_fall_that_goes_on_after_the_record_is_a_collapse() -> None:
+    """However far the block has turned where the record ends: 0.55 to 0.9 rad."""
+    model, whole = block_on_base(0.2, 1.0), overturning()
+    for turned in (0.55, 0.75, 0.9):
+        at = int(np.argmax(abs(whole.positions[:, 1, 2]) > turned))
+        first = time_history(model, np.full(at, 0.4), STEP)
+        assert not first.collapsed
+        assert time_history(model, np.zeros(400), STEP, state=first.final).collapsed
+
+
 def test_ultimate_displacement_ends_the_run_earlier() -> None:
     motion = overturning(ultimate=0.25)
     assert motion.collapsed and "ultimate" in motion.collapse_reason
@@ -266,7 +285,7 @@ def test_control_point_past_its_ultimate_and_coming_back_is_no_collapse() -> Non
     for outward in (True, False):
         v = np.zeros((2, 3))
         v[1, 2] = -0.1 if outward else 0.1
-        assert bool(collapse(model, model.contacts, model.initial, x, v, point)) is outward
+        assert bool(collapse(model, model.contacts, model.initial.positions, x, v, point)) is outward
 
 
 def test_a_step_that_cannot_be_solved_is_no_collapse(monkeypatch: pytest.MonkeyPatch) -> None:
