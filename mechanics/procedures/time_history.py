@@ -202,9 +202,10 @@ def time_history(
     step of rigid joints that is not solved by the former is solved by the latter, and counted. Joints of finite
     strength have to be elastic: what is crushed of them stays so (kernels.crushing).
 
-    The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its size and still
-    falls, or is out of reach of all its contacts; or the control point is past its `ultimate` displacement (m) and
-    moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
+    The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its
+    size and still falls, or is out of reach of all its contacts; or the control point is past its `ultimate`
+    displacement (m) and moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a
+    step is not solved.
     """
     # thirteen arguments: the public function of the package, called with keywords
     Assembly.check(model)

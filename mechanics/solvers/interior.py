@@ -17,7 +17,7 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.threads import one_thread
 from mechanics.types import Array
 
-MOST_ITERATIONS = 100
+MOST_ITERATIONS, IDLE = 100, 10  # in all, and without progress
 ROUGH, APART = (
     1e-3,
     0.3,
@@ -121,7 +121,7 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
         forces,
         gaps,
         (p.weight, p.size, p.step, accepted, accepted),
-        MOST_ITERATIONS,
+        (MOST_ITERATIONS, IDLE),
         layout.work_space,
         layout.packed,
         np.arange(len(layout.row)),

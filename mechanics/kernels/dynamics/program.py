@@ -34,7 +34,9 @@ RIGHT, ROUNDS = 0.1, 5
 PRESSED = 1e-3  # of the weight: a joint whose lift counts
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
-MOST_ITERATIONS = np.int64(60)  # of no literal type, for which the iteration would be compiled once more
+# iterations, and those without progress: of no literal type, for which the iteration would be compiled once more
+LIMITS = (np.int64(60), np.int64(10))
+LIMITS_COULOMB = (np.int64(60), np.int64(5))
 
 
 @compiled
@@ -107,10 +109,11 @@ def _interior_point(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
     stored_matrix: Array, packed: Any, chosen: Any,
 ) -> tuple[int, float, float, float]:  # fmt: skip
-    """`iterate` without lateral load and curvature; returns as `solve` does."""
+    """`iterate` without lateral load and curvature; returns iterations and residuals of forces, gaps and products."""
+    skew = len(laws) > 0 and laws[0, DILATION] < 1.0
     done, _, force, gap, product = iterate(
-        rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, CURVED)), dx, 0.0, f, y, scale, MOST_ITERATIONS,
-        stored_matrix, packed, chosen,
+        rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, CURVED)), dx, 0.0, f, y, scale,
+        LIMITS_COULOMB if skew else LIMITS, stored_matrix, packed, chosen,
     )  # fmt: skip
     return abs(done), force, gap, product
 

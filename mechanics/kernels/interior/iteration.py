@@ -59,9 +59,9 @@ ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 FARTHER = 1.5  # times as far as a step leads, products are looked at
-IDLE = 10  # iterations without progress after which the method ends
-IDLE_MOVING = 5  # the same of motions by Coulomb's law, whose central path may end (program.STALLED)
-IDLE_CRUSHED = 20  # the same where joints can be crushed: their forces go from bound to bound first
+IDLE_CRUSHED = (
+    20  # iterations without progress where joints can be crushed: forces go from bound to bound first
+)
 
 
 @compiled
@@ -112,15 +112,16 @@ def _refine(
 @compiled
 def iterate(
     row: Any, places: Array, law: Array, load: Array, lateral: Array, work: float, mass: Array, curved: Array,
-    x: Array, alpha: float, f: Array, y: Array, scale: Any, most: int, stored: Array, packed: Any, which: Any,
+    x: Array, alpha: float, f: Array, y: Array, scale: Any, limits: Any, stored: Array, packed: Any, which: Any,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, CURVED) may be empty;
     `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, 1/WIDE times as much,
-    per step; and of products per weight and step. `stored`: room for two triangles; `which` (j,): their places among
-    the joints of the pattern, that of `packed`. Returns the number of iterations, negative if no iteration leads on
-    (with curvature: if equilibrium is not stable), α, and the residuals of forces, gaps and products, scaled likewise.
+    per step; and of products per weight and step. `limits`: most iterations, and most without progress. `stored`: room
+    for two triangles; `which` (j,): their places among the joints of the pattern, that of `packed`. Returns the number
+    of iterations, negative if no iteration leads on (with curvature: if equilibrium is not stable), α, and the
+    residuals of forces, gaps and products, scaled likewise.
     """
     # many arguments and lines: arrays one by one, and a loop whose stages share a dozen arrays, see mechanics.kernels
     pattern = unpacked(packed)
@@ -137,7 +138,7 @@ def iterate(
     residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
     held, fine = np.empty(count), np.empty(count)
     best, since, iteration = np.inf, 0, 0
-    idle = IDLE_MOVING if skew and len(mass) else IDLE
+    most, idle = limits
     if (law[:, STRENGTH] < np.inf).any():
         idle = IDLE_CRUSHED
     best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
