@@ -40,9 +40,8 @@ class MotionMemory:
     """What a motion of `rigid` or elastic joints goes on from, beside positions and velocities.
 
     `blocks` (2, b, 3): mean accelerations of the last step, m/s² and rad/s², and velocities at which the next program
-    begins; `joints` (k, 2 + JOINT): the two edges of each contact and what is known of it (kernels.dynamics.motion);
-    `largest` kinetic energy so far, kNm; `halved`: how often the last step was; `begun` (b, 3): positions in which the
-    motion began.
+    begins; `joints` (k, 2 + JOINT): both edges of each contact and what is known of it (kernels.dynamics.motion);
+    `largest` kinetic energy so far, kNm; `halved`: how often the last step was; `begun` (b, 3): first positions.
     """
 
     rigid: bool
@@ -249,8 +248,7 @@ class Assembly:
         drawn = drawn_contacts(self._moved, self._joints, self.segments_per_joint or 0, self.joint_tolerance)
         if not self.ties:
             return drawn
-        ends = self.from_origin([tie.points for tie in self.ties])
-        centroid = self.initial.positions[:, :2]
+        ends, centroid = self.from_origin([tie.points for tie in self.ties]), self.initial.positions[:, :2]
         return drawn.joined(tie_contacts(self.ties, ends, self.tie_blocks, centroid, drawn))
 
     @cached_property
