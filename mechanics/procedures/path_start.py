@@ -187,19 +187,14 @@ def _pushed_a_little(
     `tries`: shares of the load and how far away (m) it is looked for, one after the other. Raises NoEquilibriumError or
     ConvergenceError if none is found.
     """
-    *first, last = tries
-    for each in first:
-        with suppress(NoEquilibriumError, ConvergenceError):
-            return _pushed(system, start, lateral, *each)
-    return _pushed(system, start, lateral, *last)
-
-
-def _pushed(
-    system: StaticSystem, start: Equilibrium, lateral: Array, share: float, size: float
-) -> Equilibrium:
     at = start.state.positions
-    load = system.model.dead_load + share * lateral
-    return find_equilibrium(StepProblem(system.around(at, size), start.state, load, size), at, start)
+    for share, size in tries:
+        load = system.model.dead_load + share * lateral
+        try:
+            return find_equilibrium(StepProblem(system.around(at, size), start.state, load, size), at, start)
+        except (NoEquilibriumError, ConvergenceError) as stop:
+            error = stop
+    raise error
 
 
 def no_way_from_rest(model: Assembly, why: Message) -> UnstableError | ArgumentError:
