@@ -203,9 +203,8 @@ def time_history(
     strength have to be elastic: what is crushed of them stays so (kernels.crushing).
 
     The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its
-    size and still falls, or is out of reach of all its contacts; or the control point is past its `ultimate`
-    displacement (m) and moves outward. Raises ArgumentError for an argument out of its range, ConvergenceError if a
-    step is not solved.
+    size and still falls, or is out of reach of all its contacts; or the control point moves outward past its `ultimate`
+    displacement (m). Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
     """
     # thirteen arguments: the public function of the package, called with keywords
     Assembly.check(model)
