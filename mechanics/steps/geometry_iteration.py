@@ -145,9 +145,7 @@ def _other_contacts(problem: StepProblem, now: Round) -> Index | None:
     places = system.places(now.at, problem.start)
     apart = places[:, H] <= system.no_overlap
     wrong = apart & (now.forces[:, 0] > system.least_force)
-    inside = (
-        ~apart & ~system.contacts.ties & (end_gaps(places).min(axis=1) < -STEP.inside * system.model.size)
-    )
+    inside = ~apart & (end_gaps(places).min(axis=1) < -STEP.inside * system.model.size)
     inside[now.touching] = False
     if not wrong.any() and not inside.any():
         return None

@@ -85,12 +85,13 @@ class StepProblem:
 
         The displacements are measured from `at`. `forces` (j, 3): estimate of the joint forces, None if there is none;
         an elastic program contains their change with the geometry. `touching`: indices of the program's joints, None:
-        all joints that overlap.
+        all joints that overlap, and ties that twice the expected displacement may pull taut.
         """
         system, movable = self.system, self.system.model.movable
         places = self._places(at, forces)
         overlapping = places[:, H] > system.no_overlap
-        index = np.flatnonzero(overlapping) if touching is None else touching
+        slack = system.contacts.ties & (places[:, U] > 2.0 * self.size)
+        index = np.flatnonzero(overlapping & ~slack) if touching is None else touching
         places[~overlapping, H] = system.no_overlap
         law = system.law[index].copy()
         law[:, SLID] = self.slid[index]
