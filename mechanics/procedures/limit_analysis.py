@@ -5,11 +5,11 @@ flow is a mechanism and forces that fit it: where a gap opens the force is none,
 form a continuum of multipliers. The interior point finds one amid them, the *central* one. From it the least is sought:
 
     A ← the gaps and slips of the flow
-    while α falls:
+    until so many A in a row lead no lower:
         f ← the forces of least α that balance the loads and fit A            a linear program
-        A ← the gaps and slips of another mechanism that fits f               another one
+        A ← the gaps and slips of another mechanism that fits f               another one, by equal or random weights
 
-Each pair is a flow, certified on its own. The descent is local. Where ψ = 0 has no flow of the given work (blocks
+Each pair is a flow, certified on its own. Where ψ = 0 has no flow of the given work (blocks
 wedge, slips grow without bound), a slight dilation has one: its multiplier is returned with that dilation.
 """
 
@@ -198,24 +198,32 @@ def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
 
 
 def _least(program: Program, central: Solution, iterate: Iterate) -> Solution:
-    """Return the flow of least multiplier that the descent from the central one finds."""
+    """Return the flow of least multiplier that a walk over flows finds, from the central one.
+
+    The least multiplier with which forces fit a mechanism leaves other mechanisms free. One of them is next: that of
+    least gaps and slips, first by equal weights, then by chance, until so many tries in a row have led no lower.
+    """
     from mechanics.solvers import lp_highs
 
     room = _room(program, central.forces)
     flowing = iterate.gaps / program.step > room / program.weight
     best, displacement = central, central.displacement
-    for _ in range(LIMIT.repeats):
+    chance, weights = np.random.default_rng(0), np.ones_like(room)
+    tries = 0
+    while tries <= min(LIMIT.tries, LIMIT.tried // len(room)):
         if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > LIMIT.idle * program.weight)).any():
             break  # what only turns has one multiplier
         answer = lp_highs.least_multiplier(program, flowing)
-        if answer is None:
-            break
-        forces, alpha = answer
-        found = Solution(forces, alpha, displacement, certify(program, forces, alpha, displacement))
-        if found.certificate.worst(program.step) > GOOD or alpha >= best.alpha * (1.0 - GOOD):
-            break
-        best, room = found, _room(program, forces)
-        other = lp_highs.mechanism_of(program, room <= LIMIT.idle * program.weight)
+        tries += 1
+        if answer is not None:
+            found = Solution(*answer, displacement, certify(program, *answer, displacement))
+            if found.certificate.worst(program.step) <= GOOD:
+                room = _room(program, found.forces)
+                if found.alpha < best.alpha * (1.0 - GOOD):
+                    best, tries, weights = found, 0, np.ones_like(room)
+        if tries > 0:
+            weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2
+        other = lp_highs.mechanism_of(program, room <= LIMIT.idle * program.weight, weights)
         if other is None:
             break
         displacement, flowing = other[0], other[1] > LIMIT.idle * program.step

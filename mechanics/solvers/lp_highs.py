@@ -77,11 +77,11 @@ def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | N
     return forces, alpha
 
 
-def mechanism_of(program: Program, free: Mask) -> tuple[Array, Array] | None:
+def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, Array] | None:
     """Return displacements (m,) of the given work, and their gaps and slips (j, 4), of which few are not zero.
 
-    `free` (j, 4): gaps and slips, as in least_multiplier, that forces leave free; no joint is lifted by its slip. The
-    sum of gaps and slips is least. None if there are no such displacements.
+    `free` (j, 4): gaps and slips, as in least_multiplier, that forces leave free; no joint is lifted by its slip. Their
+    sum by these `weights` (j, 4) is least. None if there are no such displacements.
     """
     p, j = program, np.arange(len(program.places))
     assert p.lateral is not None
@@ -102,7 +102,7 @@ def mechanism_of(program: Program, free: Mask) -> tuple[Array, Array] | None:
     work = sparse.csr_matrix(np.concatenate([p.lateral, np.zeros(4 * count)]) * (p.step / p.work))
     equations = sparse.vstack([*blocks, work])
     bounds = [(None, None)] * m + [(0.0, None if may else 0.0) for may in free.ravel()]
-    cost = np.concatenate([np.zeros(m), np.ones(4 * count)])
+    cost = np.concatenate([np.zeros(m), weights.ravel()])
     found = linprog(
         cost,
         A_eq=equations,
