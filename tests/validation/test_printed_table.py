@@ -96,7 +96,7 @@ COMPUTED = {
         for column in paper.COLUMNS.values()
     ],
     "paper_periods_NC": lambda: [
-        paper._check(paper._capacity(column), paper.NTC).T for column in paper.COLUMNS.values()
+        paper._check(paper._capacity(column), paper.NTC).T_s for column in paper.COLUMNS.values()
     ],
     "paper_a_g_NC": list,  # not computed: the record is not distributed
     "triumphal_arch": triumphal.participation,
