@@ -27,10 +27,10 @@ LINES = {
     "mechanics": 933,
     "mechanics/kernels": 3550,
     "mechanics/model": 3382,
-    "mechanics/procedures": 3209,
+    "mechanics/procedures": 3217,
     "mechanics/records": 1081,
     "mechanics/solvers": 1150,
-    "mechanics/steps": 1780,
+    "mechanics/steps": 1782,
 }
 
 
