@@ -23,10 +23,8 @@ from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import GRAVITY, Array, Index
 
-FALL, YIELD = (
-    0.1,
-    1e-4,
-)  # of a block: the way in which unpressed ones are looked for, and what its weight presses in
+FALL = 0.1  # of a block: the way in which unpressed ones are looked for
+YIELD = 1e-4  # of a block: what the weight of the whole structure presses a face in
 SMALL = (1e-2, 1e-4, 1.0)  # of the forces of a cold start
 
 
@@ -159,7 +157,7 @@ def unpressed(model: Assembly) -> Index:
     in which they would fall by FALL of a block. The program begins with small forces: there may be others.
     """
     way = FALL * model.size
-    stiffness = model.weight / int(model.movable.sum()) / (YIELD * model.size**3)
+    stiffness = model.weight / (YIELD * model.size**3)
     stones = [
         replace(
             block.material,

@@ -50,3 +50,11 @@ def test_walls_and_arches_stand_pressed_by_their_weight():
     wall, loose = running_bond(3, 3), np.array([0.02, 0.0])
     held = Block(wall.blocks[-1].vertices + loose, 0.1, STONE)
     assert not len(unpressed(Assembly([*wall.blocks[:-1], held])))
+
+
+@pytest.mark.parametrize("count", [10, 100])
+def test_no_block_of_a_tall_stack_is_named(count: int):
+    """The beds of the probe yielded by 10⁻⁴ of a block a block above: 68 of 100 sank as if they fell."""
+    blocks = [Block(rectangle(-2.0, -0.5, 3.0, 0.0), 1.0, STONE, support="base")]
+    blocks += [Block(rectangle(0.0, 0.3 * k, 0.6, 0.3 * (k + 1)), 1.0, STONE) for k in range(count)]
+    assert not len(unpressed(Assembly(blocks)))
