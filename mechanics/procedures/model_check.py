@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mechanics.errors import ConvergenceError
+from mechanics.kernels.dynamics.program import RIGHT
 from mechanics.kernels.joint import H
 from mechanics.messages import Message, message
 from mechanics.model.contacts import Contacts, end_gaps
@@ -26,7 +27,9 @@ from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
-SUNK = 1e-2  # of a block's size: steps of a motion of rigid joints hold velocities to the model, and gaps may drift
+# of motions, whose steps hold velocities to the model: gaps of rigid joints may drift by SUNK of a block's size, and a
+# program leaves products of forces and gaps (kernels.dynamics.program.STALLED): FELT of a block's weight is a force
+SUNK, FELT = 1e-2, 1e-2
 
 
 def departure(step: Equilibrium) -> Message | None:
@@ -70,32 +73,39 @@ def departure_in_motion(
     """Return how a step of a motion departs from the model, None where it does not.
 
     `positions` and `velocities` (2, b, 3) at its beginning and end; `forces` (j, 3): N, P and T in between, kN and kNm;
-    `step` in s. Faces may have met in between as far as their blocks go in a step, by the larger of both speeds. How
-    deep elastic joints are pressed is their law.
+    `step` in s. Faces may have met in between as far as their blocks go in a step, by the larger of both speeds, and
+    rigid ones that slide may lift by RIGHT of the way of the fastest block. How deep elastic joints are pressed is
+    their law.
     """
     contacts = system.contacts
     places = [contacts.places(at) for at in positions]
     nearer = np.array([end_gaps(each).min(axis=1) for each in places])
     overlaps = np.all([each[:, H] > system.no_overlap for each in places], axis=0)
     speed = np.hypot(velocities[..., 0], velocities[..., 1]) + system.model.radius * abs(velocities[..., 2])
-    way = step * (speed[:, contacts.a] + speed[:, contacts.b]).max(axis=0)
+    lift = RIGHT * step * speed.max() if system.rigid else 0.0
+    way = step * (speed[:, contacts.a] + speed[:, contacts.b]).max(axis=0) + lift
     apart = np.where(overlaps & (system.dilation == 0.0), nearer.min(axis=0) - way, 0.0)
     inside = np.where(overlaps & system.rigid, nearer.max(axis=0) + way, 0.0)
-    return _worst(system, forces, apart, inside, SUNK)
+    return _worst(system, forces, apart, inside, SUNK, FELT * system.weight)
 
 
 def _worst(
-    system: StaticSystem, forces: Array, apart: Array, inside: Array, deep: float = LIMIT.closed
+    system: StaticSystem,
+    forces: Array,
+    apart: Array,
+    inside: Array,
+    deep: float = LIMIT.closed,
+    felt: float = 0.0,
 ) -> Message | None:
     """Return what is wrong under forces (j, 3), kN, None if nothing is.
 
     `apart` (j,) m: gaps, where they are positive; `inside` (j,) m: the same where negative, allowed down to `deep`, as
-    a share of a block's size.
+    a share of a block's size. Forces up to `felt` (kN) press on nothing.
     """
     contacts, size = system.contacts, system.model.size
     n, _, t = forces.T
     faces = ~contacts.ties & np.isinf(contacts.strength)
-    gap = np.where(faces & (n > system.least_force), apart, 0.0)
+    gap = np.where(faces & (n > max(system.least_force, felt)), apart, 0.0)
     depth = np.where(faces, -inside, 0.0)
     beyond = np.where(contacts.ties, 0.0, abs(t) - contacts.friction * n)
     if (most := gap.max(initial=0.0)) > LIMIT.closed * size:

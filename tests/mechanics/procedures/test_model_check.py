@@ -111,3 +111,15 @@ def test_a_step_of_a_motion_reaches_as_far_as_its_blocks_go() -> None:
     told = departure_in_motion(system, both, np.stack([still, still]), forces, 0.005)
     assert "across a gap of 0.001 m" in str(told)
     assert departure_in_motion(system, both, np.stack([still, fast]), forces, 0.005) is None
+
+
+@pytest.mark.parametrize(("share", "valid"), [(0.005, True), (0.02, False)])
+def test_what_a_program_of_a_motion_leaves_is_no_force(share: float, valid: bool) -> None:
+    """A hundredth of a block's weight across a gap: motions of large arches were refused for a thousandth."""
+    wall = running_bond(1, 1)
+    system = static_system(wall, "rigid", "coulomb")
+    forces = np.zeros((len(system.contacts), 3))
+    forces[:, 0] = share * system.weight
+    above = wall.initial.positions + wall.movable[:, None] * [0.0, 0.001, 0.0]
+    both, still = np.stack([above, above]), np.zeros((2, *above.shape))
+    assert (departure_in_motion(system, both, still, forces, 0.005) is None) is valid
