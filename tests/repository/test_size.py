@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 933,
     "mechanics/kernels": 3550,
     "mechanics/model": 3382,
-    "mechanics/procedures": 3217,
+    "mechanics/procedures": 3227,
     "mechanics/records": 1081,
     "mechanics/solvers": 1150,
     "mechanics/steps": 1782,
