@@ -39,7 +39,7 @@ class TieTension(Part):
 class Frames(Part):
     """`frames`: where the blocks are at some points of a path, and what the joints carry there; for pictures."""
 
-    index: list[int] = key("which points of the path", "ζ_E")
+    index: list[int] = key("which points of the path")
     configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
     force_kN: list[list[Point] | None] = key("N and T of each joint, drawn ones, then `met`; null: not known")
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle")
