@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from numbers import Integral, Real
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +79,14 @@ def require(condition: bool, name: str, value: object, must_be: str) -> None:
 def is_number(value: object) -> bool:
     """Whether a value is a real number and not nan; texts, None and truth values are none."""
     return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)
+
+
+def is_between(value: object, low: float, high: float, ends: Literal["()", "[)", "(]", "[]"] = "()") -> bool:
+    """Whether a value is a number between two others; a square bracket of `ends` counts that end in."""
+    if not isinstance(value, Real) or not is_number(value):
+        return False
+    x = float(value)
+    return (low <= x if ends[0] == "[" else low < x) and (x <= high if ends[1] == "]" else x < high)
 
 
 def is_whole(value: object) -> bool:

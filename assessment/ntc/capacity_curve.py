@@ -16,7 +16,7 @@ from assessment.ntc.calculation import Trace, datum, step
 from assessment.ntc.curve_fit import CapacityError, CurveFit
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from mechanics import Assembly
-from mechanics.errors import require
+from mechanics.errors import is_between, require
 from mechanics.messages import message
 from mechanics.types import GRAVITY, Array
 
@@ -225,13 +225,19 @@ def capacity_curve(
     `confidence_source`: the paragraph that F_C follows from; `activation`: default, the curve's own mechanism at α0.
     Raises ValueError naming the argument.
     """
-    require(0.0 < e_star <= 1.0 + 1e-9, "e_star", e_star, "above 0 and at most 1")
-    require(0.0 < gamma_star < np.inf, "gamma_star", gamma_star, "positive")
+    require(is_between(e_star, 0.0, 1.0 + 1e-9, "(]"), "e_star", e_star, "above 0 and at most 1")
+    require(is_between(gamma_star, 0.0, np.inf), "gamma_star", gamma_star, "positive")
     require(
-        1.0 <= confidence_factor < np.inf, "confidence_factor", confidence_factor, "1 or more (1.35, 1.20, 1)"
+        is_between(confidence_factor, 1.0, np.inf, "[)"),
+        "confidence_factor",
+        confidence_factor,
+        "1 or more (1.35, 1.20, 1)",
     )
     activation = activation or Activation(fit.alpha_0, e_star, fit.source)
     require(
-        0.0 < activation.e_star <= 1.0 + 1e-9, "activation.e_star", activation.e_star, "above 0 and at most 1"
+        is_between(activation.e_star, 0.0, 1.0 + 1e-9, "(]"),
+        "activation.e_star",
+        activation.e_star,
+        "above 0 and at most 1",
     )
     return CapacityCurve(fit, e_star, gamma_star, confidence_factor, confidence_source, activation)

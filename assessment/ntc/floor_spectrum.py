@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from assessment.ntc.calculation import Step, Trace, step
 from assessment.ntc.hazard import RETURN_PERIODS, Hazard, HazardCurve
 from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
-from mechanics.errors import require
+from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY, Array
 
@@ -42,7 +42,12 @@ class Mode:
 
     def __post_init__(self) -> None:
         require(self.period > 0.0, "period", self.period, "positive, in s")
-        require(0.0 < self.damping < 1.0, "damping", self.damping, "a fraction of critical: 0.05 for 5 %")
+        require(
+            is_between(self.damping, 0.0, 1.0),
+            "damping",
+            self.damping,
+            "a fraction of critical: 0.05 for 5 %",
+        )
 
 
 def fundamental_period(building_height: float) -> Step:
@@ -60,7 +65,12 @@ def first_mode(
     Raises ValueError naming the argument.
     """
     require(storeys >= 1, "storeys", storeys, "a whole number ≥ 1")
-    require(0.0 <= height <= building_height, "height", height, "from 0 to the building's height, in m")
+    require(
+        is_between(height, 0.0, building_height, "[]"),
+        "height",
+        height,
+        "from 0 to the building's height, in m",
+    )
     require(building_height > 0.0, "building_height", building_height, "positive, in m")
     return Mode(period, 3.0 * storeys / (2.0 * storeys + 1.0), height / building_height, damping)
 

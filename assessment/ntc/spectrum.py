@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assessment.ntc.calculation import Trace, datum, step
-from mechanics.errors import require
+from mechanics.errors import is_between, require
 from mechanics.records import response_spectrum
 from mechanics.types import GRAVITY, Array
 
@@ -82,12 +82,17 @@ class ElasticSpectrum:
     damping: float = 0.05
 
     def __post_init__(self) -> None:
-        require(0.0 < self.ag < np.inf, "ag", self.ag, "positive, in g")
-        require(0.0 < self.F0 < np.inf, "F0", self.F0, "positive")
-        require(0.0 < self.Tc_star < np.inf, "Tc_star", self.Tc_star, "positive, in s")
-        require(self.soil in _STRATIGRAPHY, "soil", self.soil, "one of A, B, C, D, E")
-        require(self.topography in _TOPOGRAPHY, "topography", self.topography, "one of T1, T2, T3, T4")
-        require(0.0 <= self.damping < 1.0, "damping", self.damping, "a fraction of critical: 0.05 for 5 %")
+        for name, what in (("ag", "positive, in g"), ("F0", "positive"), ("Tc_star", "positive, in s")):
+            value = getattr(self, name)
+            require(is_between(value, 0.0, np.inf), name, value, what)
+        require(self.soil in list(_STRATIGRAPHY), "soil", self.soil, "one of A, B, C, D, E")
+        require(self.topography in list(_TOPOGRAPHY), "topography", self.topography, "one of T1, T2, T3, T4")
+        require(
+            is_between(self.damping, 0.0, 1.0, "[)"),
+            "damping",
+            self.damping,
+            "a fraction of critical: 0.05 for 5 %",
+        )
 
     @property
     def S_S(self) -> float:
@@ -239,8 +244,13 @@ class RecordSpectrum:
         a = np.array(self.acceleration_g, dtype=float)
         fine = a.ndim == 1 and a.size >= 2 and bool(np.isfinite(a).all()) and bool(a.any())
         require(fine, "acceleration_g", a.shape, "two or more finite values, in g, not all zero")
-        require(0.0 < self.time_step < np.inf, "time_step", self.time_step, "positive, in s")
-        require(0.0 <= self.damping < 1.0, "damping", self.damping, "a fraction of critical: 0.05 for 5 %")
+        require(is_between(self.time_step, 0.0, np.inf), "time_step", self.time_step, "positive, in s")
+        require(
+            is_between(self.damping, 0.0, 1.0, "[)"),
+            "damping",
+            self.damping,
+            "a fraction of critical: 0.05 for 5 %",
+        )
         a.flags.writeable = False
         object.__setattr__(self, "acceleration_g", a)
 

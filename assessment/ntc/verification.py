@@ -20,7 +20,7 @@ from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE
-from mechanics.errors import require
+from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY
 
@@ -82,7 +82,7 @@ class Method:
         must = "shape where the site's hazard is not given by latitude, longitude and grid"
         require(given, "scaling", self.scaling, must)
         for state, limit in self.local_limits.items():
-            require(0.0 < limit < inf, f"local_limits.{state}", limit, "positive, in m")
+            require(is_between(limit, 0.0, inf), f"local_limits.{state}", limit, "positive, in m")
 
 
 @dataclass(frozen=True)

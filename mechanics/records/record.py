@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from mechanics.errors import RecordError, require
+from mechanics.errors import RecordError, is_between, require
 from mechanics.faults import visible
 from mechanics.records.formats import parse_record
 from mechanics.types import Array
@@ -37,7 +37,7 @@ class Record:
         a = np.array(self.acceleration, dtype=float)
         require(a.ndim == 1 and a.size > 1, "acceleration", a.shape, "two or more samples, (n,), in g")
         require(bool(np.isfinite(a).all()), "acceleration", "nan or inf", "finite")
-        require(0.0 < self.time_step < np.inf, "time_step", self.time_step, "positive, in s")
+        require(is_between(self.time_step, 0.0, np.inf), "time_step", self.time_step, "positive, in s")
         a.flags.writeable = False
         object.__setattr__(self, "acceleration", a)
 
@@ -65,7 +65,7 @@ class Record:
 
         Raises ArgumentError for a factor that is not positive.
         """
-        require(0.0 < time_factor < np.inf, "time_factor", time_factor, "positive")
+        require(is_between(time_factor, 0.0, np.inf), "time_factor", time_factor, "positive")
         return replace(self, time_step=self.time_step / time_factor)
 
     def windowed(self, start: float, end: float) -> Record:
@@ -118,7 +118,7 @@ class Record:
         differ from the record's: scale the record first, by the record's own PGA. Raises ArgumentError for a step
         that is not positive, or longer than the record.
         """
-        require(0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
+        require(is_between(time_step, 0.0, np.inf), "time_step", time_step, "positive, in s")
         if abs(time_step - self.time_step) < SAME_TIME * self.time_step:
             return self
         steps = int(np.floor(self.duration / time_step + SAME_TIME))

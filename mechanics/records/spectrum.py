@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import ConvergenceError, require
+from mechanics.errors import ConvergenceError, is_between, require
 from mechanics.messages import message
 from mechanics.records.record import Record
 from mechanics.types import GRAVITY, Array, Mask
@@ -34,10 +34,10 @@ def response_spectrum(
     T = np.atleast_1d(np.asarray(periods, dtype=float))
     known = a.ndim == 1 and a.size > 1 and bool(np.isfinite(a).all())
     require(known, "acceleration_g", a.shape, "finite, (n,)")
-    require(0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
+    require(is_between(time_step, 0.0, np.inf), "time_step", time_step, "positive, in s")
     known = T.ndim == 1 and bool((np.isfinite(T) & (T >= 0.0)).all())
     require(known, "periods", periods, "zero or more, in s")
-    require(0.0 <= damping < 1.0, "damping", damping, "a fraction of critical in [0, 1)")
+    require(is_between(damping, 0.0, 1.0, "[)"), "damping", damping, "a fraction of critical in [0, 1)")
 
     S_a, S_d = np.full(T.size, np.abs(a).max()), np.zeros(T.size)
     vibrating = np.flatnonzero(T)
@@ -128,11 +128,16 @@ def compatible_record(
     Phases that do not settle are drawn anew. Raises ValueError naming the argument, ConvergenceError where
     no motion comes within the tolerance.
     """
-    require(0.0 < time_step <= 0.02, "time_step", time_step, "positive and at most 0.02 s")
-    require(5.0 <= duration < np.inf, "duration", duration, "at least 5 s")
-    require(0.0 < plateau <= duration, "plateau", plateau, "positive and at most the duration, in s")
+    require(is_between(time_step, 0.0, 0.02, "(]"), "time_step", time_step, "positive and at most 0.02 s")
+    require(is_between(duration, 5.0, np.inf, "[)"), "duration", duration, "at least 5 s")
+    require(
+        is_between(plateau, 0.0, duration, "(]"),
+        "plateau",
+        plateau,
+        "positive and at most the duration, in s",
+    )
     require(SHORTEST <= band[0] < band[1] <= LONGEST, "band", band, f"within {SHORTEST} and {LONGEST} s")
-    require(0.0 < tolerance < 1.0, "tolerance", tolerance, "a fraction below 1")
+    require(is_between(tolerance, 0.0, 1.0), "tolerance", tolerance, "a fraction below 1")
     periods = np.geomspace(SHORTEST, LONGEST, PERIODS)
     target = np.asarray(spectrum(periods), dtype=float)
     fine = target.shape == periods.shape and bool((np.isfinite(target) & (target > 0.0)).all())

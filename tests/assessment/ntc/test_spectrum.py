@@ -109,6 +109,10 @@ def test_branches_join_and_displacement_grows(ag, F0, Tc_star, soil, damping):
         ({"F0": float("nan")}, "F0"),
         ({"Tc_star": -0.3}, "Tc_star"),
         ({"damping": 5.0}, "damping"),
+        ({"ag": "0.1"}, "ag"),
+        ({"damping": None}, "damping"),
+        ({"F0": True}, "F0"),
+        ({"soil": ["B"]}, "soil"),
     ],
 )
 def test_wrong_parameters_are_named(change, named):
