@@ -9,7 +9,7 @@ import os
 import sys
 import unicodedata
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from typing import TextIO
 
 OUTPUT = "standard output"  # as a message names it
@@ -48,8 +48,10 @@ def unwritten(error: BaseException) -> bool:
 
 def tell(line: str) -> None:
     """Print a line to standard error, if anybody listens."""
-    with suppress(OSError):
+    try:
         print(visible(line), file=sys.stderr, flush=True)
+    except OSError:  # what is left in its buffer would fail once more at the end, with a code of its own
+        sys.stderr = _nowhere()
 
 
 def visible(line: str) -> str:

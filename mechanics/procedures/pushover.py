@@ -503,7 +503,7 @@ class _Curve:
         down = max(fallen, (now - self.plateau[0]) / self.model.size)
         if largest <= self.first.alpha:
             return down
-        risen = 0.5 * RISE * (1.0 + min(largest / self.first.limit, 1.0))
+        risen = 0.5 * RISE * (1.0 + largest / max(self.first.limit, largest))
         return risen + (1.0 - risen) * min(down, 1.0)
 
     def locate_peak(self) -> None:
