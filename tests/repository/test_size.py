@@ -21,7 +21,7 @@ LINES = {
     "assessment/project": 5013,
     "assessment/report": 6768,
     "assessment/results": 3392,
-    "assessment/runtime": 1843,
+    "assessment/runtime": 1845,
     "assessment/studies": 2516,
     "assessment/workflow": 1053,
     "mechanics": 933,
