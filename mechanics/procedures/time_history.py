@@ -100,8 +100,7 @@ class TimeHistory:
     `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
     steps, of `cold` starts, of steps in which what slides is `lifting`, and of steps that were `skipped` at rest;
     `worst`: largest unbalanced force, per weight of a block; `unsure`: largest energy that errors of velocities may
-    have, as a share of what was turned over. `notes`:
-    warnings about the motion.
+    have, as a share of what was turned over. `notes`: warnings about the motion.
     """
 
     time: Array
@@ -198,8 +197,8 @@ def time_history(
     or moving, is released as it is. `vertical_acceleration` (k,) g, upward. `damping_ratio` (elastic joints): of
     viscous contact forces proportional to stiffness, at the first frequency of the structure as drawn with all joints
     closed. `restitution` (rigid joints, second order): of normal velocities at impacts. `control`: a drawn point (2,) m
-    whose horizontal displacement is recorded. `sliding`: "coulomb", or "associative", by which what slides lifts; a
-    step of rigid joints that is not solved by the former is solved by the latter, and counted. Joints of finite
+    whose horizontal displacement is recorded. `sliding`: "coulomb", or "associative", by which what slides lifts; steps
+    of rigid joints in which it lifts by Coulomb's law too, since that is not solved, are counted. Joints of finite
     strength have to be elastic: what is crushed of them stays so (kernels.crushing).
 
     The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its
