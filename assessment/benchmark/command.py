@@ -6,10 +6,9 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
 from pathlib import Path
 
-from assessment.benchmark.cases import app, friction, motions, skips, statics, walls, whole
+from assessment.benchmark.cases import motions, skips, statics, walls, whole
 from assessment.benchmark.measure import load, machine
 from assessment.benchmark.table import Row, as_csv, table, work_precision
 from assessment.report.figures.style import save_png, save_svg
@@ -25,7 +24,7 @@ STEP_FIELDS = "case blocks joints contacts way step_ms ratio programs_per_step i
 class Benchmark:
     """What is measured, `about` in a sentence, and how its `rows` are shown: see table.
 
-    `series`: field by which plots have lines; empty: no plots. `more`: sentences below the table.
+    `series`: field by which plots have lines; empty: no plots.
     """
 
     about: str
@@ -34,7 +33,6 @@ class Benchmark:
     across: str = ""
     cells: str = ""
     series: str = ""
-    more: Callable[[Sequence[Row]], str] = lambda _: ""
 
 
 BENCHMARKS = {
@@ -47,39 +45,22 @@ BENCHMARKS = {
         motions.dynamics, "case way", "value", "error ratio", "way",
     ),
     "ensembles": Benchmark(
-        "least, median and largest of members at amplitudes within 1 %; ms a step; how many collapse.",
-        motions.ensembles, "case way", "value", "least median most step_ms collapsed", "way", motions.resolved_medians,
+        "least, median and largest displacement (mm) of members at amplitudes within 1 %; ms a step; how many fall.",
+        motions.ensembles, "case way", "value", "least median most step_ms collapsed", "way",
     ),
-    "dissipation": Benchmark(
-        "energy that a cycle of rocking takes, of that at release, and of it by the integrator (Housner's: 15.8 %).",
-        lambda quick: motions.dissipation((0.005, 0.002)) if quick else motions.dissipation(),
-        "case integrator", "step_s", "dissipated by_integrator",
+    "steps": Benchmark(
+        "a step of 5 ms of a time history, over 7 s of strong motion; as walls grow, and the exponent over blocks.",
+        motions.steps, STEP_FIELDS,
     ),
-    "collapse": Benchmark(
-        "least amplitude (g) that collapses one, most and all members; the stack falls at 0.571 g.",
-        lambda quick: motions.collapse((0.01,)) if quick else motions.collapse(),
-        "case integrator", "step_s", "first_g collapse_g all_g",
-    ),
-    "steps": Benchmark("a step of 5 ms of a time history, over 7 s of strong motion.", motions.steps, STEP_FIELDS),
-    "growth": Benchmark("the same as walls grow, and the exponent over blocks.", motions.growth, STEP_FIELDS),
     "walls": Benchmark("limit analysis of running-bond walls; the ratio is to one PIQP solve.", walls.walls),
     "chain": Benchmark(
         "static analyses one by one, together, on all processors; whole commands; attempts at a step not solved.",
         whole.chain, "case steps attempts unsolved seconds ratio elapsed_s failed",
     ),
-    "campaigns": Benchmark(
-        "searches of the level at collapse, elapsed; the ratio is to this process alone, ideal its least.",
-        whole.campaigns,
-    ),
     "sliding": Benchmark(
-        "both laws of friction; last, where rigid curves end by variants that may not matter, then by multiples of the "
-        "increment.",
-        lambda quick: chain(
-            friction.limits(quick), friction.closed_forms(), () if quick else friction.paths("triumphal-arch"),
-            statics.sliding(quick),
-        ),
+        "where rigid curves end, by both laws, by variants that may not matter, then by multiples of the increment.",
+        statics.sliding,
     ),
-    "app": Benchmark("what who works in the page waits for, elapsed: median and largest.", app.latencies),
     "skips": Benchmark("what is not computed, and how far the answer is from that without the skip.", skips.skips),
 }  # fmt: skip
 
@@ -113,7 +94,6 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
                 plot = partial(work_precision, some, chosen.series)
                 save_svg(plot, folder / f"{name}-{parameter.split()[0]}.svg")
                 save_png(plot, folder / f"{name}-{parameter.split()[0]}.png")
-        summary.append(chosen.more(rows))
         say("\n" + "\n\n".join(summary[summary.index(f"**{name}**: {chosen.about}") :]))
     summary.append(f"Load {load()} at the end.")
     write_atomically(folder / SUMMARY, ("\n\n".join(filter(None, summary)) + "\n").encode())

@@ -114,12 +114,12 @@ def rows_of(case: Case) -> Iterator[Row]:
             exact = found
             continue
         row |= case.more(result)
-        if case.baseline is None:
-            row |= {"seconds": seconds}
-        else:
-            programs, steps = case.baseline(result)
-            seconds, ratio = beside_piqp(run, programs, steps)
-            row |= {"steps": steps, "seconds": seconds, "ratio": ratio, "step_ms": 1e3 * seconds / steps}
+        if case.baseline is not None:
+            programs, row["steps"] = case.baseline(result)
+            seconds, row["ratio"] = beside_piqp(run, programs, row["steps"])
+        row["seconds"] = seconds
+        if row.get("steps"):
+            row["step_ms"] = 1e3 * seconds / row["steps"]
         for quantity, number in found.items():
             off = abs(number / exact[quantity] - 1.0) if exact else math.nan
             yield row | {"quantity": quantity, "found": number, "error": off}

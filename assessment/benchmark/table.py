@@ -20,7 +20,7 @@ Row = dict[str, Any]
 PANELS, HEIGHT_MM, LEGEND_MM = 3, 58.0, 12.0
 MARKS = "os^Dvph<"
 EXACT = 1e-12  # an error that is none, for a logarithmic axis
-IN_PER_CENT = ("error", "saves", "dissipated", "by_integrator")
+IN_PER_CENT = ("error", "saves")
 
 
 def known(value: object) -> bool:
@@ -97,9 +97,9 @@ def percent(share: float) -> str:
 def work_precision(rows: Sequence[Row], series: str) -> Figure:
     """Error over processor time: a panel for each case, a line for each value of the field `series`.
 
-    What the program takes by itself is a filled mark, the others are open; rows that failed have no place in it.
+    What the program takes by itself is a filled mark, the others are open; rows without an error have no place in it.
     """
-    rows = [row for row in rows if row.get("failed") is None]
+    rows = [row for row in rows if row.get("failed") is None and known(row.get("error"))]
     cases, names = (list(dict.fromkeys(row[name] for row in rows)) for name in ("case", series))
     looks = dict(zip(names, zip(cycle(DASHES), cycle(MARKS), strict=False), strict=False))
     height = math.ceil(len(cases) / PANELS)

@@ -18,10 +18,7 @@ if TYPE_CHECKING:
 
     from _typeshed import SupportsWrite
 
-BENCHMARKS = (
-    "statics", "dynamics", "ensembles", "dissipation", "collapse", "steps", "growth", "walls", "chain",
-    "campaigns", "sliding", "app", "skips",
-)  # fmt: skip
+BENCHMARKS = ("statics", "dynamics", "ensembles", "steps", "walls", "chain", "sliding", "skips")
 STAGES = (
     "pushdown", "pushover", "history", "incremental", "campaign", "assessment", "scenarios", "sensitivity",
     "identification",

@@ -1,4 +1,4 @@
-"""Whole analyses: the static chain of a template, commands from the shell and back, and the engines of campaigns."""
+"""Whole analyses: the static chain of a template, and commands from the shell and back."""
 
 from __future__ import annotations
 
@@ -14,26 +14,15 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
-import numpy as np
-
-from assessment.analyses.dynamic.histories import Scatter
-from assessment.analyses.dynamic.scan import Reach, Scan, scan
-from assessment.analyses.dynamic.time_history import Setting
 from assessment.analyses.static.states import PAST_PEAK
-from assessment.benchmark.cases.motions import shaking
 from assessment.benchmark.cases.structures import assembly, pushed, settled, template
 from assessment.benchmark.measure import FAILURES, Case, children, rows_of
 from assessment.benchmark.table import Row
-from assessment.project.motions import BaseMotion
-from assessment.project.schema import MotionTable
 from assessment.project.structure.model import build_model
-from assessment.runtime.pool import cores
 from assessment.runtime.process import collect_rarely
-from assessment.runtime.tasks import From, Workers
-from assessment.studies.campaign.scans import level_found
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
-from mechanics import ConvergenceError, Record
+from mechanics import ConvergenceError
 from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures import step_control
 from mechanics.procedures.mirror import Mirror
@@ -134,62 +123,6 @@ def command(case: str, *arguments: str) -> Row:
 
 def _python(*arguments: str) -> str:
     return subprocess.run([sys.executable, *arguments], check=True, capture_output=True, text=True).stdout
-
-
-def campaigns(quick: bool) -> Iterator[Row]:
-    """Elapsed time of some searches on an arch by each engine; `ratio`: of a combination to that in this process.
-
-    Each engine has computed one search in every process before it is timed; `ideal`: the least ratio; `equal`: whether
-    the results are those of this process.
-    """
-    tasks, most, first = _tasks(2 if quick else 8), cores(), list[tuple[float, list[Scan]]]()
-
-    def measured(name: str, count: int, workers: Workers) -> Row:
-        titles = [task[1].name for task in tasks]
-        with workers:
-            workers.each("warm", scan, tasks[:1] * count, titles[:1] * count, False)
-            began = time.perf_counter()
-            found = workers.each("campaign", scan, tasks, titles, False)
-            seconds = time.perf_counter() - began
-        first.append((seconds, found))
-        alone, expected = first[0]
-        motions = sum(each.counts.motions for each in found if each.counts)
-        equal = [(one.reason, one.points) for one in found] == [(one.reason, one.points) for one in expected]
-        return {
-            "case": name, "workers": count, "combinations": len(found), "motions": motions, "elapsed_s": seconds,
-            "motions_per_minute": 60.0 * motions / seconds, "ratio": seconds / alone,
-            "ideal": 1.0 / min(count, cores()), "equal": equal,
-        }  # fmt: skip
-
-    yield measured("this process", 1, Workers(1))
-    for count in sorted({2, max(most, 2)}):
-        yield measured(f"{count} processes", count, Workers(count))
-    with suppress(ImportError):
-        from distributed import LocalCluster  # late: few installations have it
-
-        options: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
-        with LocalCluster(n_workers=most, processes=True, **options) as cluster:  # type: ignore[no-untyped-call]
-            workers = Workers(scheduler=cluster.scheduler_address)
-            yield measured(f"Dask, {most} workers", most, workers)
-
-
-def _tasks(count: int) -> list[tuple[Any, ...]]:
-    """Searches as drawn and settled, by both signs, with a number of records: sines of 1 to 3 Hz that grow and end.
-
-    The other sign begins in the bracket of the first one, and the settled state in that of the same sign as drawn.
-    """
-    model, step = assembly("arch"), 0.005
-    setting = Setting(MotionTable(contacts="rigid"), template("arch").control[0])
-    states, at = (model.initial, settled("arch", "rigid").final), np.arange(0.0, 3.0, step)
-    tasks: list[tuple[Any, ...]] = []
-    for frequency in np.linspace(1.0, 3.0, count):
-        first = len(tasks)
-        for (start, sign), before in zip(product(states, (1.0, -1.0)), (None, 0, 0, 1), strict=True):
-            record = Record(sign * shaking(0.3, frequency)(at), step, f"{frequency:.3g} Hz")
-            motion = BaseMotion(record, record, record.pga, 1.0)
-            near = None if before is None else From(first + before, level_found)
-            tasks.append((model, motion, setting, start, Scatter(1, 0.05), Reach(max_scale=5.0), near))
-    return tasks
 
 
 if __name__ == "__main__":
