@@ -59,7 +59,11 @@ const gone = (is) => {
   if (is) $("gone").textContent = w("gone");
 };
 let notes = [];
-export const note = (text) => { notes = text ? [text] : []; problems(); };
+export const note = (text) => {
+  if (!text && !notes.length) return;
+  notes = text ? [text] : [];
+  problems();
+};
 
 // ---- changes of the project file: one after the other, each against the version that is known ----
 let queue = Promise.resolve();

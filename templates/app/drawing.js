@@ -10,15 +10,14 @@ export const svg = (tag, attributes = {}, ...children) => {
   return made;
 };
 const TOOLS = ["select", "lasso", "control", "chain", "crack", "measure"];
-const view = { x: 0, y: 0, w: 1, h: 1 }, layer = { joints: false, numbers: false };
-let held = null, given_up = 0, fitted = null, shapes = [], parts = null, press = null, trail = [], at = null, drag = null, times = 1;
+const view = { x: 0, y: 0, w: 1, h: 1, metre: 1 }, layer = { joints: false, numbers: false };
+let held = null, awaited = null, given_up = 0, fitted = null, shapes = [], parts = null, press = null, trail = [], at = null, drag = null, times = 1;
 const root = () => $("drawing");
 const blocks = () => store.model?.blocks ?? [];
 const path = (points, open) => `M${points.map(([x, z]) => `${x},${-z}`).join("L")}${open ? "" : "Z"}`;
 const centre = (block) => block.centre ?? [0, 1].map((i) => block.at.reduce((sum, p) => sum + p[i], 0) / block.at.length);
-const metre = () => Math.max(view.w / Math.max(root().clientWidth, 1), view.h / Math.max(root().clientHeight, 1));  // of a pixel
 const place = (event) => {
-  const box = root().getBoundingClientRect(), m = metre();
+  const box = press?.box ?? root().getBoundingClientRect(), m = view.metre;
   return [view.x + view.w / 2 + (event.clientX - box.left - box.width / 2) * m,
     -(view.y + view.h / 2 + (event.clientY - box.top - box.height / 2) * m)];
 };
@@ -35,9 +34,10 @@ export const fit = () => {
   Object.assign(view, { x: x0 - room, y: -z1 - room - tools * h, w: x1 - x0 + 2 * room, h });
   frame();
 };
-const frame = () => {
+const frame = () => {  // signs keep their size on the screen
+  const { clientWidth: width, clientHeight: height } = root();
   root().setAttribute("viewBox", `${view.x} ${view.y} ${view.w} ${view.h}`);
-  const m = metre();  // signs keep their size on the screen
+  const m = view.metre = Math.max(view.w / Math.max(width, 1), view.h / Math.max(height, 1));  // of a pixel
   root().querySelectorAll("[data-r]").forEach((each) => each.setAttribute("r", each.dataset.r * m));
   root().querySelectorAll("text").forEach((each) => each.setAttribute("font-size", 12 * m));
 };
@@ -129,7 +129,7 @@ const within = ([x, z], outline) => outline.reduce((inside, [x1, z1], k) => {
   return (z1 > z) !== (z2 > z) && x < x1 + ((z - z1) / (z2 - z1)) * (x2 - x1) ? !inside : inside;
 }, false);
 const nearest = (point, points, pixels) => {
-  let best = null, least = pixels * metre();
+  let best = null, least = pixels * view.metre;
   for (const each of points) {
     const off = Math.hypot(each[0] - point[0], each[1] - point[1]);
     if (off < least) [least, best] = [off, each];
@@ -190,15 +190,16 @@ const live = (own, target, more) => ask("live", { tag: store.model.tag, support:
 const moved = (answer) => {
   shapes.forEach((shape, k) => {
     const [dx, dz, turn] = answer.positions[k].map((value) => times * value), [cx, cz] = centre(blocks()[k]);
-    shape.setAttribute("transform", `translate(${dx} ${-dz}) rotate(${(-turn * 180) / Math.PI} ${cx} ${-cz})`);
+    const way = `translate(${dx} ${-dz}) rotate(${(-turn * 180) / Math.PI} ${cx} ${-cz})`;
+    if (shape.getAttribute("transform") !== way) shape.setAttribute("transform", way);
   });
   if (!parts.ghost.childNodes.length) {
     parts.ghost.append(svg("path", { class: "ghost", d: blocks().map((block) => path(block.at)).join("") }));
+    parts.joints.style.display = parts.signs.style.display = "none";
   }
-  parts.joints.style.display = parts.signs.style.display = "none";
-  const { hinges, reaction, at, fallen, stopped } = answer, r = hinges.length > 60 ? 2 : 3.5;
+  const { hinges, reaction, at, fallen, stopped } = answer, size = hinges.length > 60 ? 2 : 3.5;
   parts.moving.replaceChildren(...(times === 1 ? hinges : []).map(([x, z]) =>
-    svg("circle", { class: "hinge", cx: x, cy: -z, "data-r": r })));
+    svg("circle", { class: "hinge", cx: x, cy: -z, "data-r": size, r: size * view.metre })));
   const [x, z, turn] = at.map((value) => number(1e3 * value, 4)), most = Math.max(...at.slice(0, 2).map(Math.abs));
   const end = stopped === null ? "" : fallen ? w("falls", { mm: number(1e3 * most, 4) }) : stopped[store.language];
   $("caption").className = stopped === null ? "" : "fallen";
@@ -206,10 +207,17 @@ const moved = (answer) => {
     `Rx ${number(reaction[0], 4)} Rz ${number(reaction[1], 4)} kN`, w("hinges", { n: hinges.length }), end,
   ].filter(Boolean).join(" · ");
   root().dataset.moved = at.slice(0, 2).map((value) => (1e3 * value).toFixed(1)).join(";");
-  frame();
+};
+const drawn = (answer) => {  // with the next frame, while the next answer is computed already
+  if (!awaited) requestAnimationFrame(() => {
+    if (awaited) moved(awaited);
+    if (awaited && drag?.slow) $("caption").textContent = w("slow");
+    awaited = null;
+  });
+  awaited = answer;
 };
 export const home = () => {
-  held = null;
+  held = awaited = null;
   if (!parts) return;
   shapes.forEach((shape) => shape.removeAttribute("transform"));
   parts.ghost.replaceChildren();
@@ -235,8 +243,7 @@ const chase = async () => {  // one question at a time, for where the pointer is
     own.first = false;
     root().dataset.trip = Math.round(performance.now() - began);
     if (answer.there || answer.stopped !== null) own.asked = target;
-    moved(answer);
-    if (own.slow) $("caption").textContent = w("slow");
+    drawn(answer);
   }
   own.busy = false;
 };
@@ -250,6 +257,7 @@ export const straight = async (support, wanted) => {
     note(w("elsewhere", { lost: `${support}: ${wanted.slice(0, 2).join("; ")} m` }));
     answer = null;
   }
+  awaited = null;
   if (answer) moved(answer); else home();
   return answer;
 };
@@ -277,7 +285,8 @@ const down = (event) => {
   const index = event.target.dataset?.block, block = blocks()[index], point = place(event);
   root().setPointerCapture(event.pointerId);
   if (drag) release();
-  press = { x: event.clientX, y: event.clientY, point, index, moved: false, pan: event.button === 1 || store.tool !== "lasso" };
+  const box = root().getBoundingClientRect();
+  press = { box, x: event.clientX, y: event.clientY, point, index, moved: false, pan: event.button === 1 || store.tool !== "lasso" };
   if (store.tool === "lasso") trail = [point];
   else if (store.tool === "select" && store.step === "settlements" && block?.support && ready()) take(block.support, point);
 };
