@@ -228,7 +228,7 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
         listening = None if known else socket.create_server((HOST, port))
     except OSError as error:
         raise ProjectError(f"--port {port}: {error.strerror}; leave it out, or give another one") from None
-    if listening:  # an answer is two packets: the second one is not to wait for the receipt of the first, 40 ms
+    if listening:  # the second packet of an answer is not to wait for the receipt of the first, 40 ms
         listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)
     token = secrets.token_urlsafe(24)
     address = known or f"http://{HOST}:{listening.getsockname()[1] if listening else 0}/?token={token}"
