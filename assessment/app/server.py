@@ -17,7 +17,8 @@ from contextlib import closing, suppress
 from functools import partial
 from hmac import compare_digest
 from http import HTTPStatus
-from http.client import HTTPConnection, HTTPException
+from http.client import HTTPConnection
+from http.client import HTTPException as NoHttpError
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from typing import Any
 import uvicorn
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
@@ -56,10 +58,6 @@ HEADERS = [
 ]  # fmt: skip
 
 
-class TooLargeError(Exception):
-    """More bytes than are taken."""
-
-
 def application(session: Session, port: int, token: str) -> ASGIApp:
     """Return the application that serves a session on a port; `token`: what opens the page."""
     cookie, key = f"assesto_{port}", secrets.token_urlsafe(24)
@@ -84,8 +82,9 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
             _answered, session, request, lambda held: held.receive(name, kind, content)
         )
 
-    async def too_large(_: Request, error: Exception) -> Response:
-        return _refused(f"more than {error.args[0] // 1_000_000} MB; take what is needed of it", 413)
+    async def refused(_: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)
+        return _refused(error.detail, error.status_code)
 
     routes = [
         Route("/", page, methods=["GET"]),
@@ -94,7 +93,7 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
         Route("/file/{name:path}", drop, methods=["PUT"]),
         Route("/{name:str}", partial(_question, session), methods=["POST"]),
     ]
-    served = Starlette(routes=routes, exception_handlers={TooLargeError: too_large})
+    served = Starlette(routes=routes, exception_handlers={HTTPException: refused})
 
     async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse what does not come from the page itself before anything of it is read."""
@@ -151,55 +150,48 @@ def _has(request: Request, cookie: str, key: str) -> bool:
 
 async def _body(request: Request, most: int) -> bytes:
     """Return what is sent, as far as it is not too large."""
-    parts, size = [], 0
-    if int(request.headers.get("content-length", "0") or 0) > most:
-        raise TooLargeError(most)
+    content = bytearray()
+    too_large = HTTPException(413, f"more than {most // 1_000_000} MB; take what is needed of it")
+    if int(request.headers.get("content-length", "0")) > most:
+        raise too_large
     async for part in request.stream():
-        size += len(part)
-        if size > most:
-            raise TooLargeError(most)
-        parts.append(part)
-    return b"".join(parts)
+        content += part
+        if len(content) > most:
+            raise too_large
+    return bytes(content)
 
 
-def _answered(
-    session: Session, request: Request, ask: Callable[[Session], dict[str, Any] | None]
-) -> Response:
-    """Return an answer as JSON, or what is wrong; a bug is told with its number in the log."""
+Ask = Callable[[Session], dict[str, Any] | None]
+
+
+def _answered(session: Session, request: Request, ask: Ask) -> Response:
+    """Return an answer as JSON, or what is wrong; of a bug its last line, and its number in a file of all of it."""
     try:
         return JSONResponse({"ok": True} | (ask(session.held(request.headers.get("x-project"))) or {}))
     except ConflictError as conflict:
         return _refused(str(conflict), 409)
-    except WorkerError as fault:
-        return _bug(session, str(fault), fault.detail)
-    except Exception as error:
+    except Exception as error:  # a bug in one answer is told in the page, and the server goes on
         if is_input_error(error):
             return _refused(error_text(error), 422)
-        return _bug(session, f"{type(error).__name__}: {error}", traceback.format_exc())
-
-
-def _bug(session: Session, text: str, detail: str) -> Response:
+        detail = str(error) if isinstance(error, WorkerError) else traceback.format_exc()
     number = secrets.token_hex(3)
-    if session.opened is not None and detail:
-        log = session.folder / OWN / "faults"
+    if session.opened is not None:
         with suppress(OSError):
-            log.parent.mkdir(exist_ok=True)
+            (log := session.folder / OWN / "faults").parent.mkdir(exist_ok=True)
             with log.open("a", encoding="utf-8") as file:
                 file.write(f"{number}\n{detail}\n")
-    return _refused(f"internal error {number}: {text}", 500)
+    return _refused(f"internal error {number}: {detail.strip().splitlines()[-1]}", 500)
 
 
 def _file(session: Session, request: Request) -> Response:
     """Return a file of the output or of the project, in a frame of its own origin; 404 for everything else."""
-    try:
+    with suppress(KeyError, ProjectError, ConflictError):
         folder = session.held(request.query_params.get("project")).folder
         places = {"output": folder / "output", "files": folder}
         path = inside(places[request.path_params["place"]], request.path_params["name"])
-    except (KeyError, ProjectError, ConflictError):
-        return _refused("no such file", 404)
-    if path.suffix.lower() not in SHOWN:
-        return _refused("no such file", 404)
-    return FileResponse(path, headers={"Content-Security-Policy": FRAME})
+        if path.suffix.lower() in SHOWN:
+            return FileResponse(path, headers={"Content-Security-Policy": FRAME})
+    return _refused("no such file", 404)
 
 
 def _refused(text: str, status: int) -> Response:
@@ -244,7 +236,11 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     config = uvicorn.Config(served, timeout_keep_alive=IDLE, timeout_graceful_shutdown=1, **QUIET)  # type: ignore[arg-type]
     try:
         if place:
-            _leave(place, address)
+            with suppress(OSError):  # only the user may read it; without it there is just no second call
+                place.parent.mkdir(exist_ok=True)
+                place.unlink(missing_ok=True)
+                place.touch(mode=0o600)
+                place.write_text(address, encoding="utf-8")
         with suppress(KeyboardInterrupt):
             uvicorn.Server(config).run([listening])
     finally:
@@ -256,18 +252,9 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
                     place.unlink()
 
 
-def _leave(place: Path, address: str) -> None:
-    """Leave the address where only the user may read it, for a second call; without it there is just none."""
-    with suppress(OSError):
-        place.parent.mkdir(exist_ok=True)
-        place.unlink(missing_ok=True)
-        place.touch(mode=0o600)
-        place.write_text(address, encoding="utf-8")
-
-
 def _running(place: Path) -> str | None:
     """Return the address of a server that shows the folder already: one that lets its token in."""
-    with suppress(OSError, ValueError, HTTPException):
+    with suppress(OSError, ValueError, NoHttpError):
         address = place.read_text(encoding="utf-8").strip()
         port, _, path = address.removeprefix(f"http://{HOST}:").partition("/")
         with closing(HTTPConnection(HOST, int(port), timeout=2.0)) as connection:

@@ -27,11 +27,7 @@ BUDGET = 0.04  # s, of following the pointer before an answer: 20 a second, wher
 
 
 class WorkerError(RuntimeError):
-    """The worker met a bug, or was ended; `detail`: where."""
-
-    def __init__(self, text: str, detail: str = "") -> None:
-        super().__init__(text)
-        self.detail = detail
+    """The worker met a bug, or was ended: its last line says what, those before where."""
 
 
 class Worker:
@@ -61,7 +57,7 @@ class Worker:
         if kind == "wrong":
             raise ProjectError(answer)
         if kind == "fault":
-            raise WorkerError(answer.strip().splitlines()[-1], answer)
+            raise WorkerError(answer)
         return answer
 
     def begin(self) -> None:
@@ -112,11 +108,9 @@ def _work(connection: Connection) -> None:
             return
         try:
             connection.send(("done", questions[name](**arguments)))
-        except Exception as error:
-            if is_input_error(error):
-                connection.send(("wrong", error_text(error)))
-            else:
-                connection.send(("fault", traceback.format_exc()))
+        except Exception as error:  # a bug in one answer is told, and the process goes on
+            wrong = is_input_error(error)
+            connection.send(("wrong", error_text(error)) if wrong else ("fault", traceback.format_exc()))
 
 
 class Live:
