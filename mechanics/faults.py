@@ -17,7 +17,7 @@ Text = TypeVar("Text", bound=str)
 
 LISTED = 20  # faults of one kind that are listed in full
 
-Kind = Literal["outline", "layer", "thin", "short", "twice", "frame", "overlap", "floating", "gap"]
+Kind = Literal["outline", "lines", "layer", "thin", "short", "twice", "frame", "overlap", "floating", "gap"]
 
 Remedy = Literal["", "close", "trim", "delete", "fit"]
 

@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
+import shapely
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.entities.dxfentity import DXFTagStorage
 from ezdxf.math import Matrix44
 from ezdxf.path import make_path
+from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
@@ -317,7 +319,7 @@ class Sheet:
     @cached_property
     def drawing(self) -> Drawing:
         """The blocks, and all that is wrong or odd."""
-        faults = [*self._layer_faults(), *self.wrong.values(), *self._frozen_on_sheets()]
+        faults = [*self._layer_faults(), *self.wrong.values(), *self._by_lines(), *self._frozen_on_sheets()]
         if not self.closed and not faults:
             faults = [Fault("layer", self._nothing())]
         return Drawing(
@@ -369,6 +371,48 @@ class Sheet:
                 remedy = f'freeze it there too, or write [layers."{name}"] in the project'
                 text = f'layer "{name}" is frozen in every viewport and shown in model space; {remedy}'
                 yield Fault("layer", text)
+
+    @cached_property
+    def enclosed(self) -> list[tuple[str, Array]]:
+        """What LINEs on layers of blocks enclose beside blocks, (n, 2), drawing units, each with its layer.
+
+        Stones, as a rule, without which the masonry would have a hole.
+        """
+        near = [o.points[:, :2] for o in self.outlines if len(o.points) > 2 and o.is_near(self.scale)]
+        rings = [shapely.Polygon(points).buffer(0.0) for points in near]
+        stones, reach = shapely.STRtree(rings), self.reach / self.scale
+        holding = {layer_key(o.source.layer) for o in self.closed} if reach else set()
+        drawn: dict[str, list[Array]] = {}
+        for p in self.placed:
+            if p.entity.dxftype() == "LINE" and not p.hidden and layer_key(p.layer) in holding:
+                path = make_path(p.entity).transform(p.to_model * self._view)
+                ends = np.array([path.start.vec2, path.end.vec2])
+                if (abs(ends) <= FARTHEST / self.scale).all():
+                    drawn.setdefault(p.layer, []).append(ends)
+        found = []
+        for layer, lines in drawn.items():
+            ends = np.concatenate(lines)
+            first = [
+                min(near) for near in cKDTree(ends).query_ball_point(ends, reach)
+            ]  # ends that meet are one
+            edges = {
+                tuple(sorted(edge)) for edge in np.reshape(first, (-1, 2)).tolist() if edge[0] != edge[1]
+            }
+            faces = shapely.polygonize([shapely.LineString(ends[list(edge)]) for edge in sorted(edges)])
+            for face in faces.geoms:
+                beside = [rings[k] for k in stones.query(face, predicate="dwithin", distance=reach)]
+                if beside and shapely.union_all(beside).intersection(face).area < 0.5 * face.area:
+                    found.append((layer, np.array(face.exterior.coords)))
+        return found
+
+    def _by_lines(self) -> Iterator[Fault]:
+        for layer, line in self.enclosed:
+            x, z = (0.5 * (line.min(axis=0) + line.max(axis=0))).tolist()
+            text = (
+                f'layer "{layer}": LINEs around ({x:.9g}, {z:.9g}) enclose what is no block; join them to a closed '
+                "polyline, or move them to a layer of their own if it is none"
+            )
+            yield Fault("lines", text, np.array([[x, z]]), (line,)).scaled(self.scale)
 
     def _nothing(self) -> str:
         """Describe what a drawing without polylines in model space has instead."""

@@ -19,6 +19,7 @@ from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError
 from mechanics.messages import Message, layer_key, message
 from mechanics.model import METRES, NEAR, Sheet, default_tolerance
+from mechanics.model.polylines import PlacedOutline
 from mechanics.types import Mask
 
 BLOCK = (0.05, 0.4, 3.0)  # m: least, usual and largest size of most blocks of masonry
@@ -63,11 +64,23 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         raise FaultyDrawingError(str(path), drawn.faults, drawn.outlines)
     unit, why = (unit, message("as given")) if unit else _unit(sheet)
     scale = METRES[unit]
-    rings = shapely.polygons([shapely.linearrings(scale * block.polygon) for block in drawn.blocks])
-    layers = [block.layer for block in drawn.blocks]
+    meant = [
+        o for o in sheet.outlines if o.source.handle in sheet.wrong and _is_meant(o) and o.is_near(scale)
+    ]
+    layers = [
+        *(block.layer for block in drawn.blocks),
+        *(outline.source.layer for outline in meant),
+        *(layer for layer, _ in sheet.enclosed),
+    ]
+    faulty = [*(outline.points[:, :2] for outline in meant), *(line for _, line in sheet.enclosed)]
+    rings = np.array([
+        *(shapely.Polygon(scale * block.polygon) for block in drawn.blocks),
+        *(shapely.Polygon(scale * points).convex_hull for points in faulty),
+    ])  # fmt: skip
     reach = NEAR * scale * default_tolerance(drawn.blocks)
     masonry = _masonry(rings, reach)
-    ignored, unclosed = _no_masonry(sheet, layers, masonry)
+    read = len(drawn.blocks)
+    ignored, unclosed = _no_masonry(sheet, layers[:read], masonry[:read])
     masonry &= ~np.isin(layers, ignored)
     walls, openings = _openings(rings, layers, masonry)
     masonry &= ~openings
@@ -94,11 +107,11 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     }
     sizes = message(
         "unit: {unit}, {why}: {width:.3g} m wide, {height:.3g} m high, blocks: {blocks}, of about {size:.2g} m",
-        unit=unit, why=why, width=width, height=height, blocks=int(masonry.sum()), size=size,
+        unit=unit, why=why, width=width, height=height, blocks=int(masonry[:read].sum()), size=size,
     )  # fmt: skip
     told = [sizes, *lines]
-    if broken := len(sheet.wrong):
-        told.append(message("outlines with faults, of which nothing is known here: {broken}", broken=broken))
+    if broken := len(faulty):
+        told.append(message("outlines with faults, taken as they seem meant: {broken}", broken=broken))
     if ignored:
         told.append(message("ignored, being no masonry: layers {ignored}", ignored=ignored))
     if walls:
@@ -138,6 +151,14 @@ def _masonry(rings: Any, reach: float) -> Mask:
     return np.asarray(~frames & (areas[part] >= STRUCTURE * areas.max()))
 
 
+def _is_meant(outline: PlacedOutline) -> bool:
+    """Return whether an outline with a fault was meant as a block: it is closed, or its ends nearly meet."""
+    if len(outline.points) < 3 or not shapely.MultiPoint(outline.points[:, :2]).convex_hull.area:
+        return False
+    length = float(np.linalg.norm(np.diff(outline.points, axis=0), axis=1).sum())
+    return bool(outline.closed or np.linalg.norm(outline.points[-1] - outline.points[0]) < CLOSED * length)
+
+
 def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], Mask]:
     """Return the layers, sorted, of outlines around others of their layer, and which outlines (b,) are these others.
 
@@ -158,10 +179,7 @@ def _no_masonry(sheet: Sheet, layers: list[str], masonry: Mask) -> tuple[list[st
     holding = {layer_key(layer) for layer, is_one in zip(layers, masonry, strict=True) if is_one}
     faulty = set[str]()
     for outline in sheet.outlines:
-        ends = outline.points[[0, -1]]
-        length = float(np.linalg.norm(np.diff(outline.points, axis=0), axis=1).sum())
-        meant = outline.closed or np.linalg.norm(ends[1] - ends[0]) < CLOSED * length
-        if outline.source.handle in sheet.wrong and len(outline.points) > 2 and meant:
+        if outline.source.handle in sheet.wrong and _is_meant(outline):
             faulty.add(layer_key(outline.source.layer))
     drawn = (each.layer for each in sheet.placed if not each.hidden and each.entity.dxftype() in DRAWN)
     shown = {layer_key(layer): layer for layer in drawn}

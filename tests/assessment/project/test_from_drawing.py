@@ -106,10 +106,28 @@ def test_an_outline_that_is_nearly_closed_is_left_to_check(tmp_path, capsys):
     outline(space, [(0, 2), (1, 2), (1, 3), (0, 3), (0, 2.01)], "TOP", close=False)
     document.saveas(tmp_path / "g.dxf")
     assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
-    assert "outlines with faults, of which nothing is known here: 1" in capsys.readouterr().out
+    assert "outlines with faults, taken as they seem meant: 1" in capsys.readouterr().out
     assert not any(layer.ignore for layer in load_project(tmp_path / "p").layers.values())
     assert main(["check", str(tmp_path / "p")]) == 2
     assert 'layer "TOP"' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("broken", [(0, 0), (0, 1), (2, 0)])
+def test_what_rests_on_an_outline_with_a_fault_is_no_support(broken, tmp_path, capsys):
+    document, space = drawing(unit="m")
+    outline(space, [(0, -1), (3, -1), (3, 0), (0, 0)], "FONDAZIONE")
+    for k, row in np.ndindex(3, 6):
+        ring = [(k, row), (k + 1, row), (k + 1, row + 1), (k, row + 1)]
+        if (k, row) == broken:  # open, its last point a hand away from the first
+            outline(space, [*ring, (k + 0.003, row + 0.002)], "MURO", close=False)
+        else:
+            outline(space, ring, "MURO")
+    document.saveas(tmp_path / "g.dxf")
+    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
+    assert 'support "base": layer FONDAZIONE' in capsys.readouterr().out
+    project = load_project(tmp_path / "p")
+    assert list(project.supports) == ["base"]
+    assert not project.region
 
 
 def test_the_spreadsheet_says_the_same(tmp_path):

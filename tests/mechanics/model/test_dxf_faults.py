@@ -6,6 +6,7 @@ import io
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mechanics.errors import DrawingError
@@ -137,6 +138,34 @@ def test_long_lists_are_cut(tmp_path):
         outline(space, SQUARE, close=False)
     message = refused(document, tmp_path)
     assert message.count("is open") == 20 and "and 10 more" in message
+
+
+@pytest.mark.parametrize("layer", ["MURO", "RILIEVO"])
+@pytest.mark.parametrize("apart", [0.0, 0.004])
+def test_a_stone_drawn_by_lines_beside_blocks_is_no_hole_in_silence(layer, apart, tmp_path):
+    document, space = drawing()
+    for k in (0, 2):
+        outline(space, [(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)], "MURO")
+    corners = np.array([(1, 0), (2, 0), (2, 1), (1, 1)], dtype=float)
+    for k in range(4):  # the second end is a hand away from the next line
+        space.add_line(corners[k], corners[(k + 1) % 4] + (apart, 0.0), dxfattribs={"layer": layer})
+    space.add_line((0.1, 0.2), (0.7, 0.9), dxfattribs={"layer": "MURO"})  # a crack
+    if layer == "MURO":
+        message = refused(document, tmp_path)
+        assert message.count("LINEs around") == 1 and 'layer "MURO": LINEs around (1.5' in message
+        assert "enclose what is no block; join them" in message
+    else:  # a layer without blocks: no masonry, told as before
+        assert "left out, being no closed polylines: 5 LINE" in read(document, tmp_path).warnings[0]
+
+
+def test_lines_within_stones_and_by_themselves_are_none(tmp_path):
+    document, space = drawing()
+    outline(space, [(0, 0), (1, 0), (1, 1), (0, 1)])
+    for x in (0.25, 4.0):  # a mark on the stone; a north arrow
+        ring = [(x, 0.2), (x + 0.5, 0.2), (x + 0.2, 0.8)]
+        for k in range(3):
+            space.add_line(ring[k], ring[(k + 1) % 3], dxfattribs={"layer": "0"})
+    assert len(read(document, tmp_path).blocks) == 1
 
 
 def test_nothing_closed(tmp_path):
