@@ -18,8 +18,7 @@ from assessment.runtime.errors import ProjectError
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError
 from mechanics.messages import Message, layer_key, message
-from mechanics.model import METRES, NEAR, Sheet, default_tolerance
-from mechanics.model.polylines import PlacedOutline
+from mechanics.model import METRES, NEAR, PlacedOutline, Sheet, default_tolerance
 from mechanics.types import Mask
 
 BLOCK = (0.05, 0.4, 3.0)  # m: least, usual and largest size of most blocks of masonry

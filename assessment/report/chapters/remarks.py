@@ -193,7 +193,8 @@ def onsets(results: Results, words: Words) -> Sentences:
         near = Markup("")
         if earlier is not None:
             near = words("text.onset_near", near=alpha[earlier], place=_place(rigid, earlier, words))
-        numbers = {"onset": rigid.alpha_onset, "least": min(alpha[: peak + 1]), "alpha_0": rigid.alpha_0}
+        least = round(min(alpha[: peak + 1]), 6) + 0.0  # what is left of zero is the residual of the program
+        numbers = {"onset": rigid.alpha_onset, "least": least, "alpha_0": rigid.alpha_0}
         place = {"state": name, "direction": direction, "place": _place(rigid, peak, words)}
         yield words("text.onset", near=near, **numbers, **place)
 

@@ -66,7 +66,7 @@ SAID = {
         "capochiave e piastra, sfilamento, schiacciamento e punzonamento della muratura",
         "nella configurazione del disegno, in quiete sotto i pesi (stato “originale”), sono messe in opera, tese e "
         "senza allentamento, le catene: chain; sono modificati i giunti dei layer: BASE.",
-        "La catena “chain” raggiunge il tiro di snervamento (strengthened, +x, contatti rigidi",
+        "La catena “chain” raggiunge il tiro di snervamento (strengthened, +x, giunti rigidi",
         "Stati a confronto, ciascuno nella direzione più debole",
         "L’intervento “strengthened” porta ζ<sub>E</sub> da ",
         "Primo capochiave x; z [m]",

@@ -21,4 +21,4 @@ def test_an_overlap_of_more_than_a_hundredth_of_a_block_is_told_with_where():
     assert not _said(1e-6, "en")
     [english], [italian] = _said(0.0392, "en"), _said(0.0392, "it")
     assert "in: original, pushover, elastic contacts: 39.2 mm. " in english
-    assert "in: originale, pushover, contatti elastici: 39,2 mm. " in italian
+    assert "in: originale, pushover, giunti elastici: 39,2 mm. " in italian

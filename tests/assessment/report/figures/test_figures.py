@@ -162,7 +162,7 @@ def test_a_pure_rotation_has_its_movement_line_at_the_end_of_the_path(tmp_path, 
     figure = draw_pushdown(results, words_of(results), "base turned")
     for axes in figure.axes:
         [line] = [each for each in axes.lines if "cedimento assegnato" in each.get_label()]
-        [curve] = [each for each in axes.lines if each.get_label() == "contatti rigidi"]
+        [curve] = [each for each in axes.lines if each.get_label() == "giunti rigidi"]
         asked = 1000.0 * abs(rotation) * radius
         assert line.get_xdata() == pytest.approx([asked, asked])
         assert curve.get_xdata()[[0, -1]] == pytest.approx([0.0, asked])

@@ -175,7 +175,7 @@ def test_a_press_on_the_curve_goes_to_the_nearest_step(page):
 @needs_browser
 def test_a_block_and_a_joint_tell_their_figures(page):
     results = analysed()
-    index = next(k for k, title in enumerate(titles(page)) if "+x, contatti rigidi" in title)
+    index = next(k for k, title in enumerate(titles(page)) if "+x, giunti rigidi" in title)
     select(page, index)
     page.mouse("mouseMoved", *middle(page, '#viewer-shape [data-joint="5"]'))
     tip = page.ask("document.getElementById('viewer-tip').innerText")

@@ -134,7 +134,7 @@ def test_messages_within_messages_numbers_and_names():
         reason=falls,
     )
     assert in_italian(headed(TITLE, ends)) == (
-        "stato “moved 20 mm”, pushover in direzione −x, contatti rigidi: la curva termina a d = 0,0123 m, α = 1e−05: "
+        "stato “moved 20 mm”, pushover in direzione −x, giunti rigidi: la curva termina a d = 0,0123 m, α = 1e−05: "
         "la struttura perde l’equilibrio: un incremento di 0,001 m la sposta di −0,2 m"
     )
     spent = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m",
@@ -179,7 +179,7 @@ def test_messages_are_sentences_of_the_report():
     )
     italian = as_sentence(moves, "it")
     assert italian.startswith(
-        "Stato “moved 20 mm”, pushover in direzione −x, contatti rigidi: fra d = 7,7·10⁻¹² e"
+        "Stato “moved 20 mm”, pushover in direzione −x, giunti rigidi: fra d = 7,7·10⁻¹² e"
     )
     assert italian.endswith("fino a trovare un nuovo contrasto.")
     assert sentence("$INSUNITS says mm.", Words.of("en")) == "$INSUNITS says mm."
