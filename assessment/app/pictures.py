@@ -23,6 +23,7 @@ from assessment.project.structure.model import build_model, how_to_read, with_re
 from assessment.report.text.language import Words, translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 from assessment.workflow.checking import checked
+from assessment.workflow.duration import elapsed, expected
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError, Outline
 from mechanics.model import repair_drawing, survey_drawing
@@ -37,7 +38,8 @@ def model_picture(folder: Path) -> dict[str, Any]:
     """Return what the drawing of a project is: its blocks and joints, or its outlines and faults; and warnings.
 
     Lengths in m. `tag`: by which it is known what is drawn; `error`: why a run would refuse the project; `self_weight`:
-    whether it stands, None where that is not known. Raises ProjectError where the keys of the project file are wrong.
+    whether it stands, None where that is not known; `expected`, `elapsed`: see workflow.duration. Raises ProjectError
+    where the keys of the project file are wrong.
     """
     project, contradictions = survey_project(folder)
     found: dict[str, Any] = {"faults": [], "warnings": [], "joints": [], "repairable": False}
@@ -55,6 +57,8 @@ def model_picture(folder: Path) -> dict[str, Any]:
         check = checked(project, model)
         found["warnings"] = [told(text) for text in check.warnings]
         found["self_weight"] = check.results.model.self_weight_stable
+        found["expected"] = expected(check)
+        found["elapsed"] = elapsed(found["expected"])
     except FaultyDrawingError as faulty:
         mendable = any(fault.remedy for fault in faulty.faults)
         found |= _outlined(faulty.outlines) | {"error": error_text(faulty), "repairable": mendable}

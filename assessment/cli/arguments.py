@@ -92,18 +92,18 @@ def _end(examples: Sequence[str]) -> dict[str, Any]:
     return {"epilog": end, "formatter_class": argparse.RawDescriptionHelpFormatter}
 
 
-def _folder(text: str) -> Path:
-    """Return the folder that an argument names; an empty one would be the folder the command is given in."""
-    if not text:
-        raise argparse.ArgumentTypeError("is empty; give the name of a folder")
-    return Path(text)
+def _named(kind: Callable[[str], Any], remedy: str) -> Callable[[str], Any]:
+    """Return what reads a name: an empty one would be the folder that the command is given in, or no scheduler."""
+
+    def read(text: str) -> Any:
+        if not text:
+            raise argparse.ArgumentTypeError(f"is empty; give {remedy}")
+        return kind(text)
+
+    return read
 
 
-def _address(text: str) -> str:
-    """Return the address of a scheduler; with an empty one the run would do without."""
-    if not text:
-        raise argparse.ArgumentTypeError("is empty; give an address such as tcp://host:8786, or leave it out")
-    return text
+_folder = _named(Path, "the name of a folder")
 
 
 def _whole(what: str, least: int, most: float) -> Callable[[str], int]:
@@ -156,7 +156,7 @@ COMMANDS = {
                 "help": "processes at once (default: one per core if the work is worth starting them)",
             }),
             ("--scheduler", {
-                "type": _address, "metavar": "ADDRESS",
+                "type": _named(str, "an address such as tcp://host:8786, or leave it out"), "metavar": "ADDRESS",
                 "help": "a running Dask cluster that computes instead, such as tcp://host:8786",
             }),
             _flag("--no-report", "numbers, tables and figures only"),

@@ -80,6 +80,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words, words_of
     from assessment.workflow.checking import checked
+    from assessment.workflow.duration import expected_line
     from mechanics.faults import FaultyDrawingError
 
     project = load_project(options.project)
@@ -109,31 +110,31 @@ def check(options: argparse.Namespace) -> int:
     say(f"drawing of the model: {drawing}")
     for record in found.motions.records:
         say(described(record))
+    say(expected_line(found))
     for line in warning_lines(found.warnings):
         say(line)
     return DONE
 
 
 def status(options: argparse.Namespace) -> int:
-    """Print where a run is, or how the last one ended. Raises ValueError for a folder that is not there."""
+    """Print where a run is, how the last one ended, about how long the first takes. Raises ValueError."""
+    from assessment.runtime.journal import NOTHING, status_json
     from assessment.runtime.journal import status as as_text
-    from assessment.runtime.journal import status_json
 
     if not options.project.is_dir():
         raise ValueError(f"{options.project}: no such folder; give the folder of the project")
-    say((status_json if options.json else as_text)(options.out or options.project / "output"))
+    said = (status_json if options.json else as_text)(options.out or options.project / "output")
+    say(said)
+    if said.startswith(NOTHING):
+        from assessment.workflow.duration import first_run
+
+        say(first_run(options.project))
     return DONE
 
 
 def new(options: argparse.Namespace) -> int:
     """Make a project folder from a template, drawing or example, or list them. Raises ValueError for options."""
-    from assessment.project.catalogue.new_project import (
-        example_title,
-        examples,
-        new_example,
-        new_project,
-        template_options,
-    )  # fmt: skip
+    from assessment.project.catalogue import new_project as catalogue
     from assessment.project.formats import TOML, XLSX
 
     if options.template is not None:
@@ -141,17 +142,18 @@ def new(options: argparse.Namespace) -> int:
     if options.list:
         for name in [options.template] if options.template else TEMPLATES:
             say(f"{name}:")
-            for option, (default, unit, description) in template_options(name).items():
+            for option, (default, unit, description) in catalogue.template_options(name).items():
                 say(f"  {option:18} {default:>8g} {unit:6} {description}")
         if options.template is None:
             say("examples:")
-            for name, folder in examples().items():
-                say(f"  {name:18} {example_title(folder)}")
+            for name, folder in catalogue.examples().items():
+                say(f"  {name:18} {catalogue.example_title(folder)}")
         return DONE
     given = [each for each in (options.template, options.example, options.drawing) if each is not None]
     if len(given) != 1:
-        what = "more than one given; choose one"
-        what = what if given else "missing; assesto new --list names what there is"
+        what = (
+            "more than one given; choose one" if given else "missing; assesto new --list names what there is"
+        )
         raise ValueError(f"--template, --drawing or --example: {what}")
     if options.folder is None:
         raise ValueError("DIR: missing; give the folder to make: assesto new DIR --template NAME")
@@ -164,11 +166,11 @@ def new(options: argparse.Namespace) -> int:
                 dimensions[key.strip()] = float(value)
             except ValueError:
                 raise ValueError(f"--set {item}: not KEY=NUMBER; give for example span_m=6.0") from None
-        new_project(options.folder, options.template, dimensions, source)
+        catalogue.new_project(options.folder, options.template, dimensions, source)
     elif options.set:
         raise ValueError("--set: of a template only; leave it out, or give --template")
     elif options.example is not None:
-        new_example(options.folder, options.example, source)
+        catalogue.new_example(options.folder, options.example, source)
     else:
         from assessment.project.catalogue.from_drawing import new_from_drawing
 

@@ -93,6 +93,7 @@ def _read(path: Path) -> Holder:
 
 MOST_BYTES = 100_000_000  # that are read: half a million analyses
 SELDOM = 0.01  # of the time of a stage: how often it is written what is reached, 1 s at least
+NOTHING = "nothing has been run in"
 NAME = ".assesto.journal"  # in the output folder: of the last run that computed or wrote something there
 
 
@@ -246,8 +247,7 @@ def status(folder: Path) -> str:
     recorded, running = read_journal(folder), holder(folder)
     if not running and not recorded.stages and recorded.exit_code is None:
         stored = folder / "results.json"
-        before = f"results of an earlier run: {stored}"
-        return before if stored.is_file() else f"nothing has been run in {folder}"
+        return f"results of an earlier run: {stored}" if stored.is_file() else f"{NOTHING} {folder}"
     if running:
         lines = [f"at work: {running.text}"]
     elif recorded.exit_code is None or any(not stage.ended for stage in recorded.stages):

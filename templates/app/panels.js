@@ -187,7 +187,8 @@ const sitePanel = () => [...sections(["assessment"], { assessment: ASSESSMENT })
 // ---- 7: run and results ----
 const clock = (seconds) => {
   if (!Number.isFinite(seconds)) return "";
-  return seconds < 90 ? `${Math.round(seconds)} s` : `${Math.round(seconds / 60)} min`;
+  if (seconds < 90) return `${Math.max(1, Math.round(seconds))} s`;
+  return seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${Math.round(seconds / 3600)} h`;
 };
 const stageBar = (stage) => {
   const over = stage.taken_over ? ` (${w("taken_over", { n: stage.taken_over })})` : "", total = stage.total || 1;
@@ -196,7 +197,7 @@ const stageBar = (stage) => {
     ...stage.failures.map((each) => wrong(`✗ ${each.title}: ${each.reasons.join("; ")}`)));
 };
 const wanted = () => {  // the stages that the project asks for, to be chosen from, with what they took last time
-  const only = new Set(store.only ?? []), seconds = store.state.results?.timing_s ?? {};
+  const only = new Set(store.only ?? []), took = store.state.results?.timing_s, { expected, elapsed } = store.model ?? {};
   const asks = (table) => (Array.isArray(content()[table]) ? content()[table].length : content()[table]);
   const stages = Object.keys(store.stages).filter((stage) => asks(store.stages[stage]));
   const choose = (stage) => (event) => {
@@ -205,10 +206,12 @@ const wanted = () => {  // the stages that the project asks for, to be chosen fr
   };
   const boxes = stages.map((stage) => {
     const box = { type: "checkbox", "data-at": `only.${stage}`, checked: only.has(stage), onchange: choose(stage) };
-    return el("label", { className: "field" }, el("input", box), ` ${valueName(stage)} ${clock(seconds[stage])}`);
+    const time = took?.[stage] ? clock(took[stage]) : expected?.[stage] ? `≈ ${clock(expected[stage])}` : "";
+    return el("label", { className: "field" }, el("input", box), ` ${valueName(stage)} ${time}`);
   });
+  const whole = took || only.size || !elapsed ? [] : [small(w("about", { time: clock(elapsed) }), { id: "about" })];
   return [el("h3", {}, w("what_is_run")), ...(boxes.length ? boxes : [small(w("nothing_to_run"))]),
-    small(w(only.size ? "only_these" : "all_of_it")), ...(ready() ? [] : [wrong(w("not_ready"))])];
+    small(w(only.size ? "only_these" : "all_of_it")), ...whole, ...(ready() ? [] : [wrong(w("not_ready"))])];
 };
 const resultsPanel = () => {
   const { run, results } = store.state, ended = { 0: "done", 2: "wrong_input", 3: "incomplete" }[run.exit_code];

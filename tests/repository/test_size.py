@@ -23,7 +23,7 @@ LINES = {
     "assessment/results": 3392,
     "assessment/runtime": 1845,
     "assessment/studies": 2516,
-    "assessment/workflow": 1053,
+    "assessment/workflow": 1160,
     "mechanics": 933,
     "mechanics/kernels": 3550,
     "mechanics/model": 3428,

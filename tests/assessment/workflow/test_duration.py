@@ -1,0 +1,54 @@
+"""About how long a run takes: in proportion to what is asked for, and near what the examples take."""
+
+import pytest
+
+from assessment.project.project import load_project
+from assessment.project.structure.model import build_model
+from assessment.workflow.checking import read_inputs
+from assessment.workflow.duration import about, elapsed, expected, expected_line
+from tests import ROOT
+
+
+@pytest.fixture(scope="module")
+def arch():
+    project = load_project(ROOT / "projects" / "arch_campaign")
+    return read_inputs(project, build_model(project))
+
+
+def changed(read, **tables):
+    project = read.project.model_copy(update=tables)
+    return expected(type(read)(**{**vars(read), "project": project}))
+
+
+def test_each_stage_that_the_project_has_is_named_and_no_other(arch):
+    assert list(expected(arch)) == ["pushdown", "pushover", "campaign", "report"]
+    assert list(changed(arch, campaign=None, pushover=None)) == ["pushdown", "report"]
+
+
+def test_a_campaign_takes_as_long_as_its_motions(arch):
+    study = arch.project.campaign
+    as_drawn = changed(arch, campaign=study.model_copy(update={"shares": (0.0,)}))["campaign"]
+    # as drawn once, and two movements at two shares each
+    assert expected(arch)["campaign"] == pytest.approx(5.0 * as_drawn)
+    one_sign = changed(arch, campaign=study.model_copy(update={"signs": (1,)}))["campaign"]
+    assert expected(arch)["campaign"] == pytest.approx(2.0 * one_sign)
+
+
+def test_members_of_an_ensemble_and_smaller_increments_take_longer(arch):
+    assert changed(arch, scatter=5)["pushover"] == pytest.approx(4.0 * expected(arch)["pushover"])
+    finer = tuple(each.model_copy(update={"increment_m": 0.0015}) for each in arch.project.settlements)
+    assert changed(arch, settlements=finer)["pushdown"] == pytest.approx(2.0 * expected(arch)["pushdown"])
+
+
+def test_the_example_takes_what_was_measured(arch):
+    """128 s of processor time for its 317 motions."""
+    assert 128.0 / 3.0 < expected(arch)["campaign"] < 3.0 * 128.0
+
+
+def test_the_line_says_all_of_it_in_round_numbers(arch, monkeypatch):
+    monkeypatch.setattr("assessment.workflow.duration.cores", lambda: 4)
+    seconds = {"pushdown": 0.2, "campaign": 8000.0, "report": 15.0}
+    monkeypatch.setattr("assessment.workflow.duration.expected", lambda _: seconds)
+    assert elapsed(seconds) == pytest.approx(2015.05)
+    assert expected_line(arch).startswith("a run: about 34 min (pushdown 1 s, campaign 2 h, report 15 s)")
+    assert [about(each) for each in (0.0, 9.4, 12.0, 89.0, 91.0)] == ["1 s", "9 s", "10 s", "90 s", "2 min"]
