@@ -22,7 +22,7 @@ from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
 from assessment.report.text.language import COARSE, Words, check_name, merged, plain_text, written
 from assessment.results.asked import determined_indices
-from assessment.results.configurations.hand_check import hand_checks
+from assessment.results.configurations.hand_check import hand_checks, rigid_push
 from assessment.results.schema import Results, present
 from assessment.results.table import among_known, compared, reference_of
 from assessment.runtime.errors import ProjectError
@@ -231,12 +231,14 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words("judgement.certificates", **shown)
     yield from _converged(results, words)
     yield from agreement(results, words)
-    deviations = [
-        abs(deviation) for each in hand_checks(results) for deviation in (each.deviation, each.hand_deviation)
-    ]
-    if deviations:
-        key = "hand_agrees" if max(deviations) <= AGREEMENT else "hand_differs"
-        yield words(f"judgement.{key}", deviation=words.number(100.0 * max(deviations), COARSE))
+    deviations: dict[bool, list[float]] = {False: [], True: []}  # whether sliding joints take what is missing
+    for each in hand_checks(results):
+        slides = bool(rigid_push(results, each.state, each.direction).mechanism.sliding_joints)
+        for deviation in (each.deviation, each.hand_deviation):
+            deviations[slides and deviation < 0.0].append(abs(deviation))
+    for slides, most in ((slides, max(each)) for slides, each in deviations.items() if each):
+        key = "hand_agrees" if most <= AGREEMENT else "hand_slides" if slides else "hand_differs"
+        yield words(f"judgement.{key}", deviation=words.number(100.0 * most, COARSE))
     unbalanced = [each.unbalanced for each in balances(results)]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is

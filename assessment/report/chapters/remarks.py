@@ -67,9 +67,7 @@ def few_records(results: Results) -> dict[str, bool]:
     """Return where fewer records than NTC 2018, §7.3.5, asks for leave something out, by what it is left out of."""
     campaign = results.campaign
     rows = campaign.fragility if campaign else []
-    searches = [
-        state.incremental for state in results.states.values() if state.incremental.records is not None
-    ]
+    searches = [each.incremental for each in results.states.values() if each.incremental.records is not None]
     return {
         "campaign": bool(campaign and campaign.method == "incremental") and any(not fit.rule for fit in rows),
         "interval": any(fit.median_g is not None and fit.median_range is None for fit in rows),
@@ -120,9 +118,7 @@ def strengthened(results: Results, words: Words) -> Sentences:
         if made := state.strengthening:
             before = results.states.get(made.of)
             parts = (("ties", made.ties), ("layers", made.layers))
-            done = [
-                words(f"text.strengthened_{what}", names=", ".join(names)) for what, names in parts if names
-            ]
+            done = [words(f"text.strengthened_{key}", names=", ".join(own)) for key, own in parts if own]
             key = "strengthened_after" if before and before.settlement else "strengthened_as_drawn"
             yield words(f"text.{key}", state=name, of=words.state(made.of), done=Markup("; ").join(done))
 
@@ -216,16 +212,16 @@ def displacement_limits(results: Results, words: Words) -> Sentences:
         reason = reason or words.plain("value.no_reason")
         yield words("text.local_limit", limit=1000.0 * limit, reason=reason)
     else:
+        lost = []
         for name, direction, rigid in hand_check.mechanisms(results):
             if loss := rigid.local_loss:  # a joint that bears: the local limit of its direction
-                place = {
-                    "state": name,
-                    "direction": direction,
-                    "first": loss.blocks[0],
-                    "second": loss.blocks[1],
-                }
+                place = dict(
+                    zip(("first", "second"), loss.blocks, strict=True), state=name, direction=direction
+                )
                 lengths = {"overlap": 1000.0 * loss.overlap_m, "limit": 1000.0 * loss.displacement_m}
-                yield words("text.local_loss", **place, **lengths)
+                lost.append(words("text.local_loss_at", **place, **lengths))
+        if lost:
+            yield words("text.local_loss", where=Markup("; ").join(lost))
     if any(ELASTIC_END in (check.governing or "") for _, check in checks):
         yield words("text.elastic_end")
 
@@ -286,14 +282,9 @@ def nearly_yielding(results: Results, words: Words) -> Sentences:
         if limit is None or each.greatest_kN is None or each.yields or each.greatest_kN < NEARLY * limit:
             continue
         place = words.at(where["state"], where.get("direction"), where["contacts"])
-        share = words.number(100.0 * each.greatest_kN / limit, 4)
-        yield words(
-            "text.tie_nearly",
-            tie=each.tie,
-            where=place,
-            greatest=words.number(each.greatest_kN, 6),
-            share=share,
-        )
+        numbers = {"greatest": words.number(each.greatest_kN, 6)}
+        numbers["share"] = words.number(100.0 * each.greatest_kN / limit, 4)
+        yield words("text.tie_nearly", tie=each.tie, where=place, **numbers)
 
 
 def slackened(results: Results, words: Words) -> Sentences:

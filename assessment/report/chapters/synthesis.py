@@ -47,6 +47,7 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         if limits:
             yield written("verified", row.verified, words)
 
+    judged = [limit for limit in limits if limit in ("SLV", "SLC")] or limits  # as `verified` of a row
     texts = ["mechanism", *(["verified"] if limits else [])]
     head = [heading("state", words), words("synthesis.direction")]
     head += [words(f"synthesis.{'index' if limit == first else 'ratio'}", limit=limit) for limit in limits]
@@ -56,9 +57,8 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         for name in (*listed, *texts)
     ]
     text = [True, True, *[False] * (len(head) - 2 - len(texts)), *[True] * len(texts)]
-    return Grid(
-        words("caption.synthesis"), head, [[Markup.escape(cell) for cell in cells(row)] for row in rows], text
-    )
+    caption = words("caption.synthesis", limits=", ".join(judged))
+    return Grid(caption, head, [[Markup.escape(cell) for cell in cells(row)] for row in rows], text)
 
 
 def _ratio(row: SummaryRow, limit: str, words: Words) -> Markup:

@@ -79,6 +79,12 @@ def test_poor_certificates_and_a_poor_hand_check_are_not_hidden():
     results = results_example("en")
     results["states"]["original"]["pushover"]["+x"]["rigid"]["virtual_work_alpha"] = 0.2
     assert "must be explained" in text_of(results)
+    rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
+    rigid["virtual_work_alpha"] = 0.5 * rigid["mechanism"]["alpha"]  # the rest is what sliding joints take
+    rigid["mechanism"]["sliding_joints"] = [0]
+    assert "leaves out the work of friction" in text_of(results)
+    rigid["mechanism"]["sliding_joints"] = []
+    assert "must be explained" in text_of(results)
 
 
 def test_the_italian_draft_says_the_same():
