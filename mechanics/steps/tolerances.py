@@ -32,8 +32,8 @@ class StepTolerances:
     step within which contacts are looked for. `least_friction`: coefficient that replaces zero friction.
 
     Short steps. `short`: their length, as a share of the block size; `fewest`: least number of short steps in a step;
-    `short_time`: time of each in units of √(size/g), long enough for inertia to have little effect; `inertia`: force of
-    inertia, as a share of the weight, from which a structure falls.
+    `short_time`: time of each in a push, in units of √(size/g), long enough for inertia to have little effect;
+    `still_time`: the same under given loads: what they do not balance by 1e-5 of the weight falls at once.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
@@ -60,7 +60,7 @@ class StepTolerances:
     short: float = 1e-2
     fewest: int = 4
     short_time: float = 4.5
-    inertia: float = 1e-6
+    still_time: float = 450.0
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
         """Return the residuals of the programs for joints of a behaviour; the last one is repeated."""
