@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 810,
     "assessment/ntc": 2392,
     "assessment/project": 5031,
-    "assessment/report": 6764,
+    "assessment/report": 6761,
     "assessment/results": 3392,
     "assessment/runtime": 1845,
     "assessment/studies": 2516,

@@ -138,11 +138,10 @@ def _range(results: Results, words: Words) -> Markup:
     row = least_row(results, least.state) if least else None
     check = row.checks.get(least.limit_state) if row and least else None
     if check and check.zeta_E_range:
-        low, high = (
-            words.plain("value.not_determined") if end is None else words.ratio(end)
-            for end in check.zeta_E_range
-        )
-        return words("synthesis.range", low=low, high=high)
+        ends = zip(("used", "low", "high"), (check.zeta_E, *check.zeta_E_range), strict=True)
+        open_ = words.plain("value.not_determined")
+        found = {name: open_ if end is None else words.ratio(end) for name, end in ends}
+        return words("synthesis.range", **found)
     return words("synthesis.no_range" if (results.echo.scatter or 1) == 1 else "synthesis.one_path")
 
 

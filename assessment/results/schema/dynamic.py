@@ -92,7 +92,7 @@ class History(Part):
     pga_g: float = key("its largest acceleration in the window, scale included")
     scale: float = key("factor on the record")
     time_step_s: float = key("time step")
-    contacts: str = key("rigid or elastic", "Contatti|Contacts")
+    contacts: str = key("rigid or elastic", "Giunti|Contacts")
     integrator: str | None = key("integrator used", "Integrazione|Integration")
     amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it")
     control: str = key("control point", "Controllo|Control")

@@ -149,3 +149,15 @@ def test_without_an_assessment_the_multiplier_is_the_answer():
     said = Markup(lead(found, WORDS)[0]).striptags()
     assert re.search(r"α0 = 0\.\d+ \([+−]x\); before the settlement 0\.\d+: a reduction of", said)
     assert "erified" not in said and "ζ" not in " ".join(found for found in synthesis_grid(found, WORDS).head)
+
+
+def test_the_range_stands_beside_the_index_that_is_used():
+    results = results_example("en")
+    for state in results["states"].values():
+        for capacity in state["capacity"].values():
+            for name in capacity.keys() & {"SLV", "SLC"}:
+                capacity[name]["zeta_E_range"] = [0.25, 2.5]
+    found = typed(results)
+    used = WORDS.ratio(found.summary.governing.zeta_E)
+    said = " ".join(map(str, basis(found, WORDS)))
+    assert f"{used} is the least of several computations" in said and "between 0.25 and 2.50" in said

@@ -188,7 +188,7 @@ def test_the_input_is_told_in_words_with_the_names_of_the_user():
         ("Cedimento assegnato 1", "Nome", "moved"),
         ("Cedimento assegnato 2", "Nome", "it &lt;b&gt;"),
         ("", "Spostamento x; z [m]", "0,02; −0,02"),
-        ("Pushover", "Contatti", "rigidi"),
+        ("Pushover", "Giunti", "rigidi"),
         ("Pushover, punto di controllo", "+x", "C1"),
         ("Verifica, sito, SLV", "a<sub>g</sub> su suolo rigido (cat. A), senza S [g]", "0,261"),
     ]
