@@ -55,7 +55,7 @@ def model_picture(folder: Path) -> dict[str, Any]:
         if contradictions is not None:
             raise contradictions
         check = checked(project, model)
-        found["warnings"] = [told(text) for text in check.warnings]
+        found["warnings"] = [bilingual(text) for text in check.warnings]
         found["self_weight"] = check.results.model.self_weight_stable
         found["expected"] = expected(check)
         found["elapsed"] = elapsed(found["expected"])
@@ -127,7 +127,7 @@ def spectrum_picture(folder: Path) -> dict[str, Any]:
     return {"periods": _short(PERIODS), "spectra": spectra}
 
 
-def told(text: str) -> dict[str, str]:
+def bilingual(text: str) -> dict[str, str]:
     """Return a sentence of the program in both languages."""
     return {"en": str(text), "it": translated(text, Words.of("it"))}
 
@@ -140,15 +140,15 @@ def _short(values: Array) -> list[Any]:
 def drawing_picture(path: Path) -> dict[str, Any]:
     """Return the outlines of a DXF file by layer, its size in drawing units, and what a project of it would be.
 
-    `unit`: the one that is proposed; `told`: the lines that tell of the proposal. Raises DrawingError for a file that
+    `unit`: the one that is proposed; `notes`: what it assumes, a line each. Raises DrawingError for a file that
     cannot be read.
     """
     found = survey_drawing(path, "m", Layer(Material(20.0), 1.0))
     points = np.concatenate([each.points for each in found.outlines] or [np.zeros((1, 2))])
     content, lines = _proposed(path, None)
     layers = Counter(each.layer for each in found.outlines)
-    size, said = np.ptp(points, axis=0).tolist(), [told(text) for text in lines]
-    return {"layers": layers, "size": size, "unit": content["geometry"]["unit"], "told": said}
+    size, said = np.ptp(points, axis=0).tolist(), [bilingual(text) for text in lines]
+    return {"layers": layers, "size": size, "unit": content["geometry"]["unit"], "notes": said}
 
 
 def _proposed(drawing: Path, unit: str | None) -> tuple[dict[str, Any], tuple[str, ...]]:

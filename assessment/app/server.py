@@ -118,9 +118,9 @@ async def _question(session: Session, request: Request) -> Response:
     if request.headers.get("content-type", "").partition(";")[0] != "application/json":
         return _refused("a question is JSON", 415)
     try:
-        sent = json.loads(
-            await _body(request, MOST_SENT) or b"{}", parse_constant=int
-        )  # NaN and infinity are none
+        # NaN and infinity are no numbers, half a character is no text
+        sent = json.loads(await _body(request, MOST_SENT) or b"{}", parse_constant=int)
+        json.dumps(sent, ensure_ascii=False).encode()
     except (ValueError, RecursionError):
         return _refused("no JSON", 422)
     if not isinstance(sent, dict):
@@ -170,7 +170,7 @@ def _answered(session: Session, request: Request, ask: Ask) -> Response:
         return JSONResponse({"ok": True} | (ask(session.held(request.headers.get("x-project"))) or {}))
     except ConflictError as conflict:
         return _refused(str(conflict), 409)
-    except Exception as error:  # a bug in one answer is told in the page, and the server goes on
+    except Exception as error:  # a bug in one answer: the page shows it, the server goes on
         if is_input_error(error):
             return _refused(error_text(error), 422)
         detail = str(error) if isinstance(error, WorkerError) else traceback.format_exc()

@@ -28,7 +28,7 @@ from assessment.runtime.files import write_atomically
 from assessment.runtime.journal import NAME as JOURNAL
 from assessment.runtime.journal import Recorded, holder, progress_of, read_journal
 
-TOLD = 2000  # letters of what a command that failed has said
+SAID = 2000  # letters of what a command that failed has said
 
 
 class Runs:
@@ -74,7 +74,7 @@ class Runs:
         code = self.process.poll() if self.process else None
         found = progress_of(self._recorded(), holder(self.output))
         own = self.process is not None and code is None
-        said = "" if code in (None, 0) else self.log.read_text(encoding="utf-8", errors="replace")[-TOLD:]
+        said = "" if code in (None, 0) else self.log.read_text(encoding="utf-8", errors="replace")[-SAID:]
         if found["exit_code"] is None and not own:
             found["exit_code"] = code  # of a command that has left no journal
         return found | {"running": found["running"] or own, "own": own, "said": said.strip()}
@@ -123,8 +123,10 @@ class Opened:
         source = next((name for name in SOURCES if (self.folder / name).is_file()), TOML)
         found = dict.fromkeys(("content", "error", "tag", "inputs", "digest"))
         found |= {"folder": str(self.folder), "project": self.tag, "source": source, "problems": []}
+        if not (file := self.folder / source).is_file():
+            return found | {"error": f"{file}: is not there any more; put it back, or open another folder"}
         try:
-            found["digest"] = digest_of((self.folder / source).read_bytes())
+            found["digest"] = digest_of(file.read_bytes())
             project, contradictions = survey_project(self.folder)
         except (ProjectError, OSError) as error:
             return found | {"error": error_text(error)}
@@ -145,7 +147,7 @@ class Opened:
             if self._stored[0] != stamp:
                 results = json.loads((output / "results.json").read_bytes())
                 self._stored = (stamp, {key: results.get(key) for key in ("summary", "timing_s", "inputs")})
-        except (OSError, ValueError):
+        except (OSError, ValueError, AttributeError, RecursionError):  # none, or not written by a run
             return None
         stale = self._stored[1]["inputs"] != inputs
         files = [name for name in REPORTS if (output / name).is_file()]

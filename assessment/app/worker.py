@@ -108,7 +108,7 @@ def _work(connection: Connection) -> None:
             return
         try:
             connection.send(("done", questions[name](**arguments)))
-        except Exception as error:  # a bug in one answer is told, and the process goes on
+        except Exception as error:  # a bug in one answer: the process goes on
             wrong = is_input_error(error)
             connection.send(("wrong", error_text(error)) if wrong else ("fault", traceback.format_exc()))
 
@@ -182,7 +182,7 @@ def followed(follow: Following) -> dict[str, Any]:
     """
     import numpy as np
 
-    from assessment.app.pictures import told
+    from assessment.app.pictures import bilingual
     from assessment.results.configurations.faces import shares
     from assessment.results.configurations.joint_states import EDGE, IDLE
     from mechanics.model import end_gaps, end_points
@@ -203,5 +203,5 @@ def followed(follow: Following) -> dict[str, Any]:
         "reaction": follow.reaction.round(6).tolist(),
         "at": follow.reached.tolist(),
         "fallen": follow.fallen,
-        "stopped": None if follow.stopped is None else told(follow.stopped),
+        "stopped": None if follow.stopped is None else bilingual(follow.stopped),
     }

@@ -172,7 +172,7 @@ COMMANDS = {
         )),
     ),
     "status": Command(
-        commands.status, "tell what a run is at, what failed and how long it takes, or how the last one ended",
+        commands.status, "show what a run is at, what failed and how long it takes, or how the last one ended",
         ("assesto status arch", "assesto status arch --json"),
         (_PROJECT, _out("the results"), _flag("--json", "print it as JSON")),
     ),

@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
 def check(options: argparse.Namespace) -> int:
     """Read and validate everything, draw the model, print its summary and every warning; no analysis.
 
-    With `--repair` first write a repaired drawing beside the project's, tell every change, and check that one.
+    With `--repair` first write a repaired drawing beside the project's, list every change, and check that one.
     """
     from assessment.cli.summary import model_summary, warning_lines
     from assessment.project.motions import described

@@ -88,7 +88,7 @@ def _carry_out(options: argparse.Namespace) -> int:
         raise ValueError(text) from None
     try:
         code: int = options.command(options)
-    except Exception as error:
+    except Exception as error:  # a library may make any error of an interruption
         if interrupted():
             raise KeyboardInterrupt from error
         raise

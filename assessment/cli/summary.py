@@ -141,7 +141,7 @@ def _statics(results: Results) -> Iterator[str]:
             continue
         pushed = results.states[row.state].pushover.get(row.direction) if row.direction else None
         ties = [each for push in (pushed.by_contacts.values() if pushed else ()) for each in push.ties or ()]
-        told = {
+        tension = {
             each.tie: f"{each.tie} {each.greatest_kN:.4g} kN" + (", yields" if each.yields else "")
             for each in sorted(ties, key=lambda each: each.greatest_kN or 0.0)
             if each.greatest_kN is not None
@@ -149,7 +149,7 @@ def _statics(results: Results) -> Iterator[str]:
         names = {"a_g_g": f"a_g at {row.limit_state}", "alpha_0": "α0", "alpha_u": "α_u"}
         gained = names.get(gains_by(row) or "", "PGA at collapse")
         where = f" {row.direction}" if row.direction else ""
-        pulled = f"; greatest tension: {'; '.join(told.values())}" if told else ""
+        pulled = f"; greatest tension: {'; '.join(tension.values())}" if tension else ""
         yield f"{row.state}{where}: {gained} {100.0 * row.gain:+.0f} % over {row.of}{pulled}"
 
 

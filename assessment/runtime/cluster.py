@@ -52,7 +52,7 @@ PATIENCE = Patience()
 class Cluster(Pool):
     """Computes functions on the workers of the scheduler at an address such as tcp://host:8786.
 
-    Shares that are done of a task are not told. Raises ProjectError where dask.distributed
+    Progress within a task is not reported. Raises ProjectError where dask.distributed
     is not installed or no scheduler is at the address, KilledError where what is there says nothing.
     """
 
@@ -72,7 +72,7 @@ class Cluster(Pool):
         done.add_done_callback(self._open.discard)
         try:
             remote = self._workers.submit(_outcome, program(), function, arguments)
-        except Exception as error:
+        except Exception as error:  # a lost cluster shows as whatever its library meets
             if self._client.status not in GONE and not _is_of_cluster(error):
                 raise
             _fail(done, KilledError(LOST))
@@ -139,7 +139,7 @@ def _within(seconds: float, call: Callable[[], Any]) -> Any:
     def carry_out() -> None:
         try:
             found.append(call())
-        except Exception as error:
+        except Exception as error:  # raised again by the thread that waits
             found.append(error)
 
     thread = threading.Thread(target=carry_out, daemon=True)
@@ -166,7 +166,7 @@ def _outcome(expected: str, function: Callable[..., Result], arguments: tuple[An
         )
     try:
         return function(*arguments)
-    except Exception as error:
+    except Exception as error:  # travels to the run, which raises it
         return _Failed(error)
 
 
@@ -176,7 +176,7 @@ def _hand_over(ended: Future[Any], done: Future[Any]) -> None:
         outcome = ended.result()
     except MemoryError as error:  # of the result, here
         outcome = _Failed(error)
-    except BaseException:
+    except BaseException:  # cancelled, or of a scheduler that is gone
         outcome = _Failed(KilledError(LOST))
     if isinstance(outcome, _Failed):
         _fail(done, outcome.error)

@@ -120,7 +120,7 @@ def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collectio
             target.parent.mkdir(parents=True, exist_ok=True)
             source.replace(target)
             done.append((source, target))
-    except BaseException as error:
+    except BaseException as error:  # Ctrl-C too: all goes back
         for source, target in reversed(done):
             target.replace(source)
         if isinstance(error, PermissionError):

@@ -84,7 +84,7 @@ def holder(folder: Path) -> Holder | None:
 
 
 def _read(path: Path) -> Holder:
-    """Return who holds a lock, as far as its file tells."""
+    """Return who holds a lock, as far as its file says."""
     with suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
         text, _, facts = path.read_text(encoding="utf-8").partition("\n")
         return Holder(text, int(json.loads(facts)["pid"]))
@@ -195,14 +195,14 @@ class Stage:
 
 @dataclass
 class Recorded:
-    """What a journal tells: the stages of the last run that began any, and the exit code of the last that ended."""
+    """What a journal holds: the stages of the last run that began any, and the exit code of the last that ended."""
 
     stages: list[Stage] = field(default_factory=list)
     exit_code: int | None = None
 
 
 def read_journal(folder: Path) -> Recorded:
-    """Return what the journal in a folder tells; nothing where there is none.
+    """Return what the journal in a folder holds; nothing where there is none.
 
     An incomplete line is left out, and so is one that is no event: the file is what a kill or a full disk left.
     """
@@ -269,7 +269,7 @@ def status_json(folder: Path) -> str:
 
 
 def progress_of(recorded: Recorded, running: Holder | None) -> dict[str, Any]:
-    """Return where a run is, as its journal and its lock tell: plain values.
+    """Return where a run is, as its journal and its lock say: plain values.
 
     `stage`, `done`, `total` (analyses), `under_way` and `seconds_left` are of the last stage, `failed` of all stages.
     """

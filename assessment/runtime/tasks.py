@@ -99,7 +99,7 @@ class _Stage:
             self.show.reached(reached)
 
     def name(self, begun: Iterable[int]) -> None:
-        """Report what has been `begun` first and is not finished: one large program tells no share for a minute."""
+        """Report what has been `begun` first and is not finished: one large program reports no share for a minute."""
         number = next((each for each in begun if each in self.weights), None)
         if number is not None and number != self.named:
             self.show.under_way(self.titles[number])

@@ -173,8 +173,8 @@ class Motions:
     def notes(self) -> list[Message]:
         """What the user should know about the records."""
         every = (*self.history, *self.incremental, *self.campaign)
-        told = {motion.name for motion in self.campaign}
-        others = [record for record in self.records if record.name not in told]
+        named = {motion.name for motion in self.campaign}
+        others = [record for record in self.records if record.name not in named]
         notes = (note for motion in every for note in motion.notes)
         return [*notes, *base.doubtful_records(self.campaign), *base.doubtful_units(others)]
 
@@ -183,7 +183,7 @@ class Motions:
 class Checked:
     """A project that a run would accept: its model, records and demand, and the results before any analysis.
 
-    `results.model.self_weight_stable`: whether the structure as drawn stands; `notes`: what is to be told of the files;
+    `results.model.self_weight_stable`: whether the structure as drawn stands; `notes`: remarks on the files;
     `warnings`: of all that was checked.
     """
 

@@ -136,13 +136,13 @@ def write(
     report: bool = True,
     jobs: int = 1,
     attachments: Sequence[Path] = (),
-    tell: Callable[[float], object] = lambda _: None,
+    reached: Callable[[float], object] = lambda _: None,
 ) -> list[str]:
     """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
 
     A judgement.md that was edited is kept and printed; one that is written meanwhile is kept. Return warnings (a PDF
     that could not be made). `jobs`: processes, 0: one per core; `attachments`: pictures that end the report;
-    `tell`: is given the share that is made, about. Raises KilledError if one of them was ended from outside, OSError
+    `reached`: is given the share that is made, about. Raises KilledError if one of them was ended from outside, OSError
     that names a file; the folder is then unchanged.
     """
     from assessment.report.chapters.judgement import NAME
@@ -155,7 +155,7 @@ def write(
     with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
         try:
-            warnings = _make(results, folder, new, report, jobs, attachments, tell)
+            warnings = _make(results, folder, new, report, jobs, attachments, reached)
             if _version(opinion) not in (None, before):
                 write_atomically(new / NAME, opinion.read_bytes())
                 warnings.append(message("judgement.md was changed while the report was made: print it again"))
@@ -164,7 +164,7 @@ def write(
             raise KilledError(f"{'report' if report else 'figures and tables'}: {error}") from None
         except OSError as error:
             name = error.filename
-            if name and Path(name).is_relative_to(new):  # told where the user will look for it
+            if name and Path(name).is_relative_to(new):  # named where the user will look for it
                 name = str(folder / Path(name).relative_to(new))
             raise OSError(error.errno, error.strerror, name) from error
     return warnings
@@ -177,7 +177,7 @@ def _make(
     report: bool,
     jobs: int,
     attachments: Sequence[Path],
-    tell: Callable[[float], object],
+    reached: Callable[[float], object],
 ) -> list[str]:
     """Make everything in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement import NAME, judgement
@@ -196,7 +196,7 @@ def _make(
     def ended(function: Callable[..., Any]) -> None:
         nonlocal made
         made += PRINTED * figures if function is write_pdf else 1
-        tell(min(made / whole, 1.0))
+        reached(min(made / whole, 1.0))
 
     with Pool(number if number > 1 else 0, results, ended) as pool:
         write_figures(pool, new / "figures")

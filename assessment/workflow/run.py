@@ -150,7 +150,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError, ProjectError):  # that name another file
             raise
-        except Exception as error:
+        except Exception as error:  # edited numbers may break any table or figure
             if last is not None and not edited and last.results == keys_of(project).results:
                 raise  # a fault of the program: the results are unchanged
             text = f"{stored}: damaged or edited, cannot be printed; run the project again"

@@ -326,7 +326,7 @@ def _add_studies(draft: Draft, statics: Statics, scans: Scans) -> None:
         draft.complete = draft.complete and not study.failures
         if study.quality:
             draft.quality.append(joined(None, name, study.quality))
-        # what is told of single runs repeats what is told of the states: of many the number
+        # single runs repeat the warnings of the states: of many only the number
         warnings, failures = study.warnings, study.failures
         if len(warnings) > FEW:
             warnings = [message(

@@ -1,6 +1,6 @@
 // The page: what it knows, how it asks, and when it draws what has changed.
 import * as drawing from "./drawing.js";
-import { forget, panel, steps } from "./panels.js";
+import { forget, historyOf, panel, steps } from "./panels.js";
 
 export const store = { state: {}, model: null, stale: false, words: null, schema: null, stages: [], language: null,
   step: "drawing", selection: null, tool: "select" };
@@ -173,7 +173,7 @@ const render = () => {
 };
 export const ready = () => Boolean(store.state.folder) && !store.state.error && !store.state.problems?.length
   && Boolean(store.model) && !store.model.error;
-export const go = (name) => { store.step = name; drawing.home(); render(); };
+export const go = (name) => { Object.assign(store, { step: name, tool: "select" }); drawing.home(); render(); };
 
 let waiting = false;
 export const renderPanel = () => {
@@ -235,7 +235,7 @@ export const take = async (files, kind) => {
     const { name } = found;
     await edit({ drawing: [[["geometry", "drawing"], name]], grid: [[["assessment", "site", "grid"], name]],
       picture: () => [[["report", "attachments"], [...new Set([...content().report?.attachments ?? [], name])]]],
-      record: () => [[["history", content().history?.length ?? 0], { record: name }]] }[is]);
+      record: () => [[["history", content().history?.length ?? 0], historyOf(name)]] }[is]);
   }
 };
 addEventListener("dragover", (event) => event.preventDefault());
@@ -250,7 +250,11 @@ $("run").addEventListener("click", () => {
   then(() => ask("run", store.only?.length ? { only: store.only } : {}));
 });
 $("stop").addEventListener("click", () => then(() => ask("stop")));
-$("language").addEventListener("click", () => { store.language = store.language === "it" ? "en" : "it"; render(); });
+$("language").addEventListener("click", () => {
+  store.language = store.language === "it" ? "en" : "it";
+  $("saved").textContent = "";
+  render();
+});
 addEventListener("keydown", (event) => {
   if (!(event.ctrlKey || event.metaKey) || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;
   const name = { z: event.shiftKey ? "redo" : "undo", y: "redo" }[event.key.toLowerCase()];

@@ -45,7 +45,7 @@ const fromDrawing = (dropped) => {
     depth_m: parsed(value("new-depth")), unit_weight_kN_m3: parsed(value("new-weight")), language });
   return el("fieldset", { id: "begin" }, el("legend", {}, dropped.name),
     small(Object.entries(dropped.layers).map(([layer, n]) => `${layer}: ${n}`).join(" · ")),
-    ...(dropped.told.length ? [small(w("proposed")), el("ul", {}, ...dropped.told.map((each) => el("li", { className: "note" }, each[language])))] : []),
+    ...(dropped.notes.length ? [small(w("proposed")), el("ul", {}, ...dropped.notes.map((each) => el("li", { className: "note" }, each[language])))] : []),
     asked("new-title", w("title"), dropped.name.replace(/\.dxf$/i, "")),
     el("label", { className: "field" }, el("span", {}, w("unit_of_drawing")), el("select", { id: "new-unit" }, ...units)),
     asked("new-depth", w("depth"), "", { inputMode: "decimal" }),
@@ -178,9 +178,12 @@ const earthquakeWide = () => {
     ...failed.map(([each, , found]) => wrong(`${each.record}: ${found.error}`)),
     ...(curves.length ? [chart(w("spectra"), "T [s]", "S_a [g]", curves)] : []), ...read.map(recordChart)];
 };
-const siteWide = () => [small(w("site_help")), ...(site()?.error ? [wrong(site().error)] : []),
+const siteWide = () => [small(w("site_help")), ...(site()?.error && !store.state.problems.length ? [wrong(site().error)] : []),
   ...(spectra().length ? [chart(w("spectra"), "T [s]", "S_e [g]", spectra())] : [])];
-const ASSESSMENT = { first: ["limit_states", "confidence_factor", "site"], entry: () => ({ site: { soil: "B" } }) };
+const elastic = () => content().material?.normal_stiffness_kN_m3 !== undefined;  // else what is added is to be rigid
+export const historyOf = (record) => ({ record, ...(elastic() ? {} : { contacts: "rigid" }) });
+const ASSESSMENT = { first: ["limit_states", "confidence_factor", "model", "site"],
+  entry: () => ({ ...(elastic() ? {} : { model: "none" }), site: { soil: "B" } }) };
 const sitePanel = () => [...sections(["assessment"], { assessment: ASSESSMENT }),
   dropper("grid", w("drop_grid"), ".txt,.csv"), ...sections(["sensitivity"])];
 
@@ -192,14 +195,17 @@ const clock = (seconds) => {
 };
 const stageBar = (stage) => {
   const over = stage.taken_over ? ` (${w("taken_over", { n: stage.taken_over })})` : "", total = stage.total || 1;
-  return el("div", {}, el("p", {}, `${valueName(stage.stage)}: ${stage.done} / ${stage.total}${over}`),
+  return el("div", {}, el("p", {}, `${stage.stage.split(": ").map(valueName).join(", ")}: ${stage.done} / ${stage.total}${over}`),
     el("progress", { max: total, value: stage.ended ? total : stage.done }),
     ...stage.failures.map((each) => wrong(`✗ ${each.title}: ${each.reasons.join("; ")}`)));
 };
 const wanted = () => {  // the stages that the project asks for, to be chosen from, with what they took last time
   const only = new Set(store.only ?? []), took = store.state.results?.timing_s, { expected, elapsed } = store.model ?? {};
-  const asks = (table) => (Array.isArray(content()[table]) ? content()[table].length : content()[table]);
-  const stages = Object.keys(store.stages).filter((stage) => asks(store.stages[stage]));
+  const asks = (stage) => {
+    const table = content()[store.stages[stage]];
+    return stage === "scenarios" ? table?.some((each) => each.steps) : Array.isArray(table) ? table.length : table;
+  };
+  const stages = Object.keys(store.stages).filter(asks);
   const choose = (stage) => (event) => {
     only[event.target.checked ? "add" : "delete"](stage);
     store.only = [...only];
@@ -241,7 +247,7 @@ const frame = (at) => {
 };
 const resultsWide = () => {
   const found = store.state.results;
-  return found && [...(found.summary ? [summary(found.summary)] : []), ...frame("#viewer")];
+  return found && [...(found.summary?.rows ? [summary(found.summary)] : []), ...frame("#viewer")];
 };
 
 // ---- 8: report ----

@@ -54,6 +54,26 @@ def changed(session, *changes):
 # ---- state, edits ----
 
 
+@pytest.mark.parametrize("text", ["[]", "null", "3", '{"a": ' + "[" * 100_000])
+def test_results_that_no_run_has_written_are_none(session, text):
+    (session.folder / "output").mkdir()
+    (session.folder / "output" / "results.json").write_text(text, encoding="utf-8")
+    assert ask(session, "state")["results"] is None
+
+
+def test_a_project_file_that_is_gone_or_no_file_is_told(session):
+    path = session.folder / "project.toml"
+    content = path.read_bytes()
+    path.unlink()
+    assert "put it back" in ask(session, "state")["error"]
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(path)  # to read it would take for ever
+        assert "put it back" in ask(session, "state")["error"]
+        path.unlink()
+    path.write_bytes(content)
+    assert ask(session, "state")["error"] is None
+
+
 def test_the_state_is_content_and_problems_of_the_file(session):
     state = ask(session, "state")
     assert state["content"]["title"] == "Block"
@@ -352,7 +372,7 @@ def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
     write_drawing(tmp_path / "survey.dxf", template_layout("arch"))
     dropped = session.receive("survey.dxf", "drawing", (tmp_path / "survey.dxf").read_bytes())
     assert dropped["unit"] == "m"
-    assert any("appoggio" in each["it"] for each in dropped["told"])
+    assert any("appoggio" in each["it"] for each in dropped["notes"])
     assert sum(dropped["layers"].values()) > 10
     sent = {
         "name": "my arch",
@@ -386,7 +406,7 @@ def test_a_drawing_without_a_closed_outline_becomes_a_project_that_tells_its_fau
     outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)], close=False)
     document.saveas(tmp_path / "open.dxf")
     dropped = session.receive("open.dxf", "drawing", (tmp_path / "open.dxf").read_bytes())
-    assert (dropped["unit"], dropped["told"]) == ("m", [])
+    assert (dropped["unit"], dropped["notes"]) == ("m", [])
     sent = {"name": "open", "drawing": "open.dxf", "title": "Open", "depth_m": 1.0, "unit_weight_kN_m3": 18}
     with pytest.raises(ProjectError, match="unit"):
         ask(session, "new", **sent, unit="furlong")

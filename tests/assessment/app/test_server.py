@@ -238,6 +238,12 @@ def test_no_other_method_is_answered(served, method):
     assert served.ask(method, "/state").status in (404, 405)
 
 
+def test_half_a_character_is_no_text(served):
+    """Neither a file nor an answer could hold it: U+D800 alone."""
+    answer = served.post("judgement", {"text": "\ud800"})
+    assert (answer.status, json.loads(answer.text)) == (422, {"error": "no JSON"})
+
+
 def test_an_unknown_question_is_told(served):
     assert served.post("delete").status == 404
     assert served.post("edit", {"digest": 1}).status == 422
