@@ -168,7 +168,9 @@ class Live:
             raise ProjectError("the project has changed meanwhile; move the support again")
         if self.built is None or self.built[0] != tag:
             self.built = (tag, build_model(project))
-            gc.freeze()  # what is built stays: to look through it again takes as long as some answers
+            gc.unfreeze()
+            gc.collect()
+            gc.freeze()  # what is built stays: to look through it again and again takes as long as some answers
         own = next((each for each in project.settlements if each.support == support and not each.after), None)
         model = self.built[1].states[own.name if own else ORIGINAL].settling
         step = max(own.increment_m if own else 1e-3, 0.0 if whole else model.size / 50.0)
