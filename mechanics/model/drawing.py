@@ -379,9 +379,14 @@ class Sheet:
         Stones, as a rule, without which the masonry would have a hole.
         """
         near = [o.points[:, :2] for o in self.outlines if len(o.points) > 2 and o.is_near(self.scale)]
-        rings = [shapely.Polygon(points).buffer(0.0) for points in near]
+        if not (near and self.reach):
+            return []
+        drawn_rings = [shapely.Polygon(points).buffer(0.0) for points in near]
+        outer, _ = shapely.STRtree(drawn_rings).query(drawn_rings, predicate="contains_properly")
+        within = np.bincount(outer, minlength=len(near))
+        rings = [each for each, n in zip(drawn_rings, within, strict=True) if 2 * n <= len(near)]  # no frames
         stones, reach = shapely.STRtree(rings), self.reach / self.scale
-        holding = {layer_key(o.source.layer) for o in self.closed} if reach else set()
+        holding = {layer_key(o.source.layer) for o in self.closed}
         drawn: dict[str, list[Array]] = {}
         for p in self.placed:
             if p.entity.dxftype() == "LINE" and not p.hidden and layer_key(p.layer) in holding:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -63,15 +64,16 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         raise FaultyDrawingError(str(path), drawn.faults, drawn.outlines)
     unit, why = (unit, message("as given")) if unit else _unit(sheet)
     scale = METRES[unit]
+    enclosed = replace(sheet, unit=unit).enclosed
     meant = [
         o for o in sheet.outlines if o.source.handle in sheet.wrong and _is_meant(o) and o.is_near(scale)
     ]
     layers = [
         *(block.layer for block in drawn.blocks),
         *(outline.source.layer for outline in meant),
-        *(layer for layer, _ in sheet.enclosed),
+        *(layer for layer, _ in enclosed),
     ]
-    faulty = [*(outline.points[:, :2] for outline in meant), *(line for _, line in sheet.enclosed)]
+    faulty = [*(outline.points[:, :2] for outline in meant), *(line for _, line in enclosed)]
     rings = np.array([
         *(shapely.Polygon(scale * block.polygon) for block in drawn.blocks),
         *(shapely.Polygon(scale * points).convex_hull for points in faulty),

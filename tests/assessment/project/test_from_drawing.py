@@ -113,13 +113,18 @@ def test_an_outline_that_is_nearly_closed_is_left_to_check(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("broken", [(0, 0), (0, 1), (2, 0)])
-def test_what_rests_on_an_outline_with_a_fault_is_no_support(broken, tmp_path, capsys):
-    document, space = drawing(unit="m")
-    outline(space, [(0, -1), (3, -1), (3, 0), (0, 0)], "FONDAZIONE")
+@pytest.mark.parametrize("lines", [False, True])
+def test_what_rests_on_an_outline_with_a_fault_is_no_support(broken, lines, tmp_path, capsys):
+    document, space = drawing(unit="mm")
+    at = np.array([251300.0, 12040.0])  # as a survey has them
+    outline(space, at + 1e3 * np.array([(0, -1), (3, -1), (3, 0), (0, 0)]), "FONDAZIONE")
     for k, row in np.ndindex(3, 6):
-        ring = [(k, row), (k + 1, row), (k + 1, row + 1), (k, row + 1)]
-        if (k, row) == broken:  # open, its last point a hand away from the first
-            outline(space, [*ring, (k + 0.003, row + 0.002)], "MURO", close=False)
+        ring = at + 1e3 * np.array([(k, row), (k + 1, row), (k + 1, row + 1), (k, row + 1)])
+        if (k, row) == broken and lines:
+            for one, other in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+                space.add_line(one, other, dxfattribs={"layer": "MURO"})
+        elif (k, row) == broken:  # open, its last point a hand away from the first
+            outline(space, [*ring, ring[0] + (3.0, 2.0)], "MURO", close=False)
         else:
             outline(space, ring, "MURO")
     document.saveas(tmp_path / "g.dxf")
