@@ -6,6 +6,7 @@ Only this machine, only who has the token, only from the page's own address.
 from __future__ import annotations
 
 import json
+import re
 import secrets
 import signal
 import socket
@@ -134,9 +135,8 @@ def _refusal(request: Request, port: int, cookie: str, key: str) -> Response | N
     host, origin = request.headers.getlist("host"), request.headers.getlist("origin")
     if len(host) != 1 or host[0] not in hosts:  # another name that resolves to this machine
         return _refused("this server is 127.0.0.1 alone", 403)
-    if origin and origin != [f"http://{host[0]}"]:
-        return _refused("asked from another page", 403)
-    if request.headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
+    elsewhere = request.headers.get("sec-fetch-site", "none") not in ("none", "same-origin")
+    if elsewhere or (origin and origin != [f"http://{host[0]}"]):
         return _refused("asked from another page", 403)
     open_to_all = request.url.path == "/" or request.url.path.startswith("/static/")  # "/" asks for the token
     if not open_to_all and not _has(request, cookie, key):
@@ -216,14 +216,9 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     session = Session(Path.cwd(), folder)
     place = session.folder / OWN / "at" if session.opened else None
     known = _running(place) if place else None
-    try:
-        listening = None if known else socket.create_server((HOST, port))
-    except OSError as error:
-        raise ProjectError(f"--port {port}: {error.strerror}; leave it out, or give another one") from None
-    if listening:  # the second packet of an answer is not to wait for the receipt of the first, 40 ms
-        listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)
-    token = secrets.token_urlsafe(24)
-    address = known or f"http://{HOST}:{listening.getsockname()[1] if listening else 0}/?token={token}"
+    listening, token = None if known else listen(port), secrets.token_urlsafe(24)
+    port = listening.getsockname()[1] if listening else 0
+    address = known or f"http://{HOST}:{port}/?token={token}"
     say(address)
     if browser:
         threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
@@ -232,7 +227,7 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     tell("Ctrl-C ends it; a run that it has started goes on")
     # its imports take longer than the page
     threading.Thread(target=session.worker.begin, daemon=True).start()
-    served = application(session, listening.getsockname()[1], token)
+    served = application(session, port, token)
     config = uvicorn.Config(served, timeout_keep_alive=IDLE, timeout_graceful_shutdown=1, **QUIET)  # type: ignore[arg-type]
     try:
         if place:
@@ -246,19 +241,29 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         session.close()
-        if place:
-            with suppress(OSError):
-                if place.read_text(encoding="utf-8") == address:  # not that of a later one
-                    place.unlink()
+        with suppress(OSError):
+            if place and place.read_text(encoding="utf-8") == address:  # not that of a later one
+                place.unlink()
+
+
+def listen(port: int) -> socket.socket:
+    """Return a socket that only this machine reaches, 0: on a free port. Raises ProjectError for one that is taken."""
+    try:
+        found = socket.create_server((HOST, port))
+    except OSError as error:
+        raise ProjectError(f"--port {port}: {error.strerror}; leave it out, or give another one") from None
+    # the second packet of an answer is not to wait for the receipt of the first, 40 ms
+    found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)
+    return found
 
 
 def _running(place: Path) -> str | None:
-    """Return the address of a server that shows the folder already: one that lets its token in."""
-    with suppress(OSError, ValueError, NoHttpError):
+    """Return the address of a server that shows the folder already; a folder of somebody else's may name any other."""
+    with suppress(OSError, ValueError, OverflowError, NoHttpError):
         address = place.read_text(encoding="utf-8").strip()
-        port, _, path = address.removeprefix(f"http://{HOST}:").partition("/")
-        with closing(HTTPConnection(HOST, int(port), timeout=2.0)) as connection:
-            connection.request("GET", f"/{path}")
-            if connection.getresponse().status == HTTPStatus.OK:
-                return address
+        if ours := re.fullmatch(rf"http://{re.escape(HOST)}:(\d+)(/\?token=[\w-]{{32}})", address, re.ASCII):
+            with closing(HTTPConnection(HOST, int(ours[1]), timeout=2.0)) as connection:
+                connection.request("GET", ours[2])
+                if connection.getresponse().status == HTTPStatus.OK:
+                    return address
     return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import stat
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import urllib.request
 
 import pytest
 
+from assessment.app.server import _running, listen
 from assessment.cli.main import main
 from tests.support.block_project import write_block
 
@@ -48,6 +50,23 @@ def test_it_prints_where_it_is_and_a_second_one_opens_the_first(tmp_path):
     assert first.communicate()[1].splitlines() == ["Ctrl-C ends it; a run that it has started goes on"]
     assert first.returncode == 0
     assert not place.exists()
+
+
+def test_an_answer_does_not_wait_for_the_receipt_of_its_first_packet():
+    with listen(0) as here, socket.create_connection(here.getsockname()), here.accept()[0] as taken:
+        assert taken.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+@pytest.mark.parametrize("path", ["shutdown", "?token=x", "?token=" + "x" * 32 + "&all=1"])
+def test_no_other_server_of_this_machine_is_asked(tmp_path, path):
+    """A folder of somebody else's may name one."""
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        other.settimeout(0.0)
+        port = other.getsockname()[1]
+        (tmp_path / "at").write_text(f"http://127.0.0.1:{port}/{path}", encoding="utf-8")
+        assert _running(tmp_path / "at") is None
+        with pytest.raises(BlockingIOError):
+            other.accept()
 
 
 def test_an_address_that_nobody_answers_is_not_opened(tmp_path):
