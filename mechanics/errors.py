@@ -81,7 +81,10 @@ def is_number(value: object) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and not math.isnan(value)
 
 
-def is_between(value: object, low: float, high: float, ends: Literal["()", "[)", "(]", "[]"] = "()") -> bool:
+Ends = Literal["()", "[)", "(]", "[]"]
+
+
+def is_between(value: object, low: float, high: float, ends: Ends = "()") -> bool:
     """Whether a value is a number between two others; a square bracket of `ends` counts that end in."""
     if not isinstance(value, Real) or not is_number(value):
         return False
@@ -92,6 +95,24 @@ def is_between(value: object, low: float, high: float, ends: Literal["()", "[)",
 def is_whole(value: object) -> bool:
     """Whether a value is a whole number, of whole type."""
     return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+def require_positive(of: object, ends: Ends = "()", **must_be: str) -> None:
+    """Raise ArgumentError naming the first of some fields that is no number between 0 and infinity: see is_between.
+
+    What a field must be ends with "None" where it may be that too.
+    """
+    for name, text in must_be.items():
+        value = getattr(of, name)
+        absent = value is None and text.endswith("None")
+        require(absent or is_between(value, 0.0, math.inf, ends), name, value, text)
+
+
+def point_of(name: str, value: object) -> NDArray[np.float64]:
+    """Return the point (2,) m of an argument. Raises ArgumentError naming it if it is none."""
+    found, must_be = array_of(name, value, "a point (x, z) in m"), "a point (x, z) in m"
+    require(found.shape == (2,) and bool(np.isfinite(found).all()), name, value, must_be)
+    return found
 
 
 def array_of(name: str, value: object, must_be: str) -> NDArray[np.float64]:

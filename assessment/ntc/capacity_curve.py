@@ -225,19 +225,9 @@ def capacity_curve(
     `confidence_source`: the paragraph that F_C follows from; `activation`: default, the curve's own mechanism at α0.
     Raises ValueError naming the argument.
     """
-    require(is_between(e_star, 0.0, 1.0 + 1e-9, "(]"), "e_star", e_star, "above 0 and at most 1")
+    activation, F_C = activation or Activation(fit.alpha_0, e_star, fit.source), confidence_factor
+    for name, share in (("e_star", e_star), ("activation.e_star", activation.e_star)):
+        require(is_between(share, 0.0, 1.0 + 1e-9, "(]"), name, share, "above 0 and at most 1")
     require(is_between(gamma_star, 0.0, np.inf), "gamma_star", gamma_star, "positive")
-    require(
-        is_between(confidence_factor, 1.0, np.inf, "[)"),
-        "confidence_factor",
-        confidence_factor,
-        "1 or more (1.35, 1.20, 1)",
-    )
-    activation = activation or Activation(fit.alpha_0, e_star, fit.source)
-    require(
-        is_between(activation.e_star, 0.0, 1.0 + 1e-9, "(]"),
-        "activation.e_star",
-        activation.e_star,
-        "above 0 and at most 1",
-    )
+    require(is_between(F_C, 1.0, np.inf, "[)"), "confidence_factor", F_C, "1 or more (1.35, 1.20, 1)")
     return CapacityCurve(fit, e_star, gamma_star, confidence_factor, confidence_source, activation)

@@ -42,12 +42,8 @@ class Mode:
 
     def __post_init__(self) -> None:
         require(self.period > 0.0, "period", self.period, "positive, in s")
-        require(
-            is_between(self.damping, 0.0, 1.0),
-            "damping",
-            self.damping,
-            "a fraction of critical: 0.05 for 5 %",
-        )
+        must_be = "a fraction of critical: 0.05 for 5 %"
+        require(is_between(self.damping, 0.0, 1.0), "damping", self.damping, must_be)
 
 
 def fundamental_period(building_height: float) -> Step:
@@ -65,12 +61,8 @@ def first_mode(
     Raises ValueError naming the argument.
     """
     require(storeys >= 1, "storeys", storeys, "a whole number ≥ 1")
-    require(
-        is_between(height, 0.0, building_height, "[]"),
-        "height",
-        height,
-        "from 0 to the building's height, in m",
-    )
+    must_be = "from 0 to the building's height, in m"
+    require(is_between(height, 0.0, building_height, "[]"), "height", height, must_be)
     require(building_height > 0.0, "building_height", building_height, "positive, in m")
     return Mode(period, 3.0 * storeys / (2.0 * storeys + 1.0), height / building_height, damping)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assessment.ntc.calculation import Trace, datum, step
-from mechanics.errors import is_between, require
+from mechanics.errors import is_between, require, require_positive
 from mechanics.records import response_spectrum
 from mechanics.types import GRAVITY, Array
 
@@ -32,6 +32,7 @@ _PERIOD_FACTOR = {
 }
 _TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # Tab. 3.2.V
 _LONG_PERIOD = {"A": 4.5, "B": 5.0, "C": 6.0, "D": 6.0, "E": 6.0}  # T_E, s, Tab. 3.2.VII [k]
+_FRACTION = "a fraction of critical: 0.05 for 5 %"
 _T_F = 10.0  # s, Tab. 3.2.VII [k]
 
 
@@ -82,17 +83,10 @@ class ElasticSpectrum:
     damping: float = 0.05
 
     def __post_init__(self) -> None:
-        for name, what in (("ag", "positive, in g"), ("F0", "positive"), ("Tc_star", "positive, in s")):
-            value = getattr(self, name)
-            require(is_between(value, 0.0, np.inf), name, value, what)
+        require_positive(self, ag="positive, in g", F0="positive", Tc_star="positive, in s")
         require(self.soil in list(_STRATIGRAPHY), "soil", self.soil, "one of A, B, C, D, E")
         require(self.topography in list(_TOPOGRAPHY), "topography", self.topography, "one of T1, T2, T3, T4")
-        require(
-            is_between(self.damping, 0.0, 1.0, "[)"),
-            "damping",
-            self.damping,
-            "a fraction of critical: 0.05 for 5 %",
-        )
+        require(is_between(self.damping, 0.0, 1.0, "[)"), "damping", self.damping, _FRACTION)
 
     @property
     def S_S(self) -> float:
@@ -244,13 +238,8 @@ class RecordSpectrum:
         a = np.array(self.acceleration_g, dtype=float)
         fine = a.ndim == 1 and a.size >= 2 and bool(np.isfinite(a).all()) and bool(a.any())
         require(fine, "acceleration_g", a.shape, "two or more finite values, in g, not all zero")
-        require(is_between(self.time_step, 0.0, np.inf), "time_step", self.time_step, "positive, in s")
-        require(
-            is_between(self.damping, 0.0, 1.0, "[)"),
-            "damping",
-            self.damping,
-            "a fraction of critical: 0.05 for 5 %",
-        )
+        require_positive(self, time_step="positive, in s")
+        require(is_between(self.damping, 0.0, 1.0, "[)"), "damping", self.damping, _FRACTION)
         a.flags.writeable = False
         object.__setattr__(self, "acceleration_g", a)
 

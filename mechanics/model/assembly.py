@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import ArgumentError, array_of, is_number, is_whole, require
+from mechanics.errors import ArgumentError, is_number, is_whole, point_of, require, require_positive
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.kernels.joint import H
 from mechanics.model.block import Block
@@ -108,36 +108,28 @@ class Assembly:
         require(len(self.blocks) > 0, "blocks", 0, "at least one block")
         object.__setattr__(self, "origin", _origin(self.blocks) if self.origin is None else self.origin)
         n = self.segments_per_joint
-        require(
-            n is None or (is_whole(n) and 1 <= n <= MOST_SEGMENTS),
-            "segments_per_joint",
-            n,
-            f"from 1 to {MOST_SEGMENTS}, or None",
-        )
+        whole = n is None or (is_whole(n) and 1 <= n <= MOST_SEGMENTS)
+        require(whole, "segments_per_joint", n, f"from 1 to {MOST_SEGMENTS}, or None")
         if self.tolerance is None:
             object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
-        require(
-            is_number(self.tolerance) and 0.0 < self.joint_tolerance < np.inf,
-            "tolerance",
-            self.tolerance,
-            "positive, in m",
-        )
+        require_positive(self, tolerance="positive, in m")
         require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
-        self._check_weights()
+        weights = np.where(self.movable, [abs(b.weight) for b in self.blocks], np.inf)
+        lightest = int(np.argmin(weights))
+        share = float(weights[lightest]) / float(np.mean(weights[self.movable]))
+        told = f"block {lightest} weighs {share:.2g} of the mean block"
+        least = (
+            f"at least {LIGHTEST:g} of it (less is lost in the accuracy of equilibrium): leave the block out"
+        )
+        require(share >= LIGHTEST, "blocks", told, least)
         require(isinstance(self.ties, Iterable), "ties", self.ties, "a sequence of Tie")
         object.__setattr__(self, "ties", tuple(self.ties))
         wrong = next((each for each in self.ties if not isinstance(each, Tie)), None)
         require(wrong is None, "ties", wrong, "a sequence of Tie")
-        self._check_ties()
-
-    def _check_ties(self) -> None:
         for tie, (one, other) in zip(self.ties, self.tie_blocks.tolist(), strict=True):
-            require(
-                one != other and bool(self.movable[[one, other]].any()),
-                f'tie "{tie.name}"',
-                f"both ends in block {one}" if one == other else "both ends in supports",
-                "between two blocks that can move against each other",
-            )
+            told = f"both ends in block {one}" if one == other else "both ends in supports"
+            joins = one != other and bool(self.movable[[one, other]].any())
+            require(joins, f'tie "{tie.name}"', told, "between two blocks that can move against each other")
 
     def __repr__(self) -> str:
         tied = f", {len(self.ties)} ties" if self.ties else ""
@@ -207,17 +199,6 @@ class Assembly:
             for tie in self.ties
         ]
         return np.array(found, dtype=np.intp).reshape(len(self.ties), 2)
-
-    def _check_weights(self) -> None:
-        weights = np.where(self.movable, [abs(b.weight) for b in self.blocks], np.inf)
-        lightest = int(np.argmin(weights))
-        share = float(weights[lightest]) / float(np.mean(weights[self.movable]))
-        require(
-            share >= LIGHTEST,
-            "blocks",
-            f"block {lightest} weighs {share:.2g} of the mean block",
-            f"at least {LIGHTEST:g} of it (less is lost in the accuracy of equilibrium): leave the block out",
-        )
 
     @property
     def joint_tolerance(self) -> float:
@@ -406,8 +387,7 @@ class Assembly:
         """
         last = len(self.blocks) - 1
         require(is_whole(block) and 0 <= block <= last, "block", block, f"from 0 to {last}")
-        pivot = array_of("about", about, "a point (x, z) in m")
-        require(pivot.shape == (2,) and bool(np.isfinite(pivot).all()), "about", about, "a point (x, z) in m")
+        pivot = point_of("about", about)
         require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
         pivot = self.from_origin(pivot)
         positions = self.initial.positions.copy()
@@ -439,19 +419,14 @@ class Assembly:
         """
         import shapely
 
-        at = array_of(name, point, "a point (x, z) in m")
-        require(at.shape == (2,) and bool(np.isfinite(at).all()), name, point, "a point (x, z) in m")
+        at = point_of(name, point)
         distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
         distance = distance + np.where(
             self.movable, 0.0, 0.5 * self.joint_tolerance
         )  # on a shared edge the movable block is taken
         nearest = int(np.argmin(distance))
-        require(
-            distance[nearest] <= self.joint_tolerance,
-            name,
-            tuple(at.tolist()),
-            f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)",
-        )
+        must_be = f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)"
+        require(distance[nearest] <= self.joint_tolerance, name, tuple(at.tolist()), must_be)
         return nearest
 
     def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from mechanics.errors import array_of, is_number, is_whole, require
+from mechanics.errors import array_of, is_number, is_whole, require, require_positive
 from mechanics.types import GRAVITY, Array
 
 
@@ -30,30 +30,14 @@ class Material:
     compressive_strength: float = float("inf")
 
     def __post_init__(self) -> None:
-        weight = self.unit_weight
-        require(is_number(weight) and 0.0 < weight < np.inf, "unit_weight", weight, "positive, in kN/m³")
-        require(
-            is_number(self.friction) and self.friction >= 0.0, "friction", self.friction, "zero or positive"
+        require_positive(
+            self, unit_weight="positive, in kN/m³", normal_stiffness="positive, in kN/m³, or None"
         )
-        require(
-            self.normal_stiffness is None
-            or (is_number(self.normal_stiffness) and 0.0 < self.normal_stiffness < np.inf),
-            "normal_stiffness",
-            self.normal_stiffness,
-            "positive, in kN/m³, or None",
-        )
-        require(
-            is_number(self.tangential_stiffness) and self.tangential_stiffness > 0.0,
-            "tangential_stiffness",
-            self.tangential_stiffness,
-            "positive, in kN/m³ (inf: rigid in shear)",
-        )
-        require(
-            is_number(self.compressive_strength) and self.compressive_strength > 0.0,
-            "compressive_strength",
-            self.compressive_strength,
-            "positive, in kN/m² (inf: no limit)",
-        )
+        require_positive(self, "[]", friction="zero or positive")
+        require_positive(
+            self, "(]", tangential_stiffness="positive, in kN/m³ (inf: rigid in shear)",
+            compressive_strength="positive, in kN/m² (inf: no limit)",
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,32 +63,20 @@ class Block:
     region: str = ""
 
     def __post_init__(self) -> None:
-        v = array_of("vertices", self.vertices, "three or more finite (x, z) pairs")
-        require(
-            v.ndim == 2 and v.shape[1] == 2 and len(v) >= 3 and bool(np.isfinite(v).all()),
-            "vertices",
-            v.shape,
-            "three or more finite (x, z) pairs",
-        )
-        require(is_number(self.depth) and 0.0 < self.depth < np.inf, "depth", self.depth, "positive, in m")
-        load, segments = self.vertical_load, self.segments
+        must_be = "three or more finite (x, z) pairs"
+        v = array_of("vertices", self.vertices, must_be)
+        pairs = v.ndim == 2 and v.shape[1] == 2 and len(v) >= 3 and bool(np.isfinite(v).all())
+        require(pairs, "vertices", v.shape, must_be)
+        require_positive(self, depth="positive, in m")
+        load, segments, name = self.vertical_load, self.segments, self.support
         require(is_number(load) and abs(load) < np.inf, "vertical_load", load, "finite, in kN")
         # an upward force is no mass: it made the mass of a block negative
         require(load >= 0.0 or not self.load_has_mass, "vertical_load", load,
                 "zero or positive where load_has_mass, in kN")  # fmt: skip
-        require(
-            segments is None or (is_whole(segments) and segments >= 1),
-            "segments",
-            segments,
-            "a whole number ≥ 1",
-        )
+        whole = segments is None or (is_whole(segments) and segments >= 1)
+        require(whole, "segments", segments, "a whole number ≥ 1")
         require(isinstance(self.material, Material), "material", self.material, "a Material")
-        require(
-            self.support is None or (isinstance(self.support, str) and self.support != ""),
-            "support",
-            self.support,
-            "a name, or None",
-        )
+        require(name is None or (isinstance(name, str) and name != ""), "support", name, "a name, or None")
         size = float(np.ptp(v, axis=0).max())
         v = v[np.hypot(*(v - np.roll(v, 1, axis=0)).T) > 1e-12 * size]  # repeated vertices are dropped
         require(len(v) >= 3, "vertices", len(v), "three or more distinct points")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import array_of, is_number, require
+from mechanics.errors import is_between, point_of, require, require_positive
 from mechanics.kernels.joint import A1, A2, B1, B2, FACE, LENGTH, MEET, PX, PZ, QX, QZ
 from mechanics.model.contacts import Contacts, shorter_face
 from mechanics.types import Array, Index
@@ -42,43 +42,16 @@ class Tie:
     def __post_init__(self) -> None:
         require(isinstance(self.name, str) and bool(self.name), "name", self.name, "the name of the tie")
         for key in ("start", "end"):
-            point = array_of(key, getattr(self, key), "a point (x, z) in m")
-            require(
-                point.shape == (2,) and bool(np.isfinite(point).all()),
-                key,
-                getattr(self, key),
-                "a point (x, z) in m",
-            )
-            object.__setattr__(self, key, point)
-        strength, pull = self.yield_force, self.pretension
-        require(
-            is_number(strength) and strength > 0.0,
-            "yield_force",
-            strength,
-            "positive, in kN (inf: it does not yield)",
-        )
-        require(
-            self.stiffness is None or (is_number(self.stiffness) and 0.0 < self.stiffness < np.inf),
-            "stiffness",
-            self.stiffness,
-            "positive, in kN/m, or None: rigid",
-        )
-        require(
-            is_number(pull) and 0.0 <= pull < strength,
-            "pretension",
-            pull,
-            "from zero to less than yield_force, in kN",
-        )
+            object.__setattr__(self, key, point_of(key, getattr(self, key)))
+        require_positive(self, "(]", yield_force="positive, in kN (inf: it does not yield)")
+        require_positive(self, stiffness="positive, in kN/m, or None")
+        fits = is_between(self.pretension, 0.0, self.yield_force, "[)")
+        require(fits, "pretension", self.pretension, "from zero to less than yield_force, in kN")
         drawn = float(np.hypot(*(self.points[1] - self.points[0])))
         require(drawn > 0.0, "end", self.end, "another point than start")
         if self.length is None:
             object.__setattr__(self, "length", drawn)
-        require(
-            is_number(self.length) and 0.0 < self.taut_length < np.inf,
-            "length",
-            self.length,
-            "positive, in m",
-        )
+        require_positive(self, length="positive, in m")
 
     @property
     def points(self) -> Array:

@@ -115,49 +115,36 @@ class Measures:
     """The measures of intensity that fragilities are told by: PGA, PGV, Sa(T), and AvgSa between two periods (s).
 
     AvgSa is the geometric mean of Sa, evenly over ln T; PGV is that of the record without its mean acceleration.
+    `period` (s): T of Sa(T); `over_pga`: of each record by their names, over its PGA; PGV in m/s per g.
     """
 
-    project: Project
+    period: float
+    over_pga: Mapping[str, Mapping[str, float]]
 
-    @property
-    def period(self) -> float:
-        """T of Sa(T), s."""
-        campaign = self.project.campaign
-        return (campaign.period_s if campaign else None) or PERIOD
-
-    def of(self, motions: Sequence[BaseMotion]) -> dict[str, dict[str, float]]:
-        """Return the measures of each record over its PGA, by their names; PGV in m/s per g."""
-        return {each.name: self._of(each) for each in motions}
-
-    def _of(self, motion: BaseMotion) -> dict[str, float]:
-        record, campaign = motion.record, self.project.campaign
-        a = record.acceleration - record.acceleration.mean()
-        velocity = GRAVITY * record.time_step * np.cumsum(0.5 * (a[1:] + a[:-1]))
+    @classmethod
+    def of(cls, project: Project, motions: Sequence[BaseMotion]) -> Measures:
+        """Return the measures of some records, at the periods of the project's campaign."""
+        campaign, found = project.campaign, {}
+        period = (campaign.period_s if campaign else None) or PERIOD
         periods = np.geomspace(*(campaign.periods_s if campaign else (FIRST, LAST)), PERIODS)
-        average = np.exp(np.mean(np.log(spectrum_of(motion, periods))))
-        values = {
-            "PGA": motion.pga,
-            "PGV": float(abs(velocity).max()),
-            "Sa(T)": ordinate(motion, self.period),
-            "AvgSa": float(average),
-        }
-        return {name: value / motion.pga for name, value in values.items()}
+        for motion in motions:
+            a = motion.record.acceleration - motion.record.acceleration.mean()
+            velocity = GRAVITY * motion.record.time_step * np.cumsum(0.5 * (a[1:] + a[:-1]))
+            values = {
+                "PGA": motion.pga,
+                "PGV": float(abs(velocity).max()),
+                "Sa(T)": ordinate(motion, period),
+                "AvgSa": float(np.exp(np.mean(np.log(spectrum_of(motion, periods))))),
+            }
+            found[motion.name] = {name: value / motion.pga for name, value in values.items()}
+        return cls(period, found)
 
-    def fits(
-        self, levels: Sequence[RecordLevel], measures: Mapping[str, Mapping[str, float]]
-    ) -> list[MeasureFit]:
-        """Return median and β of the same levels by each measure; `measures`: of each record, over its PGA."""
+    def fits(self, levels: Sequence[RecordLevel]) -> list[MeasureFit]:
+        """Return median and β of the same levels by each measure."""
         found = []
         for name, unit in UNITS.items():
-            by = [replace(each, level=each.level * measures[each.record][name]) for each in levels]
-            fit = over_records(by)
-            found.append(
-                MeasureFit(
-                    measure=name,
-                    unit=unit,
-                    period_s=self.period if name == "Sa(T)" else None,
-                    median=fit.median if fit else None,
-                    beta=fit.beta if fit else None,
-                )
-            )
+            by = [replace(each, level=each.level * self.over_pga[each.record][name]) for each in levels]
+            fit, period = over_records(by), self.period if name == "Sa(T)" else None
+            median, beta = (fit.median, fit.beta) if fit else (None, None)
+            found.append(MeasureFit(measure=name, unit=unit, period_s=period, median=median, beta=beta))
         return found

@@ -14,7 +14,6 @@ from assessment.analyses.dynamic.scan import EXPECTED, SPACING, Reach, Scan, sca
 from assessment.analyses.dynamic.time_history import WORTHWHILE, quality_row
 from assessment.analyses.found import LEVELS, accuracy_of
 from assessment.project.schema import MotionTable
-from assessment.results.schema.dynamic import Scanned
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.runtime.cache import fingerprint
 from assessment.runtime.tasks import From
@@ -333,24 +332,23 @@ def level_found(found: Scan) -> float | None:
 
 
 def numbers(found: Scan) -> dict[str, Any]:
-    """Return the keys of Scanned."""
+    """Return what the results have of a scan, by the keys of Scanned."""
     seen, known = observed_in(found), found.reason is None
     low, middle, high = seen.probable or (None, None, None)
-    part = Scanned(
-        pga_collapse_g=seen.capacity,
-        pga_safe_g=seen.safe if known else None,
-        lowest_collapse_g=seen.lowest,
-        level_16_g=low,
-        level_50_g=middle,
-        level_84_g=high,
-        beta=seen.beta if seen.probable else None,
-        widest_gap_g=list(seen.gap) if seen.gap else None,
-        time_step_s=found.time_step if known else None,
-        resurrections_g=list(seen.stands),
-        runs=found.counts.motions if found.counts else 0,
-        points=found.points,
-        reason=found.reason,
-        notes=list(found.notes),
-        counts=found.counts,
-    )
-    return {name: getattr(part, name) for name in Scanned.model_fields}
+    return {
+        "pga_collapse_g": seen.capacity,
+        "pga_safe_g": seen.safe if known else None,
+        "lowest_collapse_g": seen.lowest,
+        "level_16_g": low,
+        "level_50_g": middle,
+        "level_84_g": high,
+        "beta": seen.beta if seen.probable else None,
+        "widest_gap_g": list(seen.gap) if seen.gap else None,
+        "time_step_s": found.time_step if known else None,
+        "resurrections_g": list(seen.stands),
+        "runs": found.counts.motions if found.counts else 0,
+        "points": found.points,
+        "reason": found.reason,
+        "notes": list(found.notes),
+        "counts": found.counts,
+    }

@@ -225,15 +225,12 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
     asked = asked_for(shakings, table.signs, reach, image)
     scans.settle("campaign", asked, 0 if table.levels_g else len(table.signs), study)
     rows = _rows(asked, scans, table, study)
-    measures = Measures(project)
-    ratios = measures.of(records)
+    measures = Measures.of(project, records)
     by_state = {
         state: [(each, row) for each, row in zip(asked, rows, strict=True) if each.state is state]
         for state in moved
     }
-    fits = {
-        state: fragility_of(state, own, scans, table, measures, ratios) for state, own in by_state.items()
-    }
+    fits = {state: fragility_of(state, own, scans, table, measures) for state, own in by_state.items()}
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
     # the structure as drawn is before every movement, and counts once
     distinct = {tuple(each.key for each, _ in own): fits[state] for state, own in by_state.items()}

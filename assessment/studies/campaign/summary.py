@@ -24,7 +24,7 @@ from assessment.analyses.dynamic.fragility import (
 )
 from assessment.analyses.dynamic.record_set import Measures
 from assessment.analyses.dynamic.time_history import MotionInputs
-from assessment.analyses.found import accuracy_of
+from assessment.analyses.found import accuracy_of, as_part
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ORIGINAL, CampaignTable
 from assessment.results.schema.dynamic import (
@@ -65,7 +65,6 @@ def fragility_of(
     scans: Scans,
     table: CampaignTable,
     measures: Measures,
-    ratios: Mapping[str, Mapping[str, float]],
 ) -> CampaignFragility:
     """Return the fragility of a state and its `own` rows, of the measure; of few records without ranges and rule."""
     known = [(each, row) for each, row in own if row.reason is None]
@@ -88,7 +87,7 @@ def fragility_of(
         failed=len(own) - len(known),
         withstood=sum(row.lowest_collapse_g is None for _, row in known),
         beta=fit.beta if fit else None,
-        measures=measures.fits(levels, ratios) if fit and not table.levels_g else [],
+        measures=measures.fits(levels) if fit and not table.levels_g else [],
         rule=rule.rule if rule else None,
         pga_collapse_g=rule.pga if rule and rule.rule else None,
         **numbers,
@@ -97,20 +96,11 @@ def fragility_of(
 
 def fitted(fit: Dispersion | None) -> dict[str, Any]:
     """Return the keys that the fragilities of [incremental] and [campaign] share; null without a fit."""
-    names = (
-        "median_g",
-        "median_range",
-        "beta_range",
-        "beta_record",
-        "beta_ensemble",
-        "level_16_g",
-        "level_84_g",
-    )
-    if fit is None:
-        return dict.fromkeys(names) | {"band": []}
-    low, high = fit.probable if fit.beta < math.inf else (None, None)
-    told = (fit.median, fit.median_range, fit.beta_range, fit.beta_record, fit.beta_ensemble, low, high)
-    return dict(zip(names, told, strict=True)) | {"band": [list(each) for each in fit.band]}
+    alike = ("median_range", "beta_range", "beta_record", "beta_ensemble")
+    low, high = fit.probable if fit and fit.beta < math.inf else (None, None)
+    found: dict[str, Any] = {"median_g": fit.median if fit else None, "level_16_g": low, "level_84_g": high}
+    found |= {name: getattr(fit, name, None) for name in alike}
+    return found | {"band": [list(each) for each in fit.band] if fit else []}
 
 
 def record_levels(parts: Sequence[tuple[str, Scanned]]) -> list[RecordLevel]:
@@ -186,13 +176,14 @@ def loss_of(
         loss = paired_loss(list(zip(before, own, strict=True)), scans, beta)
         if state is base:
             loss = loss.replace(dynamic_range=[0.0, 0.0])
-    return CampaignLoss(
+    return as_part(
+        CampaignLoss,
+        loss,
         settlement=state.settlement,
         share=state.share,
         movement_m=state.movement,
         static=reduction(base.static, state.static) if base else None,
         static_capacity=state.static,
-        **{name: getattr(loss, name) for name in Loss.model_fields},
     )
 
 
@@ -255,7 +246,7 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
         "incremental", asked, len(DIRECTIONS) if accuracy_of(project).tolerance is None else 0, found
     )
     found.errors = scans.refine(asked, found)
-    measures, ratios = Measures(project), Measures(project).of(motions)
+    measures = Measures.of(project, motions)
     by_state: dict[str, list[Asked]] = {}
     for each in asked:
         by_state.setdefault(each.shaking.state, []).append(each)
@@ -263,7 +254,7 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
             scans.tell(each, f"incremental, {each.record}", found)
     for state, own in by_state.items():
         searches = [_search(both, scans) for both in zip(own[::2], own[1::2], strict=True)]
-        found.states[state] = summarise(searches, found.warnings, state, measures, ratios)
+        found.states[state] = summarise(searches, found.warnings, state, measures)
     beta = within_records(part.fragility.beta_ensemble for part in found.states.values() if part.fragility)
     for state, own in by_state.items():
         if state != ORIGINAL and (before := by_state.get(ORIGINAL)):
@@ -301,12 +292,8 @@ def summarise(
     warnings: list[Message],
     state: str,
     measures: Measures | None = None,
-    ratios: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Incremental:
-    """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility.
-
-    `ratios`: of each record, other measures of intensity over its PGA.
-    """
+    """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
     title = message("{state}", state=state)
     if len(records) < ENOUGH:
         few = message(
@@ -335,7 +322,7 @@ def summarise(
         rule=standard.rule,
         pga_collapse_g=standard.pga,
         directions={DIRECTIONS[sign]: pga for sign, pga in by_sign.items()},
-        fragility=_fragility(signs, measures, ratios or {}),
+        fragility=_fragility(signs, measures),
     )
     ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
     if not ends:
@@ -347,11 +334,7 @@ def summarise(
     return found.replace(pga_collapse_g_range=[standard.pga, upper])
 
 
-def _fragility(
-    signs: Sequence[tuple[str, SignScan]],
-    measures: Measures | None,
-    ratios: Mapping[str, Mapping[str, float]],
-) -> Fragility | None:
+def _fragility(signs: Sequence[tuple[str, SignScan]], measures: Measures | None) -> Fragility | None:
     """Return the fragility of a state over records and signs; None where fewer than two records collapse."""
     levels = record_levels(signs)
     fallen = {each.record for each in levels if not each.withstood}
@@ -362,6 +345,6 @@ def _fragility(
         dispersion=fit.beta,
         records=len({record for record, _ in signs}),
         censored=sum(each.withstood for each in levels),
-        measures=measures.fits(levels, ratios) if measures else [],
+        measures=measures.fits(levels) if measures else [],
         **fitted(fit),
     )

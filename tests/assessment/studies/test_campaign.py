@@ -314,14 +314,13 @@ def test_a_loss_smaller_than_its_levels_are_known_to_is_not_distinguishable_from
 
 def test_the_measure_that_collapse_follows_has_the_least_dispersion():
     """Sines of 0.25 to 1 s that collapse at one peak velocity: β of PGV is none, that of PGA is not."""
-    measures = Measures(SimpleNamespace(campaign=None))
     motions, levels = [], []
     for period in (0.25, 0.5, 1.0):
         time = 0.005 * np.arange(1001)
         motions.append(motion(f"{period}", 0.3 * np.sin(2.0 * np.pi * time / period), 0.005))
-        level = RecordLevel(f"{period}", 0.2 / period, False, 0.0)
-        levels.append(level)
-    found = {each.measure: each for each in measures.fits(levels, measures.of(motions))}
+        levels.append(RecordLevel(f"{period}", 0.2 / period, False, 0.0))
+    measures = Measures.of(SimpleNamespace(campaign=None), motions)
+    found = {each.measure: each for each in measures.fits(levels)}
     assert found["PGV"].beta < 0.02 < 0.5 < found["PGA"].beta
     assert found["PGV"].median == pytest.approx(2.0 * 0.2 * 9.80665 / (2.0 * math.pi), rel=0.02)
     assert found["Sa(T)"].period_s == 1.0
