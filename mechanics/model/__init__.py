@@ -14,7 +14,8 @@ from mechanics.model.contacts import (
 )
 from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
 from mechanics.model.joints import default_tolerance
-from mechanics.model.layout import NEAR, survey_layout
+from mechanics.model.layout import survey_layout
+from mechanics.model.overlaps import NEAR
 from mechanics.model.polylines import PlacedOutline
 from mechanics.model.repair import Repair, repair_drawing
 from mechanics.model.tie import Tie

@@ -25,7 +25,7 @@ from mechanics.messages import Message, headed, layer_key, message
 from mechanics.model.block import Block, Material
 from mechanics.model.dxf import open_document
 from mechanics.model.joints import default_tolerance
-from mechanics.model.layout import NEAR
+from mechanics.model.overlaps import NEAR
 from mechanics.model.polylines import (
     FARTHEST,
     MOST_POINTS,

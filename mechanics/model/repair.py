@@ -16,7 +16,8 @@ from mechanics.model.block import Block
 from mechanics.model.drawing import Layer, Sheet
 from mechanics.model.dxf import dxf_bytes
 from mechanics.model.joints import default_tolerance
-from mechanics.model.layout import NEAR, misfits, name_of, place_of, survey_layout, touching
+from mechanics.model.layout import misfits, survey_layout, touching
+from mechanics.model.overlaps import NEAR, name_of, place_of
 from mechanics.model.polylines import SHARE, PlacedOutline, ends_major_arc, file_points, redraw, without_loops
 from mechanics.model.shown import SAME_POINT, can_change
 from mechanics.types import Array, Index, Mask

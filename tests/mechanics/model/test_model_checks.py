@@ -11,12 +11,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.errors import DrawingError
-from mechanics.faults import LISTED
+from mechanics.faults import LISTED, FaultyDrawingError
 from mechanics.model.block import Block, Material
-from mechanics.model.layout import check_layout, find_overlaps, survey_layout
+from mechanics.model.layout import survey_layout
+from mechanics.model.overlaps import find_overlaps
 
 STONE = Material(18.0)
 TOLERANCE = 1e-3
+
+
+def check_layout(blocks, tolerance):
+    """The warnings of a survey; its faults are raised."""
+    layout = survey_layout(blocks, tolerance)
+    if layout.faults:
+        raise FaultyDrawingError("", layout.faults, (), layout.hint)
+    return layout.warnings
 
 
 def rectangle(
