@@ -7,6 +7,7 @@ the skip is exact, and otherwise of the size that the skip is held to.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,11 +29,10 @@ from assessment.results.schema.part import known
 from assessment.runtime.cache import Store
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
-from mechanics import TimeHistory, time_history
+from mechanics import time_history
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.collapse import TURNED
 from mechanics.procedures.mirror import Mirror
-from mechanics.procedures.pushover import Pushover
 from mechanics.types import Array
 
 ARCH = "buttressed-arch"
@@ -43,27 +43,25 @@ Answer = tuple[Array, int]
 
 
 class Skip(NamedTuple):
-    """`done` and `without` give the same numbers, within `tolerance` of the largest, and count what they do, `of`.
+    """`answer(True)`, with the skip, gives the numbers of `answer(False)`, and both count what they do, `of`.
 
-    Tolerance 0: to the last bit.
+    Within `tolerance` of the largest number; 0: to the last bit.
     """
 
     name: str
     of: str
-    done: Callable[[], Answer]
-    without: Callable[[], Answer]
+    answer: Callable[[bool], Answer]
     tolerance: float = 0.0
 
 
 def skips(quick: bool) -> Iterator[Row]:
     """A row for every skip; quick: the same, since all of it takes seconds."""
     for skip in all_skips():
-        skip.done()  # what is imported and compiled once
-        (answer, count), (whole, more) = skip.done(), skip.without()
-        seconds, seconds_without = map(float, in_turn(skip.done, skip.without))
+        skip.answer(True)  # what is imported and compiled once
+        (answer, count), (whole, more) = map(skip.answer, (True, False))
+        seconds, alone = map(float, in_turn(partial(skip.answer, True), partial(skip.answer, False)))
         row: Row = {"case": skip.name, "counted": skip.of, "count": count, "count_without": more}
-        row |= {"seconds": seconds}
-        row |= {"seconds_without": seconds_without, "saves": 1.0 - seconds / seconds_without}
+        row |= {"seconds": seconds, "seconds_without": alone, "saves": 1.0 - seconds / alone}
         yield row | {"difference": difference(answer, whole), "tolerance": skip.tolerance}
 
 
@@ -76,11 +74,15 @@ def all_skips() -> list[Skip]:
     """One for every item of what a scene may not need."""
     folder = TemporaryDirectory(prefix="assesto-benchmark-")
     return [
-        Skip("a stage that no key asks for", "analyses", partial(stages, ("pushover",)), stages),
-        Skip("a stage whose inputs have not changed", "analyses", lambda: stages(None, folder), stages),
-        Skip("a direction that mirrors the other", "curves", one_way, both_ways, CLOSE),
-        Skip("an elastic curve past its peak", "points", partial(elastic, PAST_PEAK), partial(elastic, 0.0)),
-        Skip("a history once collapse is certain", "steps", fallen, fallen_on),
+        Skip("a stage that no key asks for", "analyses", lambda on: stages(("pushover",) if on else None)),
+        Skip(
+            "a stage whose inputs have not changed",
+            "analyses",
+            lambda on: stages(None, folder if on else None),
+        ),
+        Skip("a direction that mirrors the other", "curves", ways, CLOSE),
+        Skip("an elastic curve past its peak", "points", lambda on: elastic(PAST_PEAK if on else 0.0)),
+        Skip("a history once collapse is certain", "steps", fallen),
     ]
 
 
@@ -89,8 +91,8 @@ def stages(only: tuple[str, ...] | None = None, folder: TemporaryDirectory[str] 
     project = template("block")
     own = {"record": RECORD, "contacts": "elastic", "damping_ratio": DAMPING, "window_s": (4.0, 6.0)}
     history = HistoryTable.model_validate(own | {"time_step_s": STEP})
-    assert project.pushover is not None
-    coarse = project.pushover.model_copy(update={"increment_m": 5.0 * project.pushover.increment_m})
+    pushover = known(project.pushover)
+    coarse = pushover.model_copy(update={"increment_m": 5.0 * pushover.increment_m})
     asked = {"history": (history,), "settlements": (), "pushover": coarse}
     project = select(project.model_copy(update=asked), only)
     outcome = run(project, build_model(project), 1, Store(Path(folder.name)) if folder else None)
@@ -98,20 +100,12 @@ def stages(only: tuple[str, ...] | None = None, folder: TemporaryDirectory[str] 
     return np.array([[rigid.alpha_0, rigid.d_0_m] for rigid in curves]), outcome.computed
 
 
-def one_way() -> Answer:
+def ways(mirrored: bool) -> Answer:
     """Multipliers and displacement capacities of the buttressed arch in both directions, one of them by reflection."""
-    curve, mirror = pushed(ARCH), Mirror.of(assembly(ARCH), "rigid")
-    assert mirror is not None
-    return _capacities(curve, known(mirror.pushover(curve))), 1
-
-
-def both_ways() -> Answer:
-    """The same, each direction computed."""
-    return _capacities(pushed(ARCH, "+x"), pushed(ARCH, "-x")), 2
-
-
-def _capacities(*curves: Pushover) -> Array:
-    return np.array([[curve.multiplier[0], curve.displacement[-1]] for curve in curves])
+    curve = pushed(ARCH)
+    image = known(Mirror.of(assembly(ARCH), "rigid")).pushover(curve) if mirrored else pushed(ARCH, "-x")
+    both = [[each.multiplier[0], each.displacement[-1]] for each in (curve, known(image))]
+    return np.array(both), 1 if mirrored else 2
 
 
 def elastic(until: float) -> Answer:
@@ -122,20 +116,11 @@ def elastic(until: float) -> Answer:
     return np.array([secant, peak]), len(curve.displacement)
 
 
-def _overturning() -> TimeHistory:
-    return time_history(block_on_base(), 0.4 * pulse(1.0, 1.0)(STEP * np.arange(2000.0)), STEP, "rigid")
-
-
-def fallen() -> Answer:
-    """The motion of a block up to its collapse, and that it collapses."""
-    motion = _overturning()
-    return np.append(motion.positions[:, 1].ravel(), motion.collapsed), len(motion.time) - 1
-
-
-def fallen_on() -> Answer:
-    """The same of the whole record: up to where the block has turned by 1 rad, and that it lies at the end."""
-    with patch.object(histories, "collapse", lambda *_: ""):
-        motion = _overturning()
+def fallen(ends: bool) -> Answer:
+    """The motion of a block up to where it has turned by 1 rad, and that it lies; `ends`: at its collapse."""
+    with nullcontext() if ends else patch.object(histories, "collapse", lambda *_: ""):
+        motion = time_history(block_on_base(), 0.4 * pulse(1.0, 1.0)(STEP * np.arange(2000.0)), STEP, "rigid")
     turned = abs(motion.positions[:, 1, 2])
-    upto = int(np.argmax(turned > TURNED)) + 1
-    return np.append(motion.positions[:upto, 1].ravel(), turned[-1] > TURNED), len(motion.time) - 1
+    upto = len(turned) if ends else int(np.argmax(turned > TURNED)) + 1
+    lies = motion.collapsed if ends else turned[-1] > TURNED
+    return np.append(motion.positions[:upto, 1].ravel(), lies), len(motion.time) - 1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from collections import Counter
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -11,14 +10,13 @@ import numpy as np
 import pytest
 
 from assessment.benchmark import command, table
-from assessment.benchmark.cases import motions, skips, statics, walls, whole
+from assessment.benchmark.cases import motions, skips, statics, walls
 from assessment.benchmark.cases.motions import Motion, pulse, rocking_freely
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
 from assessment.cli import arguments, commands
 from assessment.cli.main import main
 from mechanics import ConvergenceError, pushover, time_history
-from mechanics.procedures import step_control
 from mechanics.procedures.time_history import HistoryTolerances
 from mechanics.program import certify
 from mechanics.solvers import qp_piqp
@@ -34,9 +32,8 @@ def overturning():
 @pytest.mark.parametrize("skip", skips.all_skips(), ids=lambda skip: skip.name)
 def test_the_answer_is_the_same_with_and_without(skip):
     if skip.name == "a stage whose inputs have not changed":
-        skip.done()
-    answer, count = skip.done()
-    whole_answer, count_without = skip.without()
+        skip.answer(True)
+    (answer, count), (whole_answer, count_without) = map(skip.answer, (True, False))
     assert skips.difference(answer, whole_answer) <= skip.tolerance
     assert count < count_without
 
@@ -242,22 +239,6 @@ def test_a_value_that_a_row_lacks_is_empty():
         "b,,2,not solved",
     ]
     assert table.table(rows, ["case", "steps"]).splitlines()[2:] == ["| a |  |", "| b | 2 |"]
-
-
-def test_attempts_at_a_step_that_are_not_solved_are_counted(monkeypatch):
-    find, calls = step_control.find_equilibrium, iter(range(1000))
-
-    def once(*arguments):
-        if next(calls) == 1:
-            raise ConvergenceError("not solved")
-        return find(*arguments)
-
-    monkeypatch.setattr(step_control, "find_equilibrium", once)
-    count = Counter()
-    with whole.counting(count):
-        curve = pushover(block_on_base(), (0.2, 1.0), increment=0.05)
-    assert count["unsolved"] == 1 and count["attempts"] == next(calls) > 2
-    assert curve.displacement[-1] == pytest.approx(np.sin(np.arctan(0.2)))
 
 
 def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_rounding():
