@@ -28,7 +28,6 @@ _DIGITS = {"longitude": 4, "latitude": 3, "ag": 3, "F0": 2, "Tc_star": 2}  # dec
 MOST_BYTES = 50_000_000  # of a file; Allegato B has two and a half
 MOST_AG, MOST_F0, MOST_TC = 10.0, 100.0, 10.0  # g, –, s: beyond them it is another quantity, or another unit
 SITE_COLUMNS = ("T_R", "a_g", "F0", "T_C*")
-_Rows = list[tuple[int, list[str]]]
 
 
 class HazardError(ValueError):
@@ -58,86 +57,47 @@ def allegato_b() -> HazardGrid:
     return HazardGrid(ALLEGATO_B, read["longitude"], read["latitude"], values)
 
 
-def read_grid(path: str | Path) -> HazardGrid:
-    """Read a grid in the layout of Allegato B: lon, lat, then a_g, F0, T_C* for nine return periods.
+@dataclass(frozen=True)
+class _File:
+    """A file of hazard: its header lines as one text, and the cells of the lines after them with their line numbers."""
 
-    Tab- or semicolon-separated, decimal point or comma, a_g in g/10, header lines first, and optionally the
-    node's number before lon. Raises HazardError naming file and line; OSError where it cannot be opened.
-    """
+    path: Path
+    header: str
+    rows: list[tuple[int, list[str]]]
+
+    def error(self, text: str, line: int | None = None) -> HazardError:
+        """Return what is wrong in the file, or in one of its lines."""
+        return HazardError(f"{self.path}: {text}" if line is None else f"{self.path}: line {line}: {text}")
+
+    def numbers(self, columns: int, meaning: str, numbered: bool = True) -> Array:
+        """Return the last `columns` cells of every row as numbers (n, columns); a number may stand before them."""
+        allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
+        for line, cells in self.rows:
+            if len(cells) not in allowed or not all(map(_is_number, cells)):
+                found = ", ".join(cell.strip()[:12] for cell in cells[:4])
+                raise self.error(
+                    f"{columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; "
+                    "correct the line, or get the file again from its source",
+                    line,
+                )
+        return np.array([cells[-columns:] for _, cells in self.rows], dtype=float)
+
+    def check(self, values: Array, unit: str) -> None:
+        """Raise HazardError naming the line where values (n, 9, 3), a_g in g, are those of no site."""
+        most = np.array([MOST_AG, MOST_F0, MOST_TC])
+        for name, fits, must in (
+            ("a_g, F0 and T_C*", (values > 0.0) & (values < most), f"be positive numbers, a_g {unit}"),
+            ("F0", values[..., 1:2] >= 1.0, "be 1 or more: the spectrum is not below a_g"),
+            ("a_g", np.diff(values[..., 0], axis=1) > 0.0, "grow with the return period"),
+        ):
+            if not (good := fits.reshape(len(values), -1).all(axis=1)).all():
+                line = self.rows[int(np.argmin(good))][0]
+                raise self.error(f"{name} must {must}; get the file again from its source", line)
+
+
+def _read(path: str | Path) -> _File:
+    """Read a file; tabs or semicolons part its cells. Raises HazardError for one that is too large, or damaged."""
     path = Path(path)
-    _, rows = _read(path)
-    if not rows:
-        raise HazardError(
-            f"{path}: no row of numbers; give the grid of Allegato B, tab- or semicolon-separated"
-        )
-    table = _numbers(
-        path, rows, _COLUMNS,
-        "lon, lat, then a_g, F0, T_C* for nine return periods; optionally the node's number first",
-    )  # fmt: skip
-    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3) / np.array([10.0, 1.0, 1.0])
-    place = abs(table[:, :2]) <= np.array([180.0, 90.0])
-    if not (placed := place.all(axis=1)).all():
-        line = rows[int(np.argmin(placed))][0]
-        raise HazardError(
-            f"{path}: line {line}: longitude and latitude must be degrees, longitude first; correct it"
-        )
-    _check_values(path, values, [line for line, _ in rows], "in g/10, as in Allegato B")
-    if values[:, 6, 0].max() < 0.03:  # at 475 years everywhere
-        raise HazardError(
-            f"{path}: a_g at 475 years is {values[:, 6, 0].max():.2g} g at most; it must be in g/10, as in Allegato B"
-        )
-    return HazardGrid(path.name, table[:, 0], table[:, 1], values)
-
-
-def read_site_table(path: str | Path) -> Array | None:
-    """Read a site's own table (9, 3): a_g (g), F0, T_C* (s), from nine lines T_R; a_g; F0; T_C*.
-
-    None where the file is no such table but may be a grid. A header names the unit of a_g, [g] or [g/10]: the
-    two cannot be distinguished by their size. Raises HazardError naming the file; OSError where it cannot be opened.
-    """
-    path = Path(path)
-    header, rows = _read(path)
-    if not rows or len(rows[0][1]) != 4:
-        return None
-    table = _numbers(path, rows, 4, "T_R, a_g, F0, T_C*", numbered=False)
-    if len(table) != len(RETURN_PERIODS) or not np.array_equal(table[:, 0], RETURN_PERIODS):
-        periods = ", ".join(f"{T_R:g}" for T_R in RETURN_PERIODS)
-        raise HazardError(
-            f"{path}: a site's table must have one line for each return period: {periods} years"
-        )
-    names = re.split(r"[;\t]", header.strip().split("\n")[-1])
-    for name, column in zip(names, SITE_COLUMNS, strict=False):
-        plain = re.sub(r"[^a-z0-9]", "", name.lower())
-        if len(names) == 4 and not plain.startswith(re.sub(r"[^a-z0-9]", "", column.lower())):
-            raise HazardError(
-                f"{path}: the header calls a column {name.strip()[:12]!r} that is read as {column}; "
-                "the columns must be T_R; a_g [g]; F0; T_C*"
-            )
-    unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in header.replace(" ", "")), None)
-    if unit is None:
-        raise HazardError(
-            f"{path}: the unit of a_g is not given; write it in a header line: T_R; a_g [g]; F0; T_C*"
-        )
-    values = table[:, 1:] / np.array([10.0 if unit == "g/10" else 1.0, 1.0, 1.0])
-    _check_values(path, values[None], [rows[0][0]], f"in {unit}, as the header says")
-    return values
-
-
-def _check_values(path: Path, values: Array, lines: Sequence[int], unit: str) -> None:
-    """Raise HazardError naming the line where values (n, 9, 3), a_g in g, are those of no site."""
-    most = np.array([MOST_AG, MOST_F0, MOST_TC])
-    for name, fits, must in (
-        ("a_g, F0 and T_C*", (values > 0.0) & (values < most), f"be positive numbers, a_g {unit}"),
-        ("F0", values[..., 1:2] >= 1.0, "be 1 or more: the spectrum is not below a_g"),
-        ("a_g", np.diff(values[..., 0], axis=1) > 0.0, "grow with the return period"),
-    ):
-        if not (good := fits.reshape(len(values), -1).all(axis=1)).all():
-            line = lines[int(np.argmin(good))]
-            raise HazardError(f"{path}: line {line}: {name} must {must}; get the file again from its source")
-
-
-def _read(path: Path) -> tuple[str, _Rows]:
-    """Return the header lines as one text, and the cells of the lines after them with their line numbers."""
     size = path.stat().st_size
     with path.open("rb") as file:
         content = file.read(MOST_BYTES) if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
@@ -147,25 +107,61 @@ def _read(path: Path) -> tuple[str, _Rows]:
     separator = ";" if any(";" in line for line in lines[:5]) else "\t"
     rows = [(i, line.replace(",", ".").split(separator)) for i, line in enumerate(lines, 1) if line.strip()]
     start = next((k for k, (_, cells) in enumerate(rows) if _is_number(cells[0])), len(rows))
+    header = "\n".join(lines[: rows[start][0] - 1] if start < len(rows) else lines)
+    found = _File(path, header, rows[start:])
     for line, cells in rows[:start]:
         if 2 * sum(map(_is_number, cells)) >= len(cells):
-            raise HazardError(
-                f"{path}: line {line}: {cells[0].strip()[:12]!r} is no number, and a heading has none; correct the line"
-            )
-    return "\n".join(lines[: rows[start][0] - 1] if start < len(rows) else lines), rows[start:]
+            odd = f"{cells[0].strip()[:12]!r} is no number, and a heading has none; correct the line"
+            raise found.error(odd, line)
+    return found
 
 
-def _numbers(path: Path, rows: _Rows, columns: int, meaning: str, numbered: bool = True) -> Array:
-    """Return the last `columns` cells of every row as numbers (n, columns); a number may stand before them."""
-    allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
-    for i, cells in rows:
-        if len(cells) not in allowed or not all(map(_is_number, cells)):
-            found = ", ".join(cell.strip()[:12] for cell in cells[:4])
-            raise HazardError(
-                f"{path}: line {i}: {columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; "
-                "correct the line, or get the file again from its source"
-            )
-    return np.array([cells[-columns:] for _, cells in rows], dtype=float)
+def read_grid(path: str | Path) -> HazardGrid:
+    """Read a grid in the layout of Allegato B: lon, lat, then a_g, F0, T_C* for nine return periods.
+
+    Tab- or semicolon-separated, decimal point or comma, a_g in g/10, header lines first, and optionally the
+    node's number before lon. Raises HazardError naming file and line; OSError where it cannot be opened.
+    """
+    file = _read(path)
+    if not file.rows:
+        raise file.error("no row of numbers; give the grid of Allegato B, tab- or semicolon-separated")
+    meaning = "lon, lat, then a_g, F0, T_C* for nine return periods; optionally the node's number first"
+    table = file.numbers(_COLUMNS, meaning)
+    values = table[:, 2:].reshape(-1, len(RETURN_PERIODS), 3) / np.array([10.0, 1.0, 1.0])
+    if not (placed := (abs(table[:, :2]) <= (180.0, 90.0)).all(axis=1)).all():
+        text = "longitude and latitude must be degrees, longitude first; correct it"
+        raise file.error(text, file.rows[int(np.argmin(placed))][0])
+    file.check(values, "in g/10, as in Allegato B")
+    if (most := values[:, 6, 0].max()) < 0.03:  # at 475 years everywhere
+        raise file.error(f"a_g at 475 years is {most:.2g} g at most; it must be in g/10, as in Allegato B")
+    return HazardGrid(file.path.name, table[:, 0], table[:, 1], values)
+
+
+def read_site_table(path: str | Path) -> Array | None:
+    """Read a site's own table (9, 3): a_g (g), F0, T_C* (s), from nine lines T_R; a_g; F0; T_C*.
+
+    None where the file is no such table but may be a grid. A header names the unit of a_g, [g] or [g/10]: the
+    two cannot be distinguished by their size. Raises HazardError naming the file; OSError where it cannot be opened.
+    """
+    file = _read(path)
+    if not file.rows or len(file.rows[0][1]) != 4:
+        return None
+    table = file.numbers(4, "T_R, a_g, F0, T_C*", numbered=False)
+    if len(table) != len(RETURN_PERIODS) or not np.array_equal(table[:, 0], RETURN_PERIODS):
+        periods = ", ".join(f"{T_R:g}" for T_R in RETURN_PERIODS)
+        raise file.error(f"a site's table must have one line for each return period: {periods} years")
+    names = re.split(r"[;\t]", file.header.strip().split("\n")[-1])
+    for name, column in zip(names, SITE_COLUMNS, strict=False):
+        plain = re.sub(r"[^a-z0-9]", "", name.lower())
+        if len(names) == 4 and not plain.startswith(re.sub(r"[^a-z0-9]", "", column.lower())):
+            called = f"the header calls a column {name.strip()[:12]!r} that is read as {column}"
+            raise file.error(f"{called}; the columns must be T_R; a_g [g]; F0; T_C*")
+    unit = next((unit for unit in ("g/10", "g") if f"[{unit}]" in file.header.replace(" ", "")), None)
+    if unit is None:
+        raise file.error("the unit of a_g is not given; write it in a header line: T_R; a_g [g]; F0; T_C*")
+    values = table[:, 1:] / np.array([10.0 if unit == "g/10" else 1.0, 1.0, 1.0])
+    file.check(values[None], f"in {unit}, as the header says")
+    return values
 
 
 def _is_number(cell: str) -> bool:
