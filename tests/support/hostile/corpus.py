@@ -32,7 +32,7 @@ from assessment.workflow.checking import read_motions
 from mechanics.faults import visible
 from mechanics.messages import headed, message
 from mechanics.records.record import read_record
-from tests.mechanics.records import test_record as records
+from tests.mechanics.records import test_formats as records
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 from tests.support.contract_project import CONTRACT, MINIMAL, write_named_files
 from tests.support.hostile import dxf_text
