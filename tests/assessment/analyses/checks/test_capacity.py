@@ -1,6 +1,6 @@
-"""e* and Γ* of a tower of dry courses, as drawn and after its base has moved, against closed forms.
+"""Capacities of a state: on one reference, ended by the elastic curve, and e* and Γ* of a tower by closed forms.
 
-The tower is B wide, H high, of n equal courses, and overturns as one about a toe. With the base turned by φ
+The tower of dry courses is B wide, H high, of n equal courses, and overturns as one about a toe. With the base turned by φ
 (anticlockwise) the course at the height z lies s = z cos φ + c sin φ above the toe it turns about, c = −B/2 for a
 push towards +x, B/2 towards −x, and moves horizontally in proportion to s. Over equal weights, with the mean of s,
 m = (H/2) cos φ + c sin φ, and its variance v = (H cos φ)² (n² − 1)/(12 n²) (Circolare 7/2019, C8.7.1.2):
@@ -16,12 +16,21 @@ from math import atan, cos, sin, tan
 import numpy as np
 import pytest
 
+from assessment.analyses.checks.capacity import _elastic_end, nominal_check
+from assessment.ntc.capacity_curve import capacity_curve
+from assessment.ntc.curve_fit import fit_rigid
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.verification import Method, verify
 from assessment.project.catalogue.geometry import rectangle
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
+from assessment.report.text.language import Words, heading
+from assessment.results.schema.static import ElasticPush
+from assessment.results.table import brought_together
 from assessment.workflow.stages import run
 from tests.support.block_project import block
+from tests.support.typed import made
 
 B, H, N = 0.6, 3.0, 6
 PHI = 0.05
@@ -76,3 +85,51 @@ def test_the_movement_shows_in_the_shape(states):
     """Leaning away from a push the tower stands lower over its toe, and its shape is less even."""
     drawn, turned = (states[name].pushover["+x"].rigid.mechanism for name in ("original", "turned"))
     assert turned.e_star < drawn.e_star - 1e-3
+
+
+def test_static_capacity_is_brought_to_the_reference_of_the_dynamic_one():
+    """Block of α0 = 1/7, d_0* = 0.3 m on a ridge (S = 1.2): with F_C = 1 the PGA of SLC is 0.474080 g at the surface.
+
+    A dynamic PGA at collapse of 0.6 g is 0.6/0.474080 = 1.265609 times that, not 0.6/0.395067 of a_g on rock.
+    At SLV, T = 1.994 s < T_D, F_C = 1 gives 0.383616 g at the surface.
+    """
+    d = np.linspace(0.0, 0.6, 21)
+    capacity = capacity_curve(fit_rigid((d, (1.0 - d / 0.6) / 7.0)), 1.0, 0.5, 1.35)
+    demands = dict.fromkeys(("SLV", "SLC"), ElasticSpectrum(0.25, 2.4, 0.30, "A", "T2"))
+    nominal = nominal_check(capacity, demands, Method())
+    assert nominal.limit_state == "SLC"
+    assert nominal.pga_g == pytest.approx(0.474080, rel=2e-6)
+    found = brought_together(nominal.pga_g, 0.6)
+    assert found["dynamic_to_static"] == pytest.approx(1.265609, rel=2e-6)
+    life = nominal_check(capacity, {"SLV": demands["SLV"]}, Method())
+    assert life.pga_g == pytest.approx(0.383616, rel=2e-6)
+    assert verify(capacity, demands)["SLV"].pga_g < life.pga_g
+    assert brought_together(None, 0.6) == {"static_surface_pga_g": None, "dynamic_to_static": None}
+
+
+def test_headings_say_what_an_acceleration_refers_to():
+    words = Words.of("en")
+    assert heading("a_g_g", words, "rock") == "a<sub>g</sub> on rock [g]"
+    assert heading("a_g_g", words, "surface") == "a<sub>g</sub> at the surface [g]"
+    assert heading("pga_collapse_g", words, "rock") == "PGA at collapse at the surface [g]"
+    assert heading("e_star", words, "rock") == "e*"
+
+
+def curve(last: float, lost: bool = False, reached_zero: bool = False):
+    points = {"displacement_m": [0.0, -0.01, -0.02], "multiplier": [0.0, 0.1, last]}
+    return made(ElasticPush, {"curve": points, "lost": lost, "reached_zero": reached_zero})
+
+
+@pytest.mark.parametrize(
+    ("elastic", "end"),
+    [
+        (curve(0.02), None),  # cut below a quarter of the peak, on purpose
+        (curve(0.02, lost=True), 0.02),
+        (curve(0.0, reached_zero=True), 0.02),
+        (curve(0.05, lost=True), 0.02),
+        (curve(0.05), 0.02),  # undecided: no equilibrium is known beyond it
+        (None, None),
+    ],
+)
+def test_an_elastic_curve_limits_where_nothing_is_known_beyond_it(elastic, end):
+    assert _elastic_end(elastic) == end
