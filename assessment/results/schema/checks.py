@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal, Self
 
+from assessment.ntc.tables import CHECKS
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
 from assessment.results.schema.static import OtherLaw, Run, Sliding
 
 Direction = Literal["+x", "-x"]
-CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
-"""Every check of a limit state, by its name in the file."""
 
 
 class CapacityCurve(Part):

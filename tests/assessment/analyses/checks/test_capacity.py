@@ -1,6 +1,6 @@
 """Capacities of a state: on one reference, ended by the elastic curve, and e* and Γ* of a tower by closed forms.
 
-The tower of dry courses is B wide, H high, of n equal courses, and overturns as one about a toe. With the base turned by φ
+The tower is B wide, H high, of n equal dry courses, and overturns as one about a toe. With the base turned by φ
 (anticlockwise) the course at the height z lies s = z cos φ + c sin φ above the toe it turns about, c = −B/2 for a
 push towards +x, B/2 towards −x, and moves horizontally in proportion to s. Over equal weights, with the mean of s,
 m = (H/2) cos φ + c sin φ, and its variance v = (H cos φ)² (n² − 1)/(12 n²) (Circolare 7/2019, C8.7.1.2):
