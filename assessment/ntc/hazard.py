@@ -70,7 +70,10 @@ class _File:
         return HazardError(f"{self.path}: {text}" if line is None else f"{self.path}: line {line}: {text}")
 
     def numbers(self, columns: int, meaning: str, numbered: bool = True) -> Array:
-        """Return the last `columns` cells of every row as numbers (n, columns); a number may stand before them."""
+        """Return the last `columns` cells of every row as numbers (n, columns); a number may stand before them.
+
+        Raises HazardError naming the line where they are none.
+        """
         allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
         for line, cells in self.rows:
             if len(cells) not in allowed or not all(map(_is_number, cells)):
