@@ -249,6 +249,7 @@ const chase = async () => {  // one question at a time, for where the pointer is
 };
 const lead = (target) => { drag.target = target; chase(); };
 export const straight = async (support, wanted) => {
+  awaited = null;
   $("caption").textContent = w("computing");
   const { model } = store, before = given_up;
   let answer = await attempt(() => live({ support }, wanted, { whole: true }));
@@ -257,7 +258,6 @@ export const straight = async (support, wanted) => {
     note(w("elsewhere", { lost: `${support}: ${wanted.slice(0, 2).join("; ")} m` }));
     answer = null;
   }
-  awaited = null;
   if (answer) moved(answer); else home();
   return answer;
 };
