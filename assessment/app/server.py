@@ -174,6 +174,8 @@ def _answered(session: Session, request: Request, ask: Ask) -> Response:
         if is_input_error(error):
             return _refused(error_text(error), 422)
         detail = str(error) if isinstance(error, WorkerError) else traceback.format_exc()
+    if "\n" not in detail:  # the worker was ended from outside, which is no bug
+        return _refused(detail, 500)
     number = secrets.token_hex(3)
     if session.opened is not None:
         with suppress(OSError):

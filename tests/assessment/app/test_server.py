@@ -13,6 +13,7 @@ import uvicorn
 from assessment.app import server
 from assessment.app.server import application
 from assessment.app.session import Session
+from assessment.app.worker import WorkerError
 from tests.support.block_project import write_block
 
 TOKEN = "t" * 32
@@ -282,3 +283,12 @@ def test_a_bug_is_told_with_its_number_and_its_place_is_in_the_log(served, monke
     log = (served.folder / ".assesto" / "faults").read_text(encoding="utf-8")
     assert said.split()[2].rstrip(":") in log
     assert "in broken" in log
+
+
+def test_a_worker_that_was_ended_from_outside_is_no_bug(served, monkeypatch):
+    def ended(*_):
+        raise WorkerError("the process that draws was ended from outside; it begins anew")
+
+    monkeypatch.setitem(server.ANSWERS, "state", ended)
+    answer = served.post("state")
+    assert (answer.status, json.loads(answer.text)["error"][:17]) == (500, "the process that ")
