@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from mechanics.kernels.dynamics.motion import ELASTIC, FRICTION_WORK, IMPACT, INPUT, STEPPING, VISCOUS
 from mechanics.model.assembly import Assembly
@@ -83,3 +86,17 @@ class Energy:
         matters shows a shorter step.
         """
         return float(abs(self.integrator[-1])) / self.turnover if self.turnover > 0.0 else 0.0
+
+
+def may_fall(parts: Sequence[Energy], spent: float) -> bool:
+    """Return whether free motion after motions that follow each other may collapse: it gains no energy.
+
+    With less than the share `spent` of the potential energy from which the structure has come back it does not.
+    """
+    begun = np.cumsum([0.0, *(float(part.potential[-1]) for part in parts[:-1])])
+    stored = np.concatenate(
+        [part.potential + part.elastic + high for part, high in zip(parts, begun, strict=True)]
+    )
+    lowest = float(stored[-len(parts[-1].potential) :].min())
+    left = float(stored[-1] + parts[-1].kinetic[-1]) - lowest
+    return left >= spent * (float(stored.max()) - lowest)

@@ -16,12 +16,13 @@ from mechanics.errors import (
     is_number,
     require,
 )
+from mechanics.kernels.dynamics.motion import TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
 from mechanics.procedures.elastic_periods import contact_period, first_frequency
-from mechanics.procedures.energy import Energy
+from mechanics.procedures.energy import Energy, may_fall
 from mechanics.procedures.model_check import departure_in_motion
 from mechanics.progress import tell
 from mechanics.steps.contact_values import carried, with_springs
@@ -60,8 +61,11 @@ class HistoryTolerances:
     collapse is looked for; `checked`: steps of which one is checked against the model.
 
     Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `lifting`: share of the
-    programs that are solved by the associative law which needs none; `nothing`: energy, as a
-    share of the weight lifted by a block's size, below which nothing moves.
+    programs that are solved by the associative law which needs none; `slides`: error of slides that needs none, where
+    friction takes more than the share `rubs` of the energy; `nothing`: energy, as a share of the weight lifted by a
+    block's size, below which nothing moves; `rests`, rigid, and `trembles`, elastic joints: speed, of √(g·size), below
+    which a block rests, the largest in the last `lately` s; `spent`: share of the potential energy from which the
+    structure has come back, with less of which it does not fall.
     """
 
     few: int = 3
@@ -77,7 +81,13 @@ class HistoryTolerances:
     checked: int = 100
     balanced: float = 1e-4
     lifting: float = 1e-3
+    slides: float = 0.02
+    rubs: float = 0.05
     nothing: float = 1e-6
+    rests: float = 1e-5
+    trembles: float = 1e-2
+    lately: float = 0.5
+    spent: float = 0.5
 
 
 HISTORY = HistoryTolerances()
@@ -100,7 +110,8 @@ class TimeHistory:
     `integrator`: the one used; `chosen`: why. Numbers of `programs` solved, of their `iterations`, of `halvings` of
     steps, of `cold` starts, of steps in which what slides is `lifting`, and of steps that were `skipped` at rest;
     `worst`: largest unbalanced force, per weight of a block; `unsure`: largest energy that errors of velocities may
-    have, as a share of what was turned over. `notes`: warnings about the motion.
+    have, as a share of what was turned over. `notes`: warnings about the motion; `sliding_error`:
+    about the least error of displacements by sliding, a share of them, which slides that turn back within steps have.
     """
 
     time: Array
@@ -122,6 +133,7 @@ class TimeHistory:
     cold: int
     worst: float
     unsure: float
+    sliding_error: float
     notes: tuple[Message, ...]
     lifting: int
     skipped: int
@@ -131,6 +143,19 @@ class TimeHistory:
     def steps(self) -> int:
         """Number of time steps."""
         return len(self.time) - 1
+
+    @property
+    def speed_at_end(self) -> float:
+        """The largest component (m/s) of a centroid's velocity lately; 0 if all blocks rest, and at collapse.
+
+        At the very end a block that rocks may just be turning back. Rigid joints come to rest, elastic ones nearly.
+        """
+        if self.final.motion is None:
+            return 0.0
+        lately = self.time >= self.time[-1] - HISTORY.lately
+        speed = float(abs(self.velocities[lately, :, :2]).max())
+        least = HISTORY.rests if self.final.motion.rigid else HISTORY.trembles
+        return speed if speed > least * np.sqrt(GRAVITY * self.model.size) else 0.0
 
     def __repr__(self) -> str:
         fell = f"collapse at {self.time_of_collapse:.4g} s" if self.collapsed else f"{self.time[-1]:.4g} s"
@@ -189,7 +214,8 @@ def time_history(
     `integrator`: "second-order" is the midpoint rule. It locates impacts of rigid joints in steps down to 1/1024.
     "moreau-jean" is the same rule with steps down to 1/64, halved where impacts take more than 0.4 % of the largest
     kinetic energy so far. With elastic joints both halve a step that takes more than 0.025 % (0.4 %) of that energy, or
-    whose contacts hold more than 10 %, until half the period of the stiffest contact, π√(m/k), has eight steps.
+    whose contacts hold more than 10 %, until half the period of the stiffest contact, π√(m/k), has eight steps; of at
+    most three movable blocks also where slides turn back, all by the kinetic energy of the moment.
     "implicit-euler" is the paper's. "auto" is "moreau-jean" for rigid joints of more than three movable blocks,
     otherwise "second-order".
 
@@ -231,7 +257,20 @@ def time_history(
     found = _history(
         system, start, begun, motion, parts, time_step, point, reason, used, chosen + resolved, tolerances
     )
-    return found if undecided is None else replace(found, notes=(undecided, *found.notes))
+    notes = (undecided, *found.notes, unfinished(found))
+    return replace(found, notes=tuple(note for note in notes if note is not None))
+
+
+def unfinished(*parts: TimeHistory) -> Message | None:
+    """Return a warning that blocks may fall after motions that follow each other; None if not, and at collapse."""
+    speed = parts[-1].speed_at_end
+    if not speed or not may_fall([part.energy for part in parts], HISTORY.spent):
+        return None
+    return message(
+        "blocks still move at the end, at {speed:.2g} m/s, and may fall after it: collapse and residual displacement "
+        "are not known; continue the base motion with zeros",
+        speed=speed,
+    )
 
 
 def _check_motion(system: DynamicSystem, part: Recorded, done: int, step: float, every: int) -> None:
@@ -352,6 +391,8 @@ def _halving(
     if contacts == "rigid":
         return tolerances.located if integrator == "second-order" else tolerances.resolved, ""
     halving = tolerances.closing if integrator == "second-order" else tolerances.resolved
+    if int(model.movable.sum()) <= tolerances.few:
+        halving = replace(halving, of_moment=True)
     if halving.levels == 0:
         return halving, ""
     half_period = np.pi * contact_period(model)
@@ -418,6 +459,7 @@ def _history(
     )
     forces = np.concatenate([parts[0].forces[:1, :drawn], *(part.forces[1:, :drawn] for part in parts)])
     energy = Energy.of(model, x, v, energies)
+    sliding_error = _sliding_error(model, energy, float(energies[-1, TURNED]), integrator, tolerances)
     lengthened = None
     if model.ties:
         lengthened = motion.longer[system.system.ties] + system.system.stretched
@@ -450,11 +492,28 @@ def _history(
         cold=cold,
         worst=float(system.counts[4]),
         unsure=float(system.counts[5]) / max(energy.turnover, tolerances.nothing * model.weight * model.size),
-        notes=_notes(model, x[-1], energy, system.counts[6] / max(programs, 1), tolerances),
+        sliding_error=sliding_error,
+        notes=_notes(model, x[-1], energy, system.counts[6] / max(programs, 1), sliding_error, tolerances),
         lifting=int(system.counts[6]),
         skipped=int(system.counts[7]),
         model=model,
     )
+
+
+def _sliding_error(
+    model: Assembly, energy: Energy, turned: float, integrator: Integrator, tolerances: HistoryTolerances
+) -> float:
+    """Return about the least error of displacements by sliding, a share of them; 0 where next to nothing rubs.
+
+    A slide that turns back late by a share of its time has that error, and its square of the energy is uncertain
+    (`turned`, kNm). By implicit Euler no slide turns back within a step: what it takes of all the energy shows, where
+    that is less than friction takes; what it takes at impacts is more.
+    """
+    rubbed, taken = float(energy.friction[-1]), float(energy.integrator[-1])
+    least = max(tolerances.rubs * energy.turnover, tolerances.nothing * model.weight * model.size)
+    if integrator == "implicit-euler":
+        return energy.integrator_share if rubbed > max(least, taken) else 0.0
+    return float(np.sqrt(turned / rubbed)) if rubbed > least else 0.0
 
 
 def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -> Array:
@@ -475,14 +534,29 @@ def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -
 
 
 def _notes(
-    model: Assembly, last: Array, energy: Energy, lifting: float, tolerances: HistoryTolerances
+    model: Assembly,
+    last: Array,
+    energy: Energy,
+    lifting: float,
+    sliding_error: float,
+    tolerances: HistoryTolerances,
 ) -> tuple[Message, ...]:
-    """Return warnings: blocks that overlap, steps that lift (`lifting`: share), an energy balance with an error."""
+    """Return warnings: of blocks that overlap, of steps, and of an energy balance with an error.
+
+    `lifting`: share of the steps that lift; `sliding_error`: see TimeHistory.
+    """
     notes = () if model.collisions else passing_through(model, last)
     if lifting > tolerances.lifting:
         text = message(
             "Coulomb's law was not solved in {share:.1%} of the steps: what slides lifts in these; take a shorter step",
             share=lifting,
+        )
+        notes = (*notes, text)
+    if sliding_error > tolerances.slides:
+        text = message(
+            "steps are long beside the slides of joints: displacements by sliding may be wrong by {share:.0%} or more; "
+            "take a shorter step",
+            share=sliding_error,
         )
         notes = (*notes, text)
     moves = energy.turnover > tolerances.nothing * model.weight * model.size

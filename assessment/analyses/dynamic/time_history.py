@@ -28,17 +28,16 @@ from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_histo
 from mechanics.messages import Message, headed, linked, message
 from mechanics.model import Behaviour, Direction
 from mechanics.procedures import HISTORY, SEARCH
+from mechanics.procedures.energy import may_fall
+from mechanics.procedures.time_history import unfinished
 from mechanics.progress import stretch
 from mechanics.records import response_spectrum
 from mechanics.steps import Sliding
-from mechanics.types import GRAVITY, Array
+from mechanics.types import Array
 
 TAIL = 2.0  # s of free motion that are followed at a time
 TAILS = 15  # at most
-SPENT = 0.5  # of the potential energy from which the structure has come back: with less it does not fall
-LATELY = 0.5  # s
 COUNTS = ("steps", "skipped", "lifting", "programs", "iterations", "halvings")
-STILL = 0.01  # of √(g·size): speed below which a block rests
 STORED = ("kinetic", "potential", "elastic")
 ENERGIES = (*STORED, "input", "friction", "impact", "viscous", "integrator", "residual")
 
@@ -87,8 +86,9 @@ class Response:
 
     @property
     def notes(self) -> tuple[Message, ...]:
-        """Warnings about the runs, each once."""
-        return tuple(dict.fromkeys(note for part in self.parts for note in part.notes))
+        """Warnings about the runs, each once; not that they end before rest."""
+        notes = (note for part in self.parts for note in part.notes if note != unfinished(part))
+        return tuple(dict.fromkeys(notes))
 
     def counts(self) -> dict[str, int]:
         """Return steps, skipped, lifting, programs, iterations and halvings of all runs."""
@@ -121,9 +121,8 @@ def respond(
 ) -> Response:
     """Return the response to a base motion times `factor`, and the free motion after it until blocks rest.
 
-    Free motion gains no energy. It ends before rest where what is left is less than SPENT of that from which the
-    structure has come back; with rigid joints, which come to rest, only if `to_rest` is false. Followed are TAILS times
-    TAIL at most. Raises ConvergenceError if a step is not solved.
+    It ends before rest where it cannot fall (mechanics' may_fall); with rigid joints, which come to rest, only if
+    `to_rest` is false. Followed are TAILS times TAIL at most. Raises ConvergenceError if a step is not solved.
     """
     table, point = setting.table, setting.control.point_m
     step = motion.record.time_step
@@ -140,7 +139,7 @@ def respond(
     record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
     with stretch(0.0, record):
         parts = [run(factor * motion.record.acceleration, vertical, start)]
-    while len(parts) <= TAILS and _goes_on(model, parts, to_rest and table.contacts == "rigid"):
+    while len(parts) <= TAILS and _goes_on(parts, to_rest and table.contacts == "rigid"):
         with stretch(record if len(parts) == 1 else 1.0, 1.0):
             parts.append(run(free, None, parts[-1].final))
     time, displacement = parts[0].time, known(parts[0].displacement)
@@ -154,30 +153,11 @@ def respond(
     return Response(time, displacement, positions, forces, tuple(parts))
 
 
-def speed_at_end(model: Assembly, last: TimeHistory) -> float:
-    """Return the largest component (m/s) of a centroid's velocity in the last LATELY of a run; 0 if all blocks rest.
-
-    At the very end a block that rocks may just be turning back.
-    """
-    lately = last.time >= last.time[-1] - LATELY
-    speed = float(abs(last.velocities[lately, :, :2]).max())
-    return speed if speed > STILL * np.sqrt(GRAVITY * model.size) else 0.0
-
-
-def _goes_on(model: Assembly, parts: list[TimeHistory], to_rest: bool) -> bool:
+def _goes_on(parts: list[TimeHistory], to_rest: bool) -> bool:
     """Whether free motion follows: blocks move, and may fall; of motions followed `to_rest` whether they move."""
-    last = parts[-1]
-    if last.collapsed or not speed_at_end(model, last):
+    if not parts[-1].speed_at_end:
         return False
-    if to_rest:
-        return True
-    begun = np.cumsum([0.0, *(float(part.energy.potential[-1]) for part in parts[:-1])])
-    stored = np.concatenate(
-        [part.energy.potential + part.energy.elastic + high for part, high in zip(parts, begun, strict=True)]
-    )
-    lowest = float(stored[-len(last.time) :].min())
-    left = float(stored[-1] + last.energy.kinetic[-1]) - lowest
-    return left >= SPENT * (float(stored.max()) - lowest)
+    return to_rest or may_fall([part.energy for part in parts], HISTORY.spent)
 
 
 Start = State | Message
@@ -238,7 +218,9 @@ def history(shaking: Shaking) -> FoundHistory:
     if last.collapsed:
         at = known(value.time_of_collapse_s)
         notes.append(message("collapse at {time:.4g} s: {reason}", time=at, reason=last.collapse_reason))
-    elif speed := speed_at_end(model, last):
+    elif falling := unfinished(*response.parts):
+        notes.append(falling)
+    elif speed := last.speed_at_end:
         moving = message(
             "blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this moment, "
             "not of rest",

@@ -77,13 +77,13 @@ def march(
             kept_blocks, kept_joints, kept_energy = blocks.copy(), joints.copy(), energy.copy()
             # what is accepted of a program is a share of the way, and of a long step's of the block
             span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
-            found, taken, turned = False, np.inf, 0.0
+            found, taken, turned, held = False, np.inf, 0.0, 0.0
             exactly = accepted if kinetic > 0.0 or not rigid else SHARPLY * accepted
             counted = kinetic if of_moment else energy[LARGEST]
             small = share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
             for start in range(NEAR, FROM_GAPS + 1):
                 counts[3] += start > NEAR
-                found, done, taken, turned, force, errors, lift = attempt(
+                found, done, taken, turned, held, force, errors, lift = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
                     restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, packed,
                     start,
@@ -96,7 +96,9 @@ def march(
                     break
             # blocks that meet no faster than one falls within a whole step may not have met at all
             meeting = MEETING * (counted + 0.5 * weight * STANDARD_GRAVITY * h**2)
-            over = abs(taken) / small + turned / (small if rigid else meeting)
+            over = abs(taken) / small + held / meeting
+            if rigid or of_moment:  # of many elastic joints slides turn with every tremor: told, not located
+                over += turned / small
             if (deep < most and not found) or (deep < levels and over > 1.0 and once):
                 # but the forces and gaps found: the parts begin near them
                 blocks[:3], energy[:] = kept_blocks[:3], kept_energy

@@ -14,10 +14,11 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
 
-# where the energy of a motion is (energy, 7): stored in springs; taken by friction, impacts, dashpots and the
-# stepping; put in; and the largest kinetic energy so far, by which what steps take is measured
-ELASTIC, FRICTION_WORK, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST = range(7)
-ENERGIES = 7
+# where the energy of a motion is (energy, 8): stored in springs; taken by friction, impacts, dashpots and the
+# stepping; put in; the largest kinetic energy so far, by which what steps take is measured; and that of friction which
+# slides that turn back within steps leave uncertain
+ELASTIC, FRICTION_WORK, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST, TURNED = range(8)
+ENERGIES = 8
 # columns of the state of a joint (joints, j × 23): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; of rigid ones
 # the same of its central iterate, gaps over the length of the step (program); spring in shear, kN; gap of the blocks
 # less that of the bed, m; by how much a tie is longer than as it was made, m; what a bed remembers of having been

@@ -30,6 +30,7 @@ from mechanics.kernels.dynamics.motion import (
     STANDARD_GRAVITY,
     STEPPING,
     SUNK,
+    TURNED,
     VISCOUS,
     bed_under,
     elastic_beds,
@@ -46,6 +47,7 @@ compiled = compiler("contract", "reassoc")
 
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 CLOSING = 2.0  # times the way of a step: gaps that are wider stay open, as a rule
+SLIDING = 0.999  # of the bound of friction: the force of an elastic joint that slides
 STILL = 1e-3  # of its speed before: a slide that has come to rest
 
 
@@ -54,15 +56,15 @@ def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
     resultants: Array, stored_matrix: Array, packed: Any, begins: int,
-) -> tuple[bool, int, float, float, float, float, float]:  # fmt: skip
+) -> tuple[bool, int, float, float, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (4, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
     `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
     span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
     have; `resultants` (j, 3): N, P and T found; `begins`: where the program does (program.NEAR).
     Returns whether a solution was found, the number of iterations, the energy that the step took, that which its length
-    leaves uncertain (slides that turn back; elastic joints: of contacts under way), the residual of force, the
-    energy (kNm) that errors of velocities may have, and the greatest lift of what slides by Coulomb's law, per span.
+    leaves uncertain of slides that turn back, that of elastic contacts under way, the residual of force, the energy
+    (kNm) that errors of velocities may have, and the greatest lift of what slides by Coulomb's law, per span.
 
     Joints that stay open bear nothing: those too far apart to close in the step are left out of its program, and it is
     solved again with those that its motion has closed all the same.
@@ -115,7 +117,7 @@ def attempt(
         for q in range(len(chosen)):
             joints[chosen[q], MIDDLE:SPRING] = near[q]
         if not solved:
-            return False, done, 0.0, 0.0, force, 0.0, 0.0
+            return False, done, 0.0, 0.0, 0.0, force, 0.0, 0.0
         if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
             break
     for i in range(n):
@@ -135,7 +137,7 @@ def attempt(
                 moved[i, e] = h * ((1.0 - theta) * v[i, e] + theta * speed[i, e])
             jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
             work += load[i, e] * moved[i, e]
-    spent = np.zeros(ENERGIES)
+    spent, held = np.zeros(ENERGIES), 0.0
     contact, turned = _worked(
         a, b, chosen, start, at, laws, basic, f, y, v, moved, speed, h, theta, beta, weight, joints,
         resultants, spent,
@@ -152,7 +154,7 @@ def attempt(
             done_on[k] = -(normal * du + resultants[k, 1] * dphi)
             if normal > PRESSED * weight:  # the blocks meet, or part, where the joint presses, at this speed
                 lightness = (first[a[k]] >= 0) / mass[a[k], 0] + (first[b[k]] >= 0) / mass[b[k], 0]
-                turned += 0.5 * (done_on[k] / (normal * h)) ** 2 / lightness
+                held += 0.5 * (done_on[k] / (normal * h)) ** 2 / lightness
         end = np.empty((c, PLACE))
         placed(a, b, faces, x + moved, joints, end)
         more, plastic = sunk(start, end, basic, closest, done_on, joints, size)
@@ -166,12 +168,12 @@ def attempt(
         spent[IMPACT] = taken - spent[STEPPING]
     else:
         spent[STEPPING] = taken
-    spent[INPUT] = work
+    spent[INPUT], spent[TURNED] = work, turned
     energy += spent
     x += moved
     past[:] = (speed - v) / h
     v[:] = speed
-    return True, done, taken, turned, force, product * products, lift
+    return True, done, taken, turned, held, force, product * products, lift
 
 
 @compiled
@@ -238,28 +240,30 @@ def _worked(
         contact += normal * du + moment * dphi + t * dv
         limit = laws[q, FRICTION] * normal
         if elastic:
-            spent[FRICTION_WORK] -= t * (dv + laws[q, SHEAR] * (t - shear[k]))
             joints[k, SPRING] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
+            give = basic[k, SHEAR] * (joints[k, SPRING] - shear[k])  # way of the spring: no slide
+            spent[FRICTION_WORK] -= t * (dv + give)
             spent[ELASTIC] += 0.5 * basic[k, SHEAR] * joints[k, SPRING] ** 2
             if beta > 0.0:
                 # dashpots along the contact of the middle of the step, and that of the spring in shear
                 u, phi = start[k, U] - joints[k, SUNK] + 0.5 * du, start[k, PHI] + 0.5 * dphi
                 _, _, c0, c1, c2 = bed_under(at[q], u, phi, basic[k], joints[k])
                 spent[VISCOUS] += beta / h * (c0 * du * du + 2.0 * c1 * du * dphi + c2 * dphi * dphi)
-                spent[VISCOUS] += beta / h * basic[k, SHEAR] * ((t - shear[k]) / stretch) ** 2
+                spent[VISCOUS] += beta / h * give * (joints[k, SPRING] - shear[k])
         elif at[q, TIED] > 0.0 and normal > CRUSHED * laws[q, STRENGTH]:
             spent[FRICTION_WORK] -= normal * du
+            continue
         else:
             spent[FRICTION_WORK] -= t * dv
             # faces that meet no faster than a step makes a block that falls may not have met at all
             met = -(normal * du + moment * dphi)
             unsure = 0.5 * STANDARD_GRAVITY * h * h * normal
             spent[STEPPING] += min(max(met, -unsure), unsure)
-            # of a slide that turns back, or comes to rest and may turn, the friction is not that of the whole step
-            _, _, v0 = relative(start[k], a[k], b[k], v)
-            _, _, v1 = relative(at[q], a[k], b[k], speed)
-            if v0 * v1 < 0.0:
-                turned += abs(t * h * v0 * v1 / (v0 - v1))
-            elif abs(v1) < STILL * abs(v0):
-                turned += h * abs(v0) * (limit - abs(t))
+        # of a slide that turns back, or comes to rest and may turn, the friction is not that of the whole step
+        _, _, v0 = relative(start[k], a[k], b[k], v)
+        _, _, v1 = relative(at[q], a[k], b[k], speed)
+        if v0 * v1 < 0.0 and (not elastic or max(abs(t), abs(shear[k])) >= SLIDING * limit):
+            turned += abs(t * h * v0 * v1 / (v0 - v1))
+        elif not elastic and abs(v1) < STILL * abs(v0):
+            turned += h * abs(v0) * (limit - abs(t))
     return contact, turned

@@ -14,6 +14,7 @@ from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps, forces_on_blocks
 from mechanics.procedures.collapse import ControlPoint, collapse
+from mechanics.procedures.energy import may_fall
 from mechanics.procedures.time_history import HistoryTolerances, Integrator
 from mechanics.steps import dynamic_system
 from mechanics.types import GRAVITY
@@ -542,3 +543,23 @@ def test_elastic_joints_and_vertical_shaking_skip_nothing() -> None:
     base = 0.1 * two_pulses(0.02)
     assert time_history(block_on_base(), base, 0.02, "elastic").skipped == 0
     assert time_history(block_on_base(), base, 0.02, vertical_acceleration=0.1 * base).skipped == 0
+
+
+def test_a_motion_that_ends_before_rest_says_so_and_whether_blocks_may_fall():
+    """A block that leans by 1.1 of its slenderness angle has no collapse in 0.3 s, and falls later."""
+    model, alpha = block_on_base(0.6, 4.2, stiffness=1e6), float(np.arctan(0.6 / 4.2))
+    leaning = model.rotated(1, (0.6, 0.0), -1.1 * alpha)
+    short = time_history(model, np.zeros(61), STEP, state=leaning)
+    assert not short.collapsed and abs(short.positions[-1, 1, 2]) > alpha
+    [told] = short.notes
+    assert "may fall" in told and "potrebbero cadere" in in_italian(told)
+    assert time_history(model, np.zeros(1000), STEP, state=leaning).collapsed
+    assert time_history(model, burst(0.05), STEP).notes == ()
+
+
+def test_a_motion_that_cannot_fall_any_more_tells_nothing():
+    """A squat block rocks on with less than half of the energy from which it has come back."""
+    model, alpha = block_on_base(1.0, 2.0, stiffness=1e6), float(np.arctan(0.5))
+    rocking = time_history(model, np.zeros(200), STEP, state=model.rotated(1, (1.0, 0.0), -0.6 * alpha))
+    assert rocking.speed_at_end > 0.0 and not may_fall([rocking.energy], 0.5)
+    assert rocking.notes == ()
