@@ -72,5 +72,5 @@ def test_a_column_that_rocks_on_its_points_is_warned_of_nothing(segments: int) -
     model = column(0.4, 1.6, 3, stiffness=2e5, segments=segments)
     motion = time_history(model, record, 0.005, "elastic", damping_ratio=0.05)
     assert all("may fall after it" in note for note in motion.notes)
-    assert motion.halvings < 0.5 * motion.steps
+    assert motion.halvings < 0.6 * motion.steps
     assert motion.energy.integrator_share < 0.1
