@@ -3,6 +3,7 @@
 The analyses themselves are public names of `mechanics`; here are their results and helpers.
 """
 
+from mechanics.procedures.energy import may_fall
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import farthest_corner, hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
@@ -17,7 +18,7 @@ from mechanics.procedures.pushdown import (
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
 from mechanics.procedures.step_control import PATH
-from mechanics.procedures.time_history import HISTORY, SEARCH
+from mechanics.procedures.time_history import HISTORY, SEARCH, unfinished
 
 __all__ = [
     "HISTORY",
@@ -31,9 +32,11 @@ __all__ = [
     "farthest_corner",
     "hinges",
     "limit_in",
+    "may_fall",
     "pushdown_together",
     "settled",
     "static_theorem",
+    "unfinished",
     "virtual_work_multiplier",
     "whole_movement",
 ]

@@ -27,9 +27,7 @@ from assessment.runtime.tasks import Workers
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.messages import Message, headed, linked, message
 from mechanics.model import Behaviour, Direction
-from mechanics.procedures import HISTORY, SEARCH
-from mechanics.procedures.energy import may_fall
-from mechanics.procedures.time_history import unfinished
+from mechanics.procedures import HISTORY, SEARCH, may_fall, unfinished
 from mechanics.progress import stretch
 from mechanics.records import response_spectrum
 from mechanics.steps import Sliding
