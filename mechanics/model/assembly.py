@@ -430,12 +430,12 @@ class Assembly:
         return nearest
 
     def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:
-        """Return the displacement (2,), m, of a drawn point (2,) m of a block at positions (b, 3)."""
+        """Return the displacement (…, 2), m, of a drawn point (2,) m of a block at positions (…, b, 3)."""
         at = self.from_origin(point)
         arm = at - self.initial.positions[block, :2]
-        cos, sin = np.cos(positions[block, 2]), np.sin(positions[block, 2])
-        turned = np.array([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]])
-        moved: Array = positions[block, :2] + turned - at
+        cos, sin = np.cos(positions[..., block, 2]), np.sin(positions[..., block, 2])
+        turned = np.stack([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]], axis=-1)
+        moved: Array = positions[..., block, :2] + turned - at
         return moved
 
 

@@ -26,15 +26,25 @@ class ControlPoint:
     block: int
     ultimate: float | None = None
 
-    def displacement(self, model: Assembly, begun: Array, x: Array) -> float:
-        """Horizontal displacement (m) from positions (b, 3) in which a motion has begun to others."""
+    def displacement(self, model: Assembly, begun: Array, x: Array) -> Array:
+        """Horizontal displacements (…) m from positions (b, 3) in which a motion has begun to others (…, b, 3)."""
         now, then = (model.point_displacement(self.point, self.block, positions) for positions in (x, begun))
-        return float(now[0] - then[0])
+        moved: Array = now[..., 0] - then[0]
+        return moved
 
     def velocity(self, model: Assembly, x: Array, v: Array) -> float:
         """Return the horizontal velocity, m/s, at positions x (b, 3) and velocities v (b, 3)."""
         moved = model.point_displacement(self.point, self.block, x) + model.from_origin(self.point)
         return float(v[self.block, 0] - v[self.block, 2] * (moved[1] - x[self.block, 1]))
+
+
+def far(model: Assembly, begun: Array, x: Array, control: ControlPoint | None) -> Mask:
+    """Return which positions (…, b, 3) are far enough from where a motion has `begun` (b, 3) to be a collapse."""
+    turned = abs(x[..., 2] - model.initial.positions[:, 2]).max(axis=-1) > TURNED
+    found: Mask = turned | (abs(x - begun).max(axis=(-2, -1)) > model.block_size.min())
+    if control is not None and control.ultimate is not None:
+        found |= abs(control.displacement(model, begun, x)) > control.ultimate
+    return found
 
 
 def collapse(
@@ -47,16 +57,16 @@ def collapse(
     are from where the motion has `begun` (b, 3).
     """
     if control is not None and control.ultimate is not None:
-        displacement = control.displacement(model, begun, x)
+        displacement = float(control.displacement(model, begun, x))
         if abs(displacement) > control.ultimate and displacement * control.velocity(model, x, v) > 0.0:
             return message(
                 "the control point is {displacement:.3g} m away, past its ultimate displacement, and moving outward",
                 displacement=displacement,
             )
+    if not far(model, begun, x, None):
+        return None
     moved, size = x - begun, model.block_size
     turned = abs(x[:, 2] - model.initial.positions[:, 2])
-    if turned.max() <= TURNED and abs(moved).max() <= float(size.min()):
-        return None  # the cheap test: no block has moved far enough for any criterion below
     if turned.max() > TURNED:
         return message(
             "block {block} has turned by {angle:.2f} rad",

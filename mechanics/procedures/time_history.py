@@ -20,7 +20,7 @@ from mechanics.kernels.dynamics.motion import TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
-from mechanics.procedures.collapse import ControlPoint, collapse, passing_through
+from mechanics.procedures.collapse import ControlPoint, collapse, far, passing_through
 from mechanics.procedures.elastic_periods import contact_period, first_frequency
 from mechanics.procedures.energy import Energy, may_fall
 from mechanics.procedures.model_check import departure_in_motion
@@ -301,7 +301,10 @@ def _until_collapse(
     system: DynamicSystem, part: Recorded, begun: Array, point: ControlPoint | None
 ) -> tuple[Recorded, Message | None]:
     """Return a part of a motion up to the step at which it has collapsed, and why; None where it has not."""
-    for k in np.flatnonzero(part.v.any(axis=(1, 2))):  # what rests does not collapse
+    may_have = far(system.model, begun, part.x, point) & part.v.any(
+        axis=(1, 2)
+    )  # what rests does not collapse
+    for k in np.flatnonzero(may_have):
         if k and (reason := collapse(system.model, system.contacts, begun, part.x[k], part.v[k], point)):
             return part.until(int(k)), reason
     return part, None
@@ -477,9 +480,7 @@ def _history(
         forces=forces,
         start=start,
         final=final,
-        displacement=None
-        if point is None
-        else np.array([point.displacement(model, start.positions, at) for at in x]),
+        displacement=None if point is None else point.displacement(model, start.positions, x),
         collapsed=bool(reason),
         time_of_collapse=float(time[-1]) if reason else None,
         collapse_reason=reason or "",
