@@ -4,10 +4,12 @@ By the associative law it is the largest multiplier of forces in equilibrium, an
 flow is a mechanism and forces that fit it: where a gap opens the force is none, where a joint slides T = ∓μN. Flows
 form a continuum of multipliers. The interior point finds one amid them, the *central* one. From it the least is sought:
 
-    A ← the gaps and slips of the flow
+    A ← the gaps and slips of the central flow
     until so many A in a row lead no lower:
         f ← the forces of least α that balance the loads and fit A            a linear program
-        A ← the gaps and slips of another mechanism that fits f               another one, by equal or random weights
+        accept f, if a mechanism fits it                                      another one
+        A ← the gaps and slips of another mechanism that fits f, and of the
+            central flow of other frictions, in turns                         by chance
 
 Each pair is a flow, certified on its own. Where ψ = 0 has no flow of the given work (blocks
 wedge, slips grow without bound), a slight dilation has one: its multiplier is returned with that dilation.
@@ -16,7 +18,7 @@ wedge, slips grow without bound), a slight dilation has one: its multiplier is r
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,11 +31,12 @@ from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points
 from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, Solution, certify, end_forces
 from mechanics.solvers import GOOD, solve
+from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate, with_dilation
 from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
 from mechanics.steps.static_system import Sliding, check_sliding
 from mechanics.steps.tolerances import LIMIT
-from mechanics.types import Array
+from mechanics.types import Array, Mask
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -193,41 +196,58 @@ def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
                     return bound
             if psi > 0.0 or iterate is None or len(program.places) > LIMIT.most_joints:
                 return central, central.alpha, psi
-            return _least(program, central, iterate), central.alpha, 0.0
+            return _least(program, closed.layout, central, iterate), central.alpha, 0.0
     return _associative(closed)
 
 
-def _least(program: Program, central: Solution, iterate: Iterate) -> Solution:
-    """Return the flow of least multiplier that a walk over flows finds, from the central one.
+def _least(program: Program, layout: Elimination, central: Solution, iterate: Iterate) -> Solution:
+    """Return the flow of least multiplier that is found, from the central one, other mechanisms and other frictions.
 
-    The least multiplier with which forces fit a mechanism leaves other mechanisms free. One of them is next: that of
-    least gaps and slips, first by equal weights, then by chance, until so many tries in a row have led no lower.
+    The gaps and slips of any flow say where forces vanish, whatever its frictions: forces of the program itself that
+    fit them, and a mechanism that fits these forces, are one of its flows.
     """
     from mechanics.solvers import lp_highs
 
-    room = _room(program, central.forces)
-    flowing = iterate.gaps / program.step > room / program.weight
-    best, displacement = central, central.displacement
-    chance, weights = np.random.default_rng(0), np.ones_like(room)
-    tries = 0
-    while tries <= min(LIMIT.tries, LIMIT.tried // len(room)):
-        if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > LIMIT.idle * program.weight)).any():
-            break  # what only turns has one multiplier
-        answer = lp_highs.least_multiplier(program, flowing)
+    flowing, room = _flowing(program, central, iterate), _room(program, central.forces)
+    none = LIMIT.idle * program.weight
+    if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
+        return central  # what only turns has one multiplier
+    best, chance, tries = central, np.random.default_rng(0), 0
+    while tries < max(1, min(LIMIT.tries, LIMIT.tried // len(room))):
         tries += 1
-        if answer is not None:
-            found = Solution(*answer, displacement, certify(program, *answer, displacement))
-            if found.certificate.worst(program.step) <= GOOD:
-                room = _room(program, found.forces)
-                if found.alpha < best.alpha * (1.0 - GOOD):
-                    best, tries, weights = found, 0, np.ones_like(room)
-        if tries > 0:
+        answer, walks = lp_highs.least_multiplier(program, flowing), tries // 4 % 2 == 0
+        lower = answer is not None and answer[1] < best.alpha * (1.0 - GOOD)
+        if answer is not None and (lower or walks):
+            room = _room(program, answer[0])
             weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2
-        other = lp_highs.mechanism_of(program, room <= LIMIT.idle * program.weight, weights)
-        if other is None:
-            break
-        displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
+            other = lp_highs.mechanism_of(program, room <= none, weights)
+            if other is not None:
+                displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
+                found = Solution(*answer, displacement, certify(program, *answer, displacement))
+                if lower and found.certificate.worst(program.step) <= GOOD:
+                    best, tries = found, 0
+        if not walks:
+            flowing = _of_other_frictions(program, layout, chance, flowing)
     return best
+
+
+def _of_other_frictions(
+    program: Program, layout: Elimination, chance: np.random.Generator, flowing: Mask
+) -> Mask:
+    """Return the gaps and slips (j, 4) of the central flow with frictions changed by chance; those given if none."""
+    law = program.law.copy()
+    law[:, FRICTION] *= 1.0 + LIMIT.other * chance.uniform() * chance.uniform(-1.0, 1.0, len(law))
+    other = replace(program, law=law)
+    with suppress(ConvergenceError, NoEquilibriumError):
+        central, iterate = solve(other, layout)
+        return flowing if iterate is None else _flowing(other, central, iterate)
+    return flowing
+
+
+def _flowing(program: Program, solution: Solution, iterate: Iterate) -> Mask:
+    """Return which gaps and slips (j, 4), y₁, y₂, λ₊ and λ₋, of a flow are not zero: its forces vanish there."""
+    flowing: Mask = iterate.gaps / program.step > _room(program, solution.forces) / program.weight
+    return flowing
 
 
 def _room(program: Program, forces: Array) -> Array:

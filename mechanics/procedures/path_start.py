@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError, UnstableError
+from mechanics.kernels.joint import V
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.model.contacts import Contacts
-from mechanics.procedures.limit_analysis import limit_analysis
+from mechanics.model.contacts import Contacts, end_gaps
+from mechanics.procedures.limit_analysis import Limit, limit_analysis
 from mechanics.procedures.step_control import reach, slides
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
@@ -48,9 +51,9 @@ START = StartTolerances()
 class PathStart:
     """First point of a curve: its state, multiplier, forces (j, 3) of its contacts, and certificate.
 
-    `lifting`: whether it has a dilation that the law does not have; `step`: its equilibrium (rigid joints: None);
-    `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the first step; `share`: length of that step as a
-    share of an increment; `limit`: multiplier of limit analysis.
+    `lifting`: whether it has a dilation that the law does not have; `step`: its equilibrium (rigid joints by the
+    associative law: None); `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the first step; `share`:
+    length of that step as a share of an increment; `limit`: multiplier of limit analysis.
     """
 
     state: State
@@ -66,12 +69,12 @@ class PathStart:
 
 
 def mechanism_start(
-    model: Assembly, direction: Direction, state: State | None, sliding: Sliding
+    model: Assembly, direction: Direction, state: State | None, increment: float, sliding: Sliding
 ) -> PathStart:
     """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises.
 
     By Coulomb's law a state that a path has reached is pushed on from the forces that it has at rest: where joints
-    slide, these decide.
+    slide, these decide. `increment` (m): length of the curve's steps.
     """
     forces = state.forces if state is not None and sliding == "coulomb" else None
     limit = limit_analysis(model, direction, state, sliding if forces is None else "associative")
@@ -84,7 +87,7 @@ def mechanism_start(
     return PathStart(
         state or model.initial,
         limit.sliding == "coulomb" and limit.dilation > 0.0,
-        None,
+        _flow_of(limit, increment) if limit.sliding == "coulomb" and limit.dilation == 0.0 else None,
         limit.alpha,
         limit.forces,
         limit.contacts,
@@ -93,6 +96,21 @@ def mechanism_start(
         share,
         limit.alpha,
     )
+
+
+def _flow_of(limit: Limit, increment: float) -> Equilibrium:
+    """Return the flow of a limit analysis as the start of a step in which a block moves by an increment (m).
+
+    Other flows have other multipliers: a step that begins far from this one leads to the central flow.
+    """
+    model, begun, size = limit.model, limit.state, LIMIT.onset * limit.model.size
+    system = static_system(model, "rigid", limit.sliding).around(begun.positions, size)
+    start = held(StepProblem(system, begun, model.dead_load, size), limit.forces[: len(model.contacts)])
+    moved = system.places(begun.positions + increment * limit.mechanism, begun)
+    slip = moved[:, V] - start.places[:, V]
+    gaps = np.column_stack([end_gaps(moved), slip, -slip]).clip(0.0)
+    assert start.iterate is not None
+    return replace(start, alpha=limit.alpha, iterate=replace(start.iterate, alpha=limit.alpha, gaps=gaps))
 
 
 def _pushed_from_rest(

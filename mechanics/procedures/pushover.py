@@ -268,7 +268,7 @@ class _Curve:
         """Return the start of a curve from a state (None: as drawn)."""
         direction, sliding = self.push.direction, self.system.sliding
         if self.system.rigid:
-            return mechanism_start(self.model, direction, state, sliding)
+            return mechanism_start(self.model, direction, state, self.push.increment, sliding)
         return elastic_start(self.model, direction, state, self.push.increment, sliding)
 
     def _control_rate(self, positions: Array) -> float:

@@ -111,11 +111,11 @@ class LimitTolerances:
     As shares of the block size: `closed`, gap that counts as closed; `exact`, that of a state whose forces are known,
     which is in equilibrium to 1e-8 or better: wider ones are cracks; `onset`, displacement of a mechanism at its onset.
     `far`: gap of an open end, in such displacements. `repeats`: most programs for hinges that crush; `tries`: as many
-    mechanisms in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in
-    all; `hinged`: distance of a hinge from where its force crushes the edge, as a share of the block size. `slight`:
-    share of μ|slip| by which joints lift where Coulomb's law has no flow; `idle`: force, per weight, or motion, per
-    `onset`, that is none; `most_joints`: of a model whose least multiplier is sought: the linear programs grow faster
-    than the flow's own.
+    flows in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in all;
+    `other`: most that their frictions are changed by, as a share; `hinged`: distance of a hinge from where its force
+    crushes the edge, as a share of the block size. `slight`: share of μ|slip| by which joints lift where Coulomb's law
+    has no flow; `idle`: force, per weight, or motion, per `onset`, that is none; `most_joints`: of a model whose least
+    multiplier is sought: the linear programs grow faster than the flow's own.
     """
 
     closed: float = 1e-3
@@ -123,8 +123,9 @@ class LimitTolerances:
     onset: float = 1e-3
     far: float = 1e3
     repeats: int = 12
-    tries: int = 8
+    tries: int = 64
     tried: int = 4000
+    other: float = 0.5
     hinged: float = 1e-10
     slight: float = 1e-2
     idle: float = 1e-9

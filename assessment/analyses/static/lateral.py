@@ -391,8 +391,9 @@ def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[
     drawn = np.array_equal(path.states[0].positions, model.initial.positions)
     if drawn and curve.alpha_onset < (1.0 - MEETS) * curve.alpha_0:
         yield message(
-            "blocks move from α = {onset:.4g} on and meet others by d = {displacement:.3g} m: α0 = {multiplier:.4g} is "
-            "that of what moves together then; the former activates the first mechanism: linear checks are of it",
+            "blocks move from α = {onset:.4g} on; by d = {displacement:.3g} m they have met others or slide in another "
+            "way, and α0 = {multiplier:.4g} is that of what moves then; the former activates the first mechanism: "
+            "linear checks are of it",
             onset=curve.alpha_onset,
             displacement=float(path.displacement[path.peak]),
             multiplier=curve.alpha_0,
