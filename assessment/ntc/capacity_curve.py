@@ -90,12 +90,10 @@ def participation(
 def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float) -> Participation:
     """Return e* and Γ* of virtual displacements (b, 3), that of the control point along x being control_dx.
 
-    Every block of the assembly that moves counts, with the load it carries as seismic mass.
+    Every block that takes part in the mechanism counts, with the load it carries as seismic mass.
     """
     weights = np.array([block.mass * GRAVITY for block in model.blocks])
-    weights[~model.movable] = 0.0
-    size = abs(mechanism[:, :2]).max(axis=1)
-    return participation(weights, mechanism[:, 0], control_dx, (size > 1e-6 * size.max()) & model.movable)
+    return participation(weights, mechanism[:, 0], control_dx, model.taking_part(mechanism))
 
 
 def mass_share(model: Assembly, mechanism: Array) -> float:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
+NOTICEABLE = 0.02  # of the largest rotation, or displacement, of a block: one that counts
 FAR = 10.0  # of the drawing's size: beyond it coordinates lose more than one digit to their distance from the origin
 
 Behaviour = Literal["rigid", "elastic"]
@@ -318,6 +319,15 @@ class Assembly:
         load = np.zeros((len(self.blocks), 3))
         load[:, 1] = [-b.weight for b in self.blocks]
         return load
+
+    def taking_part(self, mechanism: Array) -> Mask:
+        """Return which blocks (b,) take part in virtual displacements (b, 3): those that move noticeably.
+
+        Blocks that a mechanism hardly moves are no part of its chain: their weight would make e* small, and 1/e* large.
+        """
+        moves = abs(mechanism[:, :2]).max(axis=1)
+        part: Mask = (moves > NOTICEABLE * moves.max()) & self.movable
+        return part
 
     def lateral_load(self, direction: Direction) -> Array:
         """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction.

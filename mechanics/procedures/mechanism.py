@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.kernels.joint import H
-from mechanics.model.assembly import Assembly, Direction, State
+from mechanics.model.assembly import NOTICEABLE, Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points, relative_motion
 from mechanics.types import Array, Index
 
-NOTICEABLE = 0.02  # of the largest rotation, or displacement, of a block: a relative one that counts
 CARRYING = 2e-3  # of the weight: a joint that carries less is no part of the load path
 
 
@@ -42,7 +41,7 @@ def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, 
     hinged = np.flatnonzero(carries & (turn > NOTICEABLE * float(abs(mechanism[:, 2]).max())))
     fastest = float(abs(mechanism[:, :2]).max())
     slides = np.flatnonzero(carries & (slip > NOTICEABLE * fastest))
-    moves = (abs(mechanism[:, :2]).max(axis=1) > 1e-6 * fastest) & model.movable
+    moves = model.taking_part(mechanism)
     centre = pressure_centres(contacts.take(hinged), state.positions, forces[hinged])
     weight = -float(model.dead_load[moves, 1].sum())
     return Hinges(_merged(centre, turn[hinged], model.size), slides, weight)

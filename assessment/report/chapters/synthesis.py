@@ -57,7 +57,9 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         for name in (*listed, *texts)
     ]
     text = [True, True, *[False] * (len(head) - 2 - len(texts)), *[True] * len(texts)]
-    caption = words("caption.synthesis", limits=", ".join(judged))
+    caption = (
+        words("caption.synthesis_judged", limits=", ".join(judged)) if judged else words("caption.synthesis")
+    )
     return Grid(caption, head, [[Markup.escape(cell) for cell in cells(row)] for row in rows], text)
 
 
