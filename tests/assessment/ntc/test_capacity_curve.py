@@ -50,7 +50,7 @@ def test_blocks_that_stay_still_do_not_count():
 
 
 def test_a_mechanism_is_of_what_it_moves_noticeably():
-    """The top block of a column of five goes, the others by 0.3 %: with their weight e* was 0.20, for 1 of one block."""
+    """The top block of five goes, the others by 0.3 %: with their weight e* was 0.20, for 1 of one block."""
     model = column(1.0, 5.0, 5)
     mechanism = np.zeros((len(model.blocks), 3))
     mechanism[model.movable, 0] = [0.003, 0.003, 0.003, 0.003, 1.0]
