@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
 )
-NOTICEABLE = 0.02  # of the largest rotation, or displacement, of a block: one that counts
+PART = 0.01  # of the largest displacement of a block: one that takes part in a mechanism
 FAR = 10.0  # of the drawing's size: beyond it coordinates lose more than one digit to their distance from the origin
 
 Behaviour = Literal["rigid", "elastic"]
@@ -326,7 +326,7 @@ class Assembly:
         Blocks that a mechanism hardly moves are no part of its chain: their weight would make e* small, and 1/e* large.
         """
         moves = abs(mechanism[:, :2]).max(axis=1)
-        part: Mask = (moves > NOTICEABLE * moves.max()) & self.movable
+        part: Mask = (moves > PART * moves.max()) & self.movable
         return part
 
     def lateral_load(self, direction: Direction) -> Array:

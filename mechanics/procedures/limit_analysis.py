@@ -7,9 +7,8 @@ form a continuum of multipliers. The interior point finds one amid them, the *ce
     A ← the gaps and slips of the central flow
     until so many A in a row lead no lower:
         f ← the forces of least α that balance the loads and fit A            a linear program
-        accept f, if a mechanism fits it                                      another one
-        A ← the gaps and slips of another mechanism that fits f, and of the
-            central flow of other frictions, in turns                         by chance
+        A ← the gaps and slips of another mechanism that fits f, or of        another one
+            the central flow of other frictions, in turns                     by chance
 
 Each pair is a flow, certified on its own. Where ψ = 0 has no flow of the given work (blocks
 wedge, slips grow without bound), a slight dilation has one: its multiplier is returned with that dilation.
@@ -203,45 +202,52 @@ def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
 def _least(program: Program, layout: Elimination, central: Solution, iterate: Iterate) -> Solution:
     """Return the flow of least multiplier that is found, from the central one, other mechanisms and other frictions.
 
-    The gaps and slips of any flow say where forces vanish, whatever its frictions: forces of the program itself that
-    fit them, and a mechanism that fits these forces, are one of its flows.
+    By Coulomb's law mechanisms do not depend on frictions: forces of the program that vanish at the gaps and slips of
+    any mechanism, whatever its frictions, are with it one of its flows.
     """
     from mechanics.solvers import lp_highs
 
-    flowing, room = _flowing(program, central, iterate), _room(program, central.forces)
-    none = LIMIT.idle * program.weight
+    none, room = LIMIT.idle * program.weight, _room(program, central.forces)
+    displacement, flowing = central.displacement, _flowing(program, central, iterate)
     if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
         return central  # what only turns has one multiplier
     best, chance, tries = central, np.random.default_rng(0), 0
-    while tries < max(1, min(LIMIT.tries, LIMIT.tried // len(room))):
-        tries += 1
-        answer, walks = lp_highs.least_multiplier(program, flowing), tries // 4 % 2 == 0
-        lower = answer is not None and answer[1] < best.alpha * (1.0 - GOOD)
-        if answer is not None and (lower or walks):
-            room = _room(program, answer[0])
-            weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2
-            other = lp_highs.mechanism_of(program, room <= none, weights)
-            if other is not None:
-                displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
-                found = Solution(*answer, displacement, certify(program, *answer, displacement))
-                if lower and found.certificate.worst(program.step) <= GOOD:
-                    best, tries = found, 0
-        if not walks:
-            flowing = _of_other_frictions(program, layout, chance, flowing)
-    return best
+    while tries <= min(LIMIT.tries, LIMIT.tried // len(room)):
+        answer = lp_highs.least_multiplier(program, flowing)
+        other, tries = None, tries + 1
+        if answer is not None:
+            found = Solution(*answer, displacement, certify(program, *answer, displacement))
+            if found.alpha < best.alpha * (1.0 - GOOD) and found.certificate.worst(program.step) <= GOOD:
+                best, tries = found, 0
+            if tries % 4 == 0:
+                room = _room(program, answer[0])
+                weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2 if tries else np.ones_like(room)
+                other = lp_highs.mechanism_of(program, room <= none, weights)
+        if other is not None:
+            displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
+        else:
+            displacement, flowing = _of_other_frictions(program, layout, chance) or (displacement, flowing)
+    room = _room(program, best.forces)
+    plain = lp_highs.mechanism_of(program, room <= none, np.ones_like(room))
+    if best is central or plain is None:
+        return best
+    return replace(
+        best, displacement=plain[0], certificate=certify(program, best.forces, best.alpha, plain[0])
+    )
 
 
 def _of_other_frictions(
-    program: Program, layout: Elimination, chance: np.random.Generator, flowing: Mask
-) -> Mask:
-    """Return the gaps and slips (j, 4) of the central flow with frictions changed by chance; those given if none."""
+    program: Program, layout: Elimination, chance: np.random.Generator
+) -> tuple[Array, Mask] | None:
+    """Return displacements (m,), gaps and slips (j, 4) of the central flow with frictions changed by chance."""
     law = program.law.copy()
     law[:, FRICTION] *= 1.0 + LIMIT.other * chance.uniform() * chance.uniform(-1.0, 1.0, len(law))
     other = replace(program, law=law)
     with suppress(ConvergenceError, NoEquilibriumError):
         central, iterate = solve(other, layout)
-        return flowing if iterate is None else _flowing(other, central, iterate)
-    return flowing
+        if iterate is not None and central.certificate.worst(program.step) <= GOOD:
+            return central.displacement, _flowing(other, central, iterate)
+    return None
 
 
 def _flowing(program: Program, solution: Solution, iterate: Iterate) -> Mask:

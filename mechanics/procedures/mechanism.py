@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mechanics.kernels.joint import H
-from mechanics.model.assembly import NOTICEABLE, Assembly, Direction, State
+from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points, relative_motion
 from mechanics.types import Array, Index
 
+NOTICEABLE = 0.02  # of the largest rotation, or displacement, of a block: a relative one that counts
 CARRYING = 2e-3  # of the weight: a joint that carries less is no part of the load path
 
 

@@ -70,7 +70,8 @@ def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | N
     q = np.zeros(len(form.q))
     q[form.rays] = 1.0
     bounds = [(0.0, 0.0 if none else None) for none in idle.ravel()] + [(0.0, LARGEST_MULTIPLIER)]
-    found = linprog(q, A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ds", options=EXACTLY)
+    # where no forces fit, the simplex method may take minutes to say so
+    found = linprog(q, A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ipm", options=EXACTLY)
     if found.status != 0:
         return None
     forces, alpha, _ = form.recover(np.asarray(found.x), np.zeros(len(form.b)))

@@ -124,7 +124,7 @@ class LimitTolerances:
     far: float = 1e3
     repeats: int = 12
     tries: int = 64
-    tried: int = 4000
+    tried: int = 6000
     other: float = 0.5
     hinged: float = 1e-10
     slight: float = 1e-2
