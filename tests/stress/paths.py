@@ -145,7 +145,7 @@ def at_the_edge(contacts: str, share: float) -> None:
 
 def highs_agrees(columns: int, courses: int) -> None:
     model = running_bond(columns, courses, friction=5.0)
-    limit = limit_analysis(model)
+    limit = limit_analysis(model, sliding="associative")
     sound(limit, 1e-3)
     assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)
 

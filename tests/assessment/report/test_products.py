@@ -134,7 +134,7 @@ def test_the_same_results_leave_the_same_bytes(tmp_path):
     without_assessment(results)
     shares: list[float] = []
     assert write(typed(results), tmp_path / "one") == []
-    assert write(typed(results), tmp_path / "two", jobs=2, tell=shares.append) == []
+    assert write(typed(results), tmp_path / "two", jobs=2, reached=shares.append) == []
     assert 0.0 < shares[0] < 0.05 and 0.9 < shares[-1] <= 1.0 and shares == sorted(shares)
     before, after = (
         {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

@@ -81,7 +81,7 @@ def test_a_support_that_opens_leads_through_sound_points(contacts: Behaviour) ->
 
 
 def test_points_found_with_a_dilation_are_counted() -> None:
-    wall = random_masonry(4)
+    wall = random_masonry(43)
     curve = pushover(wall, None, "+x", "rigid", wall.size / 50)
     assert curve.lifting == sum(step.lifting for step in curve.steps) > 0
 
