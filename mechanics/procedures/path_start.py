@@ -84,11 +84,12 @@ def mechanism_start(
         if pushed is not None:
             return pushed
     share = 1.0 if state is None else START.settled
-    flows = limit.sliding == "coulomb" and limit.dilation == 0.0  # ties that yield begin without a flow
     return PathStart(
         state or model.initial,
         limit.sliding == "coulomb" and limit.dilation > 0.0,
-        _flow_of(limit, increment) if flows and not model.ties else None,
+        _flow_of(limit, increment)
+        if limit.sliding == "coulomb" and not (limit.dilation or model.ties)
+        else None,
         limit.alpha,
         limit.forces,
         limit.contacts,
