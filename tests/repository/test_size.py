@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 946,
     "mechanics/kernels": 3550,
     "mechanics/model": 3383,
-    "mechanics/procedures": 3375,
+    "mechanics/procedures": 3377,
     "mechanics/records": 1086,
     "mechanics/solvers": 1150,
     "mechanics/steps": 1782,
