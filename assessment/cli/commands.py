@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
-MOST_CHANGES = 40  # of a repaired drawing that are told; a file has all
+MOST_CHANGES = 40  # of a repaired drawing that the terminal lists; a file has all
 EXIT_CODES = f"""exit codes:
   {DONE}  done
   {WRONG_INPUT}  the input is wrong: nothing was overwritten

@@ -44,7 +44,7 @@ SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE
 CRACK_LAYERS = {"fessure", "cracks"}  # by `layer_key`: what was surveyed, no blocks
 LINES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}  # that draw cracks
 CHORD = 1e-3  # m: of a curved crack from its chords
-UNEVEN = 1e-6  # m: heights out of the drawing's plane that are told
+UNEVEN = 1e-6  # m: heights out of the drawing's plane of which there is a warning
 SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
 
 

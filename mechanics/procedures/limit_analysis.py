@@ -203,7 +203,8 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
     """Return the flow of least multiplier that is found, from the central one, other mechanisms and other frictions.
 
     By Coulomb's law mechanisms do not depend on frictions: forces of the program that vanish at the gaps and slips of
-    any mechanism, whatever its frictions, are with it one of its flows.
+    any mechanism, whatever its frictions, are with it one of its flows. Of the mechanisms that fit the forces in the
+    end, that of least gaps and slips is taken.
     """
     from mechanics.solvers import lp_highs
 
@@ -219,7 +220,7 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
             found = Solution(*answer, displacement, certify(program, *answer, displacement))
             if found.alpha < best.alpha * (1.0 - GOOD) and found.certificate.worst(program.step) <= GOOD:
                 best, tries = found, 0
-            if tries % 4 == 0:
+            if tries % LIMIT.turn == 0:
                 room = _room(program, answer[0])
                 weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2 if tries else np.ones_like(room)
                 other = lp_highs.mechanism_of(program, room <= none, weights)
@@ -227,13 +228,15 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
             displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
         else:
             displacement, flowing = _of_other_frictions(program, layout, chance) or (displacement, flowing)
+    if best is central:
+        return central
     room = _room(program, best.forces)
     plain = lp_highs.mechanism_of(program, room <= none, np.ones_like(room))
-    if best is central or plain is None:
+    if plain is None:
         return best
-    return replace(
-        best, displacement=plain[0], certificate=certify(program, best.forces, best.alpha, plain[0])
-    )
+    certificate = certify(program, best.forces, best.alpha, plain[0])
+    good = certificate.worst(program.step) <= GOOD
+    return replace(best, displacement=plain[0], certificate=certificate) if good else best
 
 
 def _of_other_frictions(

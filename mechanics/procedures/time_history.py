@@ -355,7 +355,7 @@ def _begun(
     tolerances: HistoryTolerances,
 ) -> tuple[DynamicSystem, State, Motion, Message | None]:
     """Return the system, the state in which the motion begins, the motion, and a warning about that state."""
-    # nine arguments: what time_history is told of the system and its beginning
+    # nine arguments: the system and the beginning, as time_history has them
     start, forces, undecided = _settled(model, contacts, sliding, state)
     statics = static_system(model, contacts, sliding).around(start.positions, 0.0)
     gaps = np.zeros(len(statics.contacts))

@@ -112,10 +112,11 @@ class LimitTolerances:
     which is in equilibrium to 1e-8 or better: wider ones are cracks; `onset`, displacement of a mechanism at its onset.
     `far`: gap of an open end, in such displacements. `repeats`: most programs for hinges that crush; `tries`: as many
     flows in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in all;
-    `other`: most that their frictions are changed by, as a share; `hinged`: distance of a hinge from where its force
-    crushes the edge, as a share of the block size. `slight`: share of μ|slip| by which joints lift where Coulomb's law
-    has no flow; `idle`: force, per weight, or motion, per `onset`, that is none; `most_joints`: of a model whose least
-    multiplier is sought: the linear programs grow faster than the flow's own.
+    `other`: most that their frictions are changed by, as a share; `turn`: each so many of them is of the same
+    frictions; `hinged`: distance of a hinge from where its force crushes the edge, as a share of the block size.
+    `slight`: share of μ|slip| by which joints lift where Coulomb's law has no flow; `idle`: force, per weight, or
+    motion, per `onset`, that is none; `most_joints`: of a model whose least multiplier is sought: the linear programs
+    grow faster than the flow's own.
     """
 
     closed: float = 1e-3
@@ -126,6 +127,7 @@ class LimitTolerances:
     tries: int = 64
     tried: int = 6000
     other: float = 0.5
+    turn: int = 4
     hinged: float = 1e-10
     slight: float = 1e-2
     idle: float = 1e-9

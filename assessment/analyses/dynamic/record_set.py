@@ -112,7 +112,7 @@ def compatibility(target: Target, motions: Sequence[BaseMotion], table: Campaign
 
 @dataclass(frozen=True)
 class Measures:
-    """The measures of intensity that fragilities are told by: PGA, PGV, Sa(T), and AvgSa between two periods (s).
+    """The measures of intensity over which fragilities are given: PGA, PGV, Sa(T), and AvgSa between two periods (s).
 
     AvgSa is the geometric mean of Sa, evenly over ln T; PGV is that of the record without its mean acceleration.
     `period` (s): T of Sa(T); `over_pga`: of each record by their names, over its PGA; PGV in m/s per g.
