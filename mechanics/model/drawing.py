@@ -379,13 +379,6 @@ class Sheet:
         Stones, as a rule, without which the masonry would have a hole.
         """
         near = [o.points[:, :2] for o in self.outlines if len(o.points) > 2 and o.is_near(self.scale)]
-        if not (near and self.reach):
-            return []
-        drawn_rings = [shapely.Polygon(points).buffer(0.0) for points in near]
-        outer, _ = shapely.STRtree(drawn_rings).query(drawn_rings, predicate="contains_properly")
-        within = np.bincount(outer, minlength=len(near))
-        rings = [each for each, n in zip(drawn_rings, within, strict=True) if 2 * n <= len(near)]  # no frames
-        stones, reach = shapely.STRtree(rings), self.reach / self.scale
         holding = {layer_key(o.source.layer) for o in self.closed}
         drawn: dict[str, list[Array]] = {}
         for p in self.placed:
@@ -394,6 +387,15 @@ class Sheet:
                 ends = np.array([path.start.vec2, path.end.vec2])
                 if (abs(ends) <= FARTHEST / self.scale).all():
                     drawn.setdefault(p.layer, []).append(ends)
+        if not (near and drawn and self.reach):
+            return []
+        drawn_rings = np.array([shapely.Polygon(points) for points in near])
+        crossed = ~shapely.is_valid(drawn_rings)  # what they enclose is not worth the work of all their crossings
+        drawn_rings[crossed] = shapely.convex_hull(drawn_rings[crossed])
+        outer, _ = shapely.STRtree(drawn_rings).query(drawn_rings, predicate="contains_properly")
+        within = np.bincount(outer, minlength=len(near))
+        rings = [each for each, n in zip(drawn_rings, within, strict=True) if 2 * n <= len(near)]  # no frames
+        stones, reach = shapely.STRtree(rings), self.reach / self.scale
         found = []
         for layer, lines in drawn.items():
             ends = np.concatenate(lines)

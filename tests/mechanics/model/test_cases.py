@@ -45,10 +45,13 @@ def test_repair_opens_gaps(tmp_path):
 
 @pytest.mark.parametrize("corners", [501, 4001])
 def test_star_500(corners, tmp_path, monkeypatch):
-    """Whether a loop could be taken off is decided without laying out all crossings."""
-    monkeypatch.setattr(shapely, "make_valid", lambda *_, **__: pytest.fail("all crossings are laid out"))
+    """Whether a loop could be taken off, and what lines enclose, is decided without laying out all crossings."""
+    for lays_out in ("make_valid", "buffer"):
+        monkeypatch.setattr(shapely, lays_out, lambda *_, **__: pytest.fail("all crossings are laid out"))
     turns = np.arange(corners) * 2.0 * np.pi * (corners // 2) / corners
     document, space = drawing()
+    outline(space, [(-2e3, -2e3), (2e3, -2e3), (2e3, -1e3), (-2e3, -1e3)])
+    space.add_line((-2e3, -1e3), (-2e3, 1e3), {"layer": "STONES"})
     outline(space, (1e3 * np.column_stack([np.cos(turns), np.sin(turns)])).tolist())
     assert "crosses or touches itself there" in refused(document, tmp_path)
 
