@@ -129,6 +129,17 @@ def test_drawings_of_any_size_are_drawn(size):
     assert [text.get_text() for text in figure.axes[0].texts] == [str(n) for n in range(1, len(kinds) + 1)]
 
 
+def test_many_faults_are_marked_by_as_many_artists_as_few():
+    """99 000 open lines took minutes to be marked, each by an artist of its own."""
+    ring = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    outlines, counts = [Outline(ring, "A")], []
+    for count in (1, 50):
+        faults = [Fault(kind, kind, ring[:1], (ring,)) for kind in ("outline", "overlap", "gap")] * count
+        axes = draw_faults(FaultyDrawingError("x.dxf", faults, outlines), Words.of("en")).axes[0]
+        counts.append(len(axes.get_children()) - len(axes.texts))
+    assert counts[0] == counts[1]
+
+
 def test_a_control_point_outside_a_drawing_of_another_unit_names_the_unit(tmp_path, capsys):
     document, space = drawing(unit="mm")
     outline(space, rectangle(-1000, -1000, 2000, 0), "BASE")

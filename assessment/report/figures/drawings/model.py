@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
@@ -155,8 +156,8 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
         ]
         if rings:
             axes.add_artist(PathPatch(_path(rings), facecolor=grey, edgecolor=INK, linewidth=0.4))
-    for fault in faulty.faults:
-        _mark(axes, fault)
+    for kind in dict.fromkeys(fault.kind for fault in faulty.faults):
+        _mark(axes, kind, [fault for fault in faulty.faults if fault.kind == kind])
     marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
     for turn, (number, fault) in enumerate(marked[:MOST_NUMBERS]):
         angle = 0.7 + 2.4 * turn  # neighbours' numbers lie on different sides
@@ -173,16 +174,19 @@ def _path(rings: Sequence[tuple[Array, bool]]) -> Curve:
     return Curve.make_compound_path(*curves)
 
 
-def _mark(axes: Axes, fault: Fault) -> None:
-    lines = [line for line in fault.lines if len(line) > 1]
-    if lines and fault.kind in SURFACES:
-        axes.add_artist(PathPatch(_path([(line, True) for line in lines]), **_surface(fault.kind)))
+def _mark(axes: Axes, kind: str, faults: Sequence[Fault]) -> None:
+    """Mark the faults of a kind, however many, by one artist for their lines and one for their points."""
+    lines = [own for fault in faults if (own := [line for line in fault.lines if len(line) > 1])]
+    if lines and kind in SURFACES:
+        shapes = [_path([(line, True) for line in own]) for own in lines]
+        axes.add_artist(PathCollection(shapes, **_surface(kind)))
     elif lines:
-        thick = 2.4 if fault.kind == "gap" else 1.3
-        path = _path([(line, False) for line in lines])
+        path = _path([(line, False) for own in lines for line in own])
+        thick = 2.4 if kind == "gap" else 1.3
         axes.add_artist(PathPatch(path, fill=False, edgecolor=RED, linewidth=thick, capstyle="round"))
-    if fault.kind == "outline":
-        axes.plot(*fault.points.T, linestyle="none", marker="o", markersize=3.5, color=RED)
+    if kind == "outline":
+        points = np.concatenate([fault.points for fault in faults])
+        axes.plot(*points.T, linestyle="none", marker="o", markersize=3.5, color=RED)
 
 
 def _surface(kind: str) -> dict[str, Any]:
