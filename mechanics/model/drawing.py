@@ -390,7 +390,7 @@ class Sheet:
         if not (near and drawn and self.reach):
             return []
         drawn_rings = np.array([shapely.Polygon(points) for points in near])
-        crossed = ~shapely.is_valid(drawn_rings)  # what they enclose is not worth the work of all their crossings
+        crossed = ~shapely.is_valid(drawn_rings)  # not worth the work of all their crossings
         drawn_rings[crossed] = shapely.convex_hull(drawn_rings[crossed])
         outer, _ = shapely.STRtree(drawn_rings).query(drawn_rings, predicate="contains_properly")
         within = np.bincount(outer, minlength=len(near))
