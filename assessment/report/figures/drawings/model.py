@@ -156,8 +156,8 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
         ]
         if rings:
             axes.add_artist(PathPatch(_path(rings), facecolor=grey, edgecolor=INK, linewidth=0.4))
-    for kind in dict.fromkeys(fault.kind for fault in faulty.faults):
-        _mark(axes, kind, [fault for fault in faulty.faults if fault.kind == kind])
+    for fault_kind in dict.fromkeys(fault.kind for fault in faulty.faults):
+        _mark(axes, fault_kind, [fault for fault in faulty.faults if fault.kind == fault_kind])
     marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
     for turn, (number, fault) in enumerate(marked[:MOST_NUMBERS]):
         angle = 0.7 + 2.4 * turn  # neighbours' numbers lie on different sides
