@@ -399,9 +399,7 @@ class Sheet:
         found = []
         for layer, lines in drawn.items():
             ends = np.concatenate(lines)
-            first = [
-                min(near) for near in cKDTree(ends).query_ball_point(ends, reach)
-            ]  # ends that meet are one
+            first = [min(k) for k in cKDTree(ends).query_ball_point(ends, reach)]  # ends that meet are one
             edges = {
                 tuple(sorted(edge)) for edge in np.reshape(first, (-1, 2)).tolist() if edge[0] != edge[1]
             }

@@ -13,14 +13,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
-from matplotlib.path import Path as Curve
 
 from assessment.report.figures.drawings.parts import ARROW, draw_ties
 from assessment.report.figures.style import Sheet, foot, key, sheet
 from assessment.report.text.language import Words
 from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Block, Results
-from mechanics.faults import Fault, FaultyDrawingError
+from mechanics.faults import Fault, FaultyDrawingError, Outline
 from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill
 from mechanics.types import Array
 
@@ -145,19 +144,12 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     (x0, z0), (x1, z1) = np.quantile(points, (0.0, 1.0), axis=0).tolist()
     page = sheet((x0, z0, x1, z1), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
     axes = page.panels[0]
-    for kind, grey in (
-        ((True, False), "0.95"),
-        ((True, True), SUPPORT),
-        ((False, False), "none"),
-        ((False, True), "none"),
-    ):
-        rings = [
-            (each.points, each.closed) for each in faulty.outlines if (each.closed, each.support) == kind
-        ]
+    for grey in ("0.95", SUPPORT, "none"):
+        rings = [(each.points, each.closed) for each in faulty.outlines if _grey(each) == grey]
         if rings:
             axes.add_artist(PathPatch(_path(rings), facecolor=grey, edgecolor=INK, linewidth=0.4))
-    for fault_kind in dict.fromkeys(fault.kind for fault in faulty.faults):
-        _mark(axes, fault_kind, [fault for fault in faulty.faults if fault.kind == fault_kind])
+    for kind in dict.fromkeys(fault.kind for fault in faulty.faults):
+        _mark(axes, kind, [fault for fault in faulty.faults if fault.kind == kind])
     marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
     for turn, (number, fault) in enumerate(marked[:MOST_NUMBERS]):
         angle = 0.7 + 2.4 * turn  # neighbours' numbers lie on different sides
@@ -168,10 +160,14 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     return page.figure
 
 
-def _path(rings: Sequence[tuple[Array, bool]]) -> Curve:
+def _grey(outline: Outline) -> str:
+    return "none" if not outline.closed else SUPPORT if outline.support else "0.95"
+
+
+def _path(rings: Sequence[tuple[Array, bool]]) -> Path:
     """Return outlines, closed or not, as one path, which is one element of the SVG."""
-    curves = [Curve(np.vstack([r, r[:1]]) if closed else r, closed=closed) for r, closed in rings]
-    return Curve.make_compound_path(*curves)
+    curves = [Path(np.vstack([r, r[:1]]) if closed else r, closed=closed) for r, closed in rings]
+    return Path.make_compound_path(*curves)
 
 
 def _mark(axes: Axes, kind: str, faults: Sequence[Fault]) -> None:
