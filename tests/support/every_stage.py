@@ -19,7 +19,7 @@ contacts = "rigid"
 records = ["wave*.csv"]
 contacts = "rigid"
 tolerance_g = 0.2
-max_scale = 2.0
+max_scale = 1.2
 """
 REPORT = """[report]
 language = "it"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,13 @@ CROWN, LEFT, RIGHT = (-0.019, 0.789), (-0.282, 0.684), (0.282, 0.684)  # edges o
 PIER, SPRINGING, OTHER = (0.345, 0.30), (0.27, 0.50), (-0.27, 0.50)
 
 
+@cache
+def moved(model: Assembly, movement: tuple[float, float, float], support: str) -> np.ndarray:
+    """Return the positions (n, 3) after a movement of a support, m and rad."""
+    x, z, rotation = movement
+    return pushdown(model, support, (x, z), rotation, increment=0.0004).final.positions
+
+
 def measured(
     model: Assembly, kind: str, point, movement: tuple[float, float, float], support: str = "destro"
 ) -> float:
@@ -28,14 +36,13 @@ def measured(
 
     "span": along x against the other springing; "foot": along z against the benchmark.
     """
-    x, z, rotation = movement
-    final = pushdown(model, support, (x, z), rotation, increment=0.0004).final.positions
+    final = moved(model, movement, support)
     if kind == "lean":
         return 1e3 * float(final[model.block_at(point), 2])
     if kind in {"span", "foot"}:
-        moved = model.point_displacement(point, model.block_at(point), final)
+        here = model.point_displacement(point, model.block_at(point), final)
         other = model.point_displacement(OTHER, model.block_at(OTHER), final)
-        return 1e3 * float((moved - other)[0] if kind == "span" else moved[1])
+        return 1e3 * float((here - other)[0] if kind == "span" else here[1])
     ends = model.joints.ends.reshape(-1, 2)
     nearest = int(np.argmin(np.hypot(*(ends - np.array(point)).T)))
     places = model.contacts.places(final)

@@ -22,11 +22,13 @@ from tests.support.hostile.corpus import KINDS, SHEETS, tried
 from tests.support.hostile.judge import COMPLETED, REFUSED
 from tests.support.hostile.named import COMPLETE, FLOOR, REFUSALS
 
+SHARE = 0.15  # of the inputs; `python -m tests.support.hostile` tries all
+
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_inputs_of_a_kind(kind):
-    counts = tried(KINDS[kind])
-    assert counts["tried"] == counts[REFUSED] + counts[COMPLETED] >= KINDS[kind].count
+    counts = tried(KINDS[kind], SHARE)
+    assert counts["tried"] == counts[REFUSED] + counts[COMPLETED] >= int(SHARE * KINDS[kind].count)
 
 
 def test_the_counts_in_the_docs_are_of_these_inputs():

@@ -51,6 +51,13 @@ RIGHT_MOVES = '[{ destro = ["x", "z", "rotation"] }]'
 UPRIGHT, DOES_NOT_TURN = (0.012, -0.008, 0.0), '[{ destro = ["x", "z"] }]'
 
 
+@pytest.fixture
+def short(monkeypatch):
+    """Few and short paths, for movements that are found from wherever the search begins."""
+    for name, value in {"FARTHEST": 2.0, "COARSE": 20, "FINE": 4, "STARTS": 1}.items():
+        monkeypatch.setattr(search_module, name, value)
+
+
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
     folder = write_surveyed(tmp_path_factory.mktemp("arch"), RIGHT_MOVES, *synthetic_zero())
@@ -117,6 +124,7 @@ def test_standard_errors_do_not_divide_a_jump_by_a_step(identify, model, tmp_pat
     assert "scarto tipo" in in_italian(told)
 
 
+@pytest.mark.usefixtures("short")
 def test_noise_moves_it_within_its_standard_errors(identify, model, tmp_path):
     # four standard errors: the chance of one of two normal deviates beyond is 1e-4, and the seed is fixed
     noise = 0.2 * np.random.default_rng(1).standard_normal(len(PLACES))
@@ -145,6 +153,7 @@ def test_a_crack_that_is_not_there_tells_two_hypotheses_apart(identify, tmp_path
     assert right.distinguished and right.aic > left.aic + 2.0
 
 
+@pytest.mark.usefixtures("short")
 def test_a_movement_that_no_measurement_shows_is_named(identify, model, tmp_path):
     """Above the springing nothing tells a rotation of the pier from a movement of its support."""
     places = [("crown", "crack", CROWN), ("left", "crack", LEFT), ("crown again", "crack", CROWN)]
@@ -179,6 +188,7 @@ def test_no_movement_has_no_sign():
     assert [str(each) for each in movement.displacement] == ["0.0", "0.0"]
 
 
+@pytest.mark.usefixtures("short")
 def test_the_measurement_that_contradicts_the_rest_is_named(identify, model, tmp_path):
     wrong = entry("foot again", "foot", (0.27, 0.10), -2.0)
     found, study = identify(
@@ -190,6 +200,7 @@ def test_the_measurement_that_contradicts_the_rest_is_named(identify, model, tmp
     assert any("does not explain the measurements" in text for text in study.findings)
 
 
+@pytest.mark.usefixtures("short")
 def test_supports_do_not_rise_unless_they_may(identify, model, tmp_path):
     up = synthetic(model, [PLACES[3], PLACES[4]], (0.004, 0.006, 0.0))
     hypotheses = '[{ destro = ["x", "z"] }]'
@@ -243,6 +254,7 @@ def test_movements_that_could_not_be_followed_are_told_with_their_reason(tmp_pat
     assert "spostamenti provati" in in_italian(text)
 
 
+@pytest.mark.usefixtures("short")
 def test_supports_that_move_together(identify, tmp_path):
     """Both go out by the same: the span shows the sum, each foot its own; there is no settlement to paste."""
     places = [("span", "span", SPRINGING, 16.0), ("foot", "foot", (0.27, 0.10), -3.0)]
