@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from assessment.app.editing import Versions
-from assessment.app.session import Session, file_name, plain
+from assessment.app.session import Session, file_name
 from assessment.project.formats import TOML, XLSX
 from assessment.project.formats import convert as to_other_format
 from assessment.project.project import json_schema, survey_project
@@ -25,7 +25,7 @@ Kind = TypeVar("Kind")
 def schema(session: Session, _: Sent) -> dict[str, Any]:
     """Return what does not change: the schema of the project file, the words of the page, stages."""
     return {
-        "schema": plain(json_schema()),
+        "schema": json_schema(),
         "words": {language: page_words(language) for language in ("it", "en")},
         "stages": STAGES,
     }

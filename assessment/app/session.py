@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import copy
 import json
-import math
 import os
 import platform
 import signal
@@ -21,8 +20,8 @@ from typing import Any
 
 from assessment.app.editing import OWN, ConflictError, Versions, digest_of, drawing_tag
 from assessment.app.worker import Worker
-from assessment.project.formats import SOURCES, TOML
-from assessment.project.project import survey_project
+from assessment.project.formats import SOURCES
+from assessment.project.project import project_file, spelt, survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files import write_atomically
 from assessment.runtime.journal import NAME as JOURNAL
@@ -120,20 +119,18 @@ class Opened:
 
     def _read(self) -> dict[str, Any]:
         """Return content and problems of the project file as it is now; `inputs`: digests of the files of a run."""
-        source = next((name for name in SOURCES if (self.folder / name).is_file()), TOML)
-        found = dict.fromkeys(("content", "error", "tag", "inputs", "digest"))
-        found |= {"folder": str(self.folder), "project": self.tag, "source": source, "problems": []}
-        if not (file := self.folder / source).is_file():
-            return found | {"error": f"{file}: is not there any more; put it back, or open another folder"}
+        found = dict.fromkeys(("content", "error", "tag", "inputs", "digest", "source"))
+        found |= {"folder": str(self.folder), "project": self.tag, "problems": []}
         try:
-            found["digest"] = digest_of(file.read_bytes())
-            project, contradictions = survey_project(self.folder)
+            file = project_file(self.folder)
+            found |= {"source": file.name, "digest": digest_of(file.read_bytes())}
+            project, contradictions = survey_project(file)
         except (ProjectError, OSError) as error:
             return found | {"error": error_text(error)}
         with suppress(OSError, ValueError):
             found["inputs"] = project.digests()
         return found | {
-            "content": plain(project.content(defaults=False)),
+            "content": spelt(project.content(defaults=False)),
             "language": project.report.language,
             "problems": str(contradictions).split("\n") if contradictions else [],
             "tag": drawing_tag(project),
@@ -178,11 +175,8 @@ class Session:
 
     def open(self, folder: Path | None) -> None:
         """Show another project, or none. Raises ProjectError where there is none in the folder."""
-        if folder is not None:
-            folder = folder.absolute().parent if folder.name in SOURCES else folder.absolute()
-            if not any((folder / name).is_file() for name in SOURCES):
-                survey_project(folder)  # raises, and says why
-        self.root.opened = Opened(folder, Path(self.staging.name)) if folder else None
+        staging = Path(self.staging.name)
+        self.root.opened = None if folder is None else Opened(project_file(folder).parent, staging)
 
     def held(self, tag: str | None) -> Session:
         """Return the session with its project held fast, whatever is opened meanwhile.
@@ -269,12 +263,3 @@ def file_name(name: str) -> str:
     if not plain_name or not name or name.startswith("."):
         raise ProjectError(f"{name[:120]!r}: no name of a file or folder; write another")
     return name
-
-
-def plain(value: Any) -> Any:
-    """Return plain values for JSON: infinity as the text "inf"."""
-    if isinstance(value, dict):
-        return {key: plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(each) for each in value]
-    return "inf" if value == math.inf else value

@@ -7,6 +7,7 @@ other) is.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterable
@@ -122,7 +123,7 @@ def survey_project(folder: Path | str) -> tuple[Project, ProjectError | None]:
     Raises ProjectError, as `load_project`, where its keys, types and ranges are wrong already.
     """
     try:
-        file = _source(Path(folder).absolute())
+        file = project_file(folder)
         content, places, faults = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {}, [])
     except OSError as error:
         raise ProjectError(f"{error.filename}: project: {error.strerror}; make it readable") from None
@@ -145,7 +146,18 @@ def json_schema() -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | schema | {"title": "Assesto project"}
 
 
-def _source(path: Path) -> Path:
+def spelt(value: Any) -> Any:
+    """Return the content of the project file with infinity as the text "inf": JSON has no infinity."""
+    if isinstance(value, dict):
+        return {key: spelt(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [spelt(each) for each in value]
+    return "inf" if value == math.inf else value
+
+
+def project_file(folder: Path | str) -> Path:
+    """Return the project file in `folder`, or the file itself. Raises ProjectError where there is none."""
+    path = Path(folder).absolute()
     if CONTROL.search(str(path)):
         from mechanics.faults import visible  # late: the mechanics take their time
 

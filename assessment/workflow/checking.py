@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import platform
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from assessment.analyses.static.paths import pressed_in, stand
 from assessment.ntc.tables import psi_2
 from assessment.project import motions as base
 from assessment.project.plausibility import implausible_hazard
-from assessment.project.project import Project
+from assessment.project.project import Project, spelt
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.masonry import table_of
 from assessment.project.structure.model import ProjectModel, build_model
@@ -55,7 +54,7 @@ def describe(project: Project, model: ProjectModel) -> Results:
         format=FORMAT, assesto=installed("assesto"), title=project.title, summary=EMPTY,
         inputs={visible(name): digest for name, digest in project.digests().items()},
         model=_summary(project, model), geometry=_geometry(project, model), loads=_loads(project, model.assembly),
-        echo=parts.Echo.model_validate(_spelt(project.echoed())),
+        echo=parts.Echo.model_validate(spelt(project.echoed())),
         states={name: _empty(project, name, len(model.assembly.blocks)) for name in states},
         comparison=[], convergence=Convergence(tolerance=accuracy_of(project).tolerance, rows=[]),
         quality=parts.Quality(solves=0, warnings=[], by_stage=[]), timing_s={},
@@ -101,15 +100,6 @@ def _empty(project: Project, name: str, blocks: int) -> State:
         return found
     ties = [tie.name for tie in project.ties_of(name)[1]]
     return found.replace(strengthening=Strengthening(of=made.of, ties=ties, layers=list(made.layers)))
-
-
-def _spelt(value: Any) -> Any:
-    """Return the content of the project file with infinity as the text "inf": JSON has no infinity."""
-    if isinstance(value, dict):
-        return {key: _spelt(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_spelt(each) for each in value]
-    return "inf" if value == math.inf else value
 
 
 def _loads(project: Project, a: Assembly) -> list[parts.LayerLoads]:

@@ -7,6 +7,7 @@ agrees with the state itself, nothing scatters and no other member is run. Range
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
@@ -131,16 +132,29 @@ def _follow(
 
 
 def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:
-    """Return the assembly with every corner of its movable blocks moved by `noise` of the block, each at random."""
-    random = np.random.default_rng(seed)
-    blocks = []
-    for block in model.blocks:
-        if block.support is None:
-            corners, size = block.polygon, np.ptp(block.polygon, axis=0).max()
-            moved = corners + noise * size * random.uniform(-1.0, 1.0, corners.shape)
-            block = replace(block, vertices=moved)  # noqa: PLW2901
-        blocks.append(block)
-    return replace(model, blocks=blocks)
+    """Return the assembly with every corner of its movable blocks moved by `noise` of the block, each at random.
+
+    Its joints are those of the model: blocks of others, such as the halves of a joint at a corner of a straight face,
+    stay as drawn.
+    """
+    drawn, still = _faces(model), set[int]()
+    while True:
+        random, blocks = np.random.default_rng(seed), []
+        for number, block in enumerate(model.blocks):
+            if block.support is None:
+                corners, size = block.polygon, np.ptp(block.polygon, axis=0).max()
+                moved = corners + noise * size * random.uniform(-1.0, 1.0, corners.shape)
+                block = block if number in still else replace(block, vertices=moved)  # noqa: PLW2901
+            blocks.append(block)
+        found = replace(model, blocks=blocks)
+        if not (others := (_faces(found) - drawn) | (drawn - _faces(found))):
+            return found
+        still.update(number for pair in others for number in pair)
+
+
+def _faces(model: Assembly) -> Counter[tuple[int, int]]:
+    """Return how many joints there are between two blocks."""
+    return Counter(zip(model.joints.a.tolist(), model.joints.b.tolist(), strict=True))
 
 
 Run = Sequence[StateResult]

@@ -122,7 +122,10 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         told.append(message("surveyed cracks, to be drawn beside those calculated: {n}", n=len(drawn.cracks)))
     keys = ["geometry.depth_m = 1.0", "material.unit_weight_kN_m3 = 18.0", "material.friction = 0.6"]
     keys += [f"layers.{name}.bond" for name in walls] + ["settlements"] * len(moved) + ["report"]
-    told.append(message("to fill in: {keys}; for NTC 2018 [assessment] and [assessment.site]", keys=keys))
+    told.append(message(
+        'to fill in: {keys}; for NTC 2018 [assessment] and [assessment.site], with model = "none", or elastic contacts',
+        keys=keys,
+    ))  # fmt: skip
     return {key: value for key, value in content.items() if value}, tuple(told)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from markupsafe import Markup
 
 from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
 from assessment.results import summary
-from assessment.results.schema import Results
+from assessment.results.schema import Results, known
+from assessment.results.schema.summary import SummaryRow
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 
@@ -67,18 +69,30 @@ def _outcome(results: Results, name: str, words: Words) -> str:
 
 
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
-    """Return a sentence on what an intervention gives back, in the direction that is weakest after it."""
-    row, limit = summary.least_row(results, name), summary.index_limit(results)
+    """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
+
+    Where the structure is now weakest in another direction, the index there is told too.
+    """
+    limit = summary.index_limit(results)
+    before = summary.least_row(results, known(results.states[name].strengthening).of)
+    row = next(
+        (row for row in summary.rows_of(results, name) if before and row.direction == before.direction), None
+    )
     check = summary.index_of(row, limit) if row else None
     if row is None or check is None or check.zeta_E is None or check.gain is None or check.gain <= -1.0:
         return Markup("")
+
+    def where(each: SummaryRow) -> str:
+        return f"{limit}, {direction_name(each.direction or '')}"
+
     ratios = {"before": check.zeta_E / (1.0 + check.gain), "after": check.zeta_E}
-    said = {key: words.ratio(value) for key, value in ratios.items()} | {"gain": words.per_cent(check.gain)}
-    said |= {
-        "where": f"{limit}, {direction_name(row.direction or '')}",
-        "outcome": _outcome(results, name, words),
-    }
-    return words("synthesis.strengthened", state=name, **said)
+    said: dict[str, Any] = {key: words.ratio(value) for key, value in ratios.items()}
+    said |= {"gain": words.per_cent(check.gain), "where": where(row), "least": ""}
+    least = known(summary.least_row(results, name))
+    if least is not row:
+        value = words.ratio(known(known(summary.index_of(least, limit)).zeta_E))
+        said["least"] = words("synthesis.strengthened_least", least=value, where=where(least))
+    return words("synthesis.strengthened", state=name, outcome=_outcome(results, name, words), **said)
 
 
 def _open(results: Results, words: Words) -> Iterator[Markup]:

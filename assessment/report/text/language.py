@@ -25,11 +25,12 @@ from assessment.results.table import Row
 from mechanics.messages import Message, english, filled
 
 LANGUAGES = ("it", "en")
-# blanks at which no line ends: before a unit that stands in the text, around the equals sign before a number
+# where no line ends: at the blank before a unit, around the equals sign before a number, at the stroke of a unit
 KEPT = re.compile(
     r"(?<=\d) (?=(?:mm|cm|m|kN|kNm|rad|mrad|°|%|s|g)(?!\w))|(?<=[\w>*]) = (?=[−\d])|(?<=[≤≥×]) (?=\d)"
+    r"|(?<=kN)/(?=m)|(?<=\[m)/(?=s)"
 )
-NO_BREAK = "\u00a0"
+NO_BREAK, WORD_JOINER = "\u00a0", "\u2060"
 NOTHING_M = 1e-6  # m; displacements below it are rounding
 Label = TypeVar("Label", str, Markup)
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -155,7 +156,7 @@ def power_of_ten(exponent: str) -> str:
 
 def joined(text: Label) -> Label:
     """Return a text, or HTML, in which no line ends between a number and its unit or its symbol."""
-    return type(text)(KEPT.sub(lambda found: found[0].replace(" ", NO_BREAK), text))
+    return type(text)(KEPT.sub(lambda it: it[0].replace(" ", NO_BREAK).replace("/", f"/{WORD_JOINER}"), text))
 
 
 def plain_text(html: Markup) -> str:

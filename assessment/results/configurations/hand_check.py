@@ -11,7 +11,7 @@ import numpy as np
 from assessment.results.asked import material
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.ties import lengthening, ties_of
-from assessment.results.schema import Direction, Joint, Results, RigidPush, known
+from assessment.results.schema import Direction, Results, RigidPush, known
 from assessment.results.table import Row, Table, columns_of, sense
 from mechanics.pictures import field, place
 from mechanics.types import Array
@@ -125,10 +125,14 @@ def _groups(results: Results, state: str, direction: Direction) -> tuple[list[Ma
     moving = np.zeros(len(rate), dtype=bool)
     np.maximum.at(moving, shape.owner, speed > STILL * fastest)
     group = np.arange(len(rate))
-    for joint in results.geometry.joints:
-        i, j = joint.blocks
-        if moving[i] and moving[j] and _as_one(joint, drawn.centroids, at, shape.centroids, rate, fastest):
-            group[group == group[j]] = group[i]
+    pairs = np.array([joint.blocks for joint in results.geometry.joints], dtype=np.intp).reshape(-1, 2)
+    ends = np.array([joint.ends_m for joint in results.geometry.joints], dtype=float).reshape(-1, 2)
+    first, second = np.repeat(pairs, 2, axis=0).T
+    points = place(ends, first, drawn.centroids, at)
+    slip = field(points, first, shape.centroids, rate) - field(points, second, shape.centroids, rate)
+    apart = np.linalg.norm(slip, axis=1).reshape(-1, 2).max(axis=1)  # of both ends of a joint
+    for i, j in pairs[(apart < TOGETHER * fastest) & moving[pairs].all(axis=1)]:
+        group[group == group[j]] = group[i]
     weight, seismic = weights(results)
     centroids = shape.centroids - np.array(results.geometry.origin_m or (0.0, 0.0))
     found = []
@@ -237,15 +241,6 @@ def rigid_push(results: Results, state: str, direction: Direction) -> RigidPush:
     return known(results.states[state].pushover[direction].rigid)
 
 
-def _as_one(joint: Joint, drawn: Array, at: Array, centroids: Array, rate: Array, fastest: float) -> bool:
-    """Whether the two blocks of a joint have the same velocity at both its ends."""
-    ends = np.asarray(joint.ends_m, dtype=float)
-    owners = [np.full(2, block) for block in joint.blocks]
-    point = place(ends, owners[0], drawn, at)
-    first, second = (field(point, owner, centroids, rate) for owner in owners)
-    return bool(np.linalg.norm(first - second, axis=1).max() < TOGETHER * fastest)
-
-
 def weights(results: Results) -> tuple[Array, Array]:
     """Return weights and seismic weights (b,) kN, worked out from outlines, depths and the project's own figures."""
     weight, seismic = [], []
@@ -261,8 +256,8 @@ def weights(results: Results) -> tuple[Array, Array]:
 
 def outline_area(vertices: Any) -> float:
     """Return the area of a simple polygon in m² (shoelace)."""
-    x, z = (np.asarray(vertices, dtype=float) - vertices[0]).T
-    return float(abs(np.dot(x, np.roll(z, -1)) - np.dot(z, np.roll(x, -1))) / 2.0)
+    x, z = (np.asarray(vertices, dtype=float) - vertices[0]).T  # the products with the first vertex are 0
+    return float(abs(np.dot(x[:-1], z[1:]) - np.dot(z[:-1], x[1:])) / 2.0)
 
 
 def _rounded(value: float) -> float:

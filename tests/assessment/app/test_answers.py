@@ -65,10 +65,10 @@ def test_a_project_file_that_is_gone_or_no_file_is_told(session):
     path = session.folder / "project.toml"
     content = path.read_bytes()
     path.unlink()
-    assert "put it back" in ask(session, "state")["error"]
+    assert "holds no project.toml" in ask(session, "state")["error"]
     if hasattr(os, "mkfifo"):
         os.mkfifo(path)  # to read it would take for ever
-        assert "put it back" in ask(session, "state")["error"]
+        assert "holds no project.toml" in ask(session, "state")["error"]
         path.unlink()
     path.write_bytes(content)
     assert ask(session, "state")["error"] is None

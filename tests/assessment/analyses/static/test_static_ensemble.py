@@ -27,10 +27,10 @@ from assessment.results.schema import State
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush, Run
 from assessment.runtime.tasks import Workers
-from mechanics import pushover
+from mechanics import Assembly, Block, Material, pushover
 from mechanics.messages import message
 from tests.support.block_project import TURNED, block, read_results, run, write_block
-from tests.support.structures import block_on_base, running_bond
+from tests.support.structures import block_on_base, rectangle, running_bond
 from tests.support.typed import made
 
 PUSHOVER = '[pushover]\ndirections = ["+x"]\nincrement_m = 0.02\n'
@@ -108,6 +108,18 @@ def test_members_differ_by_their_increments_and_by_the_last_digits_of_corners(re
         assert far == 0.0 if one.support else 0.0 < far <= ENSEMBLE.noise * np.ptp(one.polygon, axis=0).max()
     again = shaken_corners(drawn, 1)
     assert all(np.array_equal(a.polygon, b.polygon) for a, b in zip(moved.blocks, again.blocks, strict=True))
+
+
+def test_a_corner_of_a_straight_face_parts_no_joint_of_a_member():
+    """Results have the joints of the drawing, whichever member they are of."""
+    stone, base = Material(20.0, friction=0.6), rectangle(-1.0, -1.0, 3.0, 0.0)
+    left = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0], [0.0, 1.0]]
+    shapes = [left, rectangle(1.0, 0.0, 2.0, 1.0)]
+    model = Assembly([Block(base, 1.0, stone, support="base"), *(Block(each, 1.0, stone) for each in shapes)])
+    drawn = [model.joints.a.tolist(), model.joints.b.tolist()]
+    for seed in range(4):
+        shaken = shaken_corners(model, seed)
+        assert [shaken.joints.a.tolist(), shaken.joints.b.tolist()] == drawn
 
 
 @pytest.mark.parametrize(("friction", "slides"), [(0.1, True), (0.7, False)])

@@ -12,7 +12,9 @@ from assessment.report.chapters.lead import lead
 from assessment.report.chapters.synthesis import basis, governing_mechanism, synthesis_grid
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms
-from assessment.report.text.language import Words, direction_name, words_of
+from assessment.report.text.language import Words, direction_name, plain_text, words_of
+from assessment.results.schema.static import Strengthening
+from assessment.results.schema.summary import SummaryCheck
 from assessment.results.summary import index_limit, worst_settled
 from tests.support.analysed import analysed
 from tests.support.judgement.random_results import random_results
@@ -161,3 +163,36 @@ def test_the_range_stands_beside_the_index_that_is_used():
     used = WORDS.ratio(found.summary.governing.zeta_E)
     said = " ".join(map(str, basis(found, WORDS)))
     assert f"{used} is the least of several computations" in said and "between 0.25 and 2.50" in said
+
+
+def test_an_intervention_is_told_in_the_direction_in_which_it_found_the_structure_weakest():
+    """0.40 to 1.30 in −x, beside 0.90 to 1.10 in +x: neither 0.90 to 1.10 alone, nor 0.40 to 1.10."""
+    example = typed(results_example())
+    drawn = example.states["original"]
+    tied = drawn.replace(strengthening=Strengthening(of="original", ties=["tie"], layers=[]))
+    first = example.summary.rows[0]
+
+    def row(state, direction, ratio, gain):
+        check = SummaryCheck(check="SLV", zeta_E=ratio, verified=ratio >= 1.0).replace(gain=gain)
+        return first.replace(state=state, direction=direction, verified=ratio >= 1.0, checks={"SLV": check})
+
+    rows = [
+        row("original", "+x", 0.9, None),
+        row("original", "-x", 0.4, None),
+        row("tied", "+x", 1.1, 1.1 / 0.9 - 1.0),
+        row("tied", "-x", 1.3, 1.3 / 0.4 - 1.0),
+    ]
+    results = example.replace(
+        states={"original": drawn, "tied": tied}, summary=example.summary.replace(rows=rows)
+    )
+    said = [plain_text(sentence) for sentence in lead(results, WORDS)]
+    assert any("0.40 (SLV, −x)" in each for each in said)
+    assert any(
+        "from 0.40 to 1.30 (SLV, −x): a gain of 225 %; the least is now 1.10 (SLV, +x)"
+        in each.replace("\u00a0", " ")
+        for each in said
+    )
+    only = example.replace(
+        states={"original": drawn, "tied": tied}, summary=example.summary.replace(rows=rows[1::2])
+    )
+    assert not any("least" in plain_text(sentence) for sentence in lead(only, WORDS))
