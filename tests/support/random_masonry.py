@@ -16,18 +16,38 @@ def random_masonry(seed: int) -> Assembly:
     return _wall(rng) if seed % 3 else _arch(rng)
 
 
+def small_wall(seed: int) -> Assembly:
+    """A wall of 1 to 4 bricks and 2 to 6 courses, whose joints slide."""
+    rng = np.random.default_rng(1000 + seed)
+    friction, length, slender = rng.uniform(0.35, 0.6), rng.uniform(0.3, 0.6), rng.uniform(0.35, 0.9)
+    columns, courses = rng.integers(1, 5), rng.integers(2, 7)
+    return _bond(rng, friction, length, slender * length, columns, courses, 0.08)
+
+
 def _wall(rng: np.random.Generator) -> Assembly:
-    """Courses of bricks on a base, every other one shifted by a part of a brick; some bricks are missing."""
     friction, length, height = rng.uniform(0.4, 0.8), rng.uniform(0.3, 0.6), rng.uniform(0.12, 0.3)
     columns, courses = rng.integers(2, 7), rng.integers(2, 8)
+    return _bond(rng, friction, length, height, columns, courses, 0.06)
+
+
+def _bond(
+    rng: np.random.Generator,
+    friction: float,
+    length: float,
+    height: float,
+    columns: int,
+    courses: int,
+    missing: float,
+) -> Assembly:
+    """Courses of bricks on a base, every other one shifted by a part of a brick; a share of the bricks is missing."""
     stone, width = Material(18.0, friction, 1e6), columns * length
     blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.3, stone, support="base")]
     for course in range(courses):
         shift = rng.uniform(0.25, 0.75) * length if course % 2 else 0.0
         ends = np.unique(np.round(np.r_[0.0, np.arange(columns) * length + shift, width], 9))
         for left, right in pairwise(ends):
-            missing = rng.uniform() < 0.06
-            if not (missing and course < courses - 1 and left > 0.0 and right < width):
+            gone = rng.uniform() < missing
+            if not (gone and course < courses - 1 and left > 0.0 and right < width):
                 blocks.append(
                     Block(rectangle(left, course * height, right, (course + 1) * height), 0.3, stone)
                 )

@@ -43,35 +43,28 @@ def sound(motion: TimeHistory) -> None:
     assert not any("energy balance" in note for note in motion.notes)
 
 
-@pytest.mark.parametrize(("stiffness", "falls"), [(1e7, 1.51), (1e8, 1.78)])
-@pytest.mark.parametrize("factor", [1.0])
-def test_collapse_on_stiff_joints_is_seen_at_the_usual_step(
-    factor: float, stiffness: float, falls: float
-) -> None:
-    """0.12 g at 5 ms. In steps of 0.3 ms, where little is halved, five members fall at 1.48 to 1.54 s on k = 1e7 kN/m³.
-
-    On 1e8 they fall at 1.76 to 1.79 s, and at 1.78 s in steps of 0.08 ms.
-    """
-    motion = time_history(buttressed_arch(stiffness), factor * shaking(0.12, STEP, 3.0), STEP, "elastic")
+def test_collapse_on_stiff_joints_is_seen_at_the_usual_step() -> None:
+    """0.12 g at 5 ms on k = 1e8 kN/m³. Five members fall at 1.76 to 1.79 s in steps of 0.3 ms, at 1.78 s in 0.08 ms."""
+    motion = time_history(buttressed_arch(1e8), shaking(0.12, STEP, 3.0), STEP, "elastic")
     sound(motion)
-    assert motion.collapsed and motion.time_of_collapse == pytest.approx(falls, abs=0.1)
+    assert motion.collapsed and motion.time_of_collapse == pytest.approx(1.78, abs=0.1)
     assert motion.halvings > 100
 
 
 def test_stiff_joints_move_as_rigid_ones_in_the_limit() -> None:
     """The first uplift, 0.85 s at 0.12 g in steps of 1.25 ms: rigid joints stand until 0.127 g, soft ones rock before.
 
-    Rotations of 37, 11, 7.8 and 5.7 mrad were measured on 1e7, 1e8, 1e9 kN/m³ and rigid joints, in steps of 0.3 ms.
+    Rotations of 37, 11 and 5.7 mrad were measured on 1e7, 1e8 kN/m³ and rigid joints, in steps of 0.3 ms.
     """
     wave = shaking(0.12, 0.25 * STEP, 0.85)
-    models = [*(buttressed_arch(k) for k in (1e7, 1e8, 1e9)), drawn("buttressed_arch")]
+    models = [*(buttressed_arch(k) for k in (1e7, 1e8)), drawn("buttressed_arch")]
     turned = []
-    for model, contacts in zip(models, ("elastic", "elastic", "elastic", "rigid"), strict=True):
+    for model, contacts in zip(models, ("elastic", "elastic", "rigid"), strict=True):
         motion = time_history(model, wave, 0.25 * STEP, contacts)
         turned.append(float(abs(motion.positions[-1] - motion.positions[0])[:, 2].max()))
     *elastic, rigid = turned
     beyond = [value / rigid - 1.0 for value in elastic]
-    assert beyond[0] > 3.0 and beyond[1] < 0.25 * beyond[0] and 0.0 < beyond[2] < 0.5 * beyond[1]
+    assert beyond[0] > 3.0 and 0.0 < beyond[1] < 0.25 * beyond[0]
 
 
 def test_a_bed_that_is_stiff_for_its_step_gives_no_energy() -> None:
@@ -100,9 +93,9 @@ def test_steps_are_halved_until_a_contact_has_eight() -> None:
 
 
 def test_an_ensemble_at_the_usual_step_has_the_resolved_median() -> None:
-    """Fifteen members; 45 at 0.3 ms have 5.9 to 15.0 mm, median 13.7 mm (95 % confidence: 13.3 to 13.9 mm)."""
+    """Seven members; 45 at 0.3 ms have 5.9 to 15.0 mm, median 13.7 mm (95 % confidence: 13.3 to 13.9 mm)."""
     found = []
-    for factor in np.linspace(0.99, 1.01, 15):
+    for factor in np.linspace(0.99, 1.01, 7):
         motion = time_history(
             drawn("buttressed_arch"), factor * shaking(0.12, STEP, 2.2), STEP, control=SPRINGING
         )

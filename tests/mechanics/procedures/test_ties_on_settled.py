@@ -10,9 +10,9 @@ from tests.support.random_masonry import random_masonry
 
 
 @pytest.mark.parametrize("sliding", ["coulomb", "associative"])
-@pytest.mark.parametrize("seed", range(0, 45, 3))
+@pytest.mark.parametrize("seed", range(0, 45, 9))
 def test_no_settled_arch_falls_for_a_tie(seed, sliding):
-    """Fifteen arches whose right support has spread, by both laws; the tie is set after the movement."""
+    """Arches whose right support has spread, by both laws; the tie is set after the movement."""
     model = random_masonry(seed)
     try:
         settled = pushdown(model, "right", (0.02, -0.01), increment=0.005, sliding=sliding).final
