@@ -267,7 +267,7 @@ def test_capacity_that_is_not_defined():
     soil=st.sampled_from("ABCDE"),
     less=st.floats(0.5, 0.99),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_capacity_falls_with_d_0_and_with_the_confidence_factor(alpha_0, d_0, model, soil, less):
     spectrum = ElasticSpectrum(0.25, 2.4, 0.30, soil)
     demands = dict.fromkeys(STATES, spectrum)

@@ -116,6 +116,7 @@ def test_what_was_probably_meant_is_said(tmp_path, case):
     assert len(others) == (case == "a_g in m/s²")  # SLC is then below SLV
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_a_check_and_a_run_say_it(tmp_path, capsys):
     folder = write_block(tmp_path / "block", SITE.replace("ag_g = 0.261", "ag_g = 2.61"))
     for verb in (["check"], ["run", "--no-report"]):

@@ -178,7 +178,7 @@ def test_comments_stay_in_the_file_that_is_kept(tmp_path):
     assert "# Drawn" not in file.read_text(encoding="utf-8") and load_project(folder).content() == before
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(old=project_contents(), new=project_contents())
 def test_a_text_that_is_brought_to_say_something_says_it(old, new):
     text = commented_toml(old)

@@ -21,7 +21,7 @@ from assessment.runtime.pool import KilledError
 from assessment.runtime.progress import Show
 from assessment.workflow.stages import run
 from tests.support.block_project import command, contents, edit, timeless, write_block
-from tests.support.campaign_project import SEARCHES, write_campaign
+from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.scheduler import LONG, scheduler
 
 distributed = pytest.importorskip("distributed")
@@ -53,7 +53,7 @@ class Murder(Show):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
 def test_a_worker_that_is_killed_costs_what_it_was_at_and_no_result(local, tmp_path):
-    project = load_project(write_campaign(tmp_path / "block", SEARCHES, 2))
+    project = load_project(write_campaign(tmp_path / "block", STRIPES, 2))
     model, store, murder = build_model(project), Store(tmp_path / FOLDER), Murder(local)
     away = run(project, model, store=store, show=murder, scheduler=local.scheduler_address)
     assert murder.killed and away.complete and away.taken == 0

@@ -16,13 +16,12 @@ TITLE = 'title = "Block"'
 GREEK = 'title = "Tuff, −5 µm … Ξ, città"'
 
 
-ALL = ["help", "help of a command", "version", "schema", "templates", "run", "status"]
+ALL = ["help", "schema", "run", "status"]
 
 
 def arguments(command: str, project) -> list[object]:
     given = {
-        "help": ["--help"], "help of a command": ["run", "--help"], "version": ["--version"],
-        "templates": ["new", "--list"], "schema": ["schema"], "run": ["run", project, "--no-report"],
+        "help": ["run", "--help"], "schema": ["schema"], "run": ["run", project, "--no-report"],
     }  # fmt: skip
     return given.get(command) or [command, project]
 

@@ -111,12 +111,8 @@ def block(tmp_path, no_figures):
     return write_campaign(tmp_path / "block", SEARCHES, 3)
 
 
-def test_a_small_campaign(tmp_path, request):
-    """Its first run draws figures, the second does not."""
-    block = write_campaign(tmp_path / "block", SEARCHES, 3)
+def test_a_small_campaign(block):
     assert run(block) == 0
-    assert (block / "output" / "figures" / "campaign_loss.svg").is_file()
-    request.getfixturevalue("no_figures")
     found = read_results(block / "output")["campaign"]
     rows = found["combinations"]
     assert [(row["record"], row["share"], row["sign"]) for row in rows] == [
@@ -138,9 +134,6 @@ def test_a_small_campaign(tmp_path, request):
     pairs = sorted(1.0 - b["level_50_g"] / a["level_50_g"] for a, b in zip(rows[:3], rows[3:], strict=True))
     assert lost["dynamic"] == pytest.approx(pairs[1]) and 0.0 < lost["static"] < 0.3
     _static_of_the_checks(read_results(block / "output"))
-    before = timeless(read_results(block / "output"))
-    assert run(block, "--jobs", "2", "--fresh") == 0
-    assert timeless(read_results(block / "output")) == before
 
 
 def _static_of_the_checks(results):
@@ -153,13 +146,13 @@ def _static_of_the_checks(results):
 
 
 def test_a_scan_begins_where_its_neighbour_ends_and_levels_do_not_depend_on_what_is_finished(block):
-    edit(block, 'records = ["wave*.csv"]', 'records = ["wave[12].csv"]')
+    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
     edit(block, "shares = [0.0, 1.0]", "shares = [0.0, 0.5, 1.0]")
     edit(block, "scatter = 2", "scatter = 1")
     project = load_project(block)
     model = build_model(project)
     whole = workflow(project, model, jobs=2)
-    shows = [Stopping(after) for after in (1, 2, 6)]
+    shows = [Stopping(after) for after in (0, 0, 3)]
     for show in shows:  # stopped twice, then run to its end, in one process
         with suppress(KeyboardInterrupt):
             again = workflow(project, model, jobs=1, store=Store(block / "kept"), show=show)
@@ -167,17 +160,17 @@ def test_a_scan_begins_where_its_neighbour_ends_and_levels_do_not_depend_on_what
     assert timeless(plain(again.results)) == timeless(plain(whole.results))
     rows = plain(whole.results)["campaign"]["combinations"]
     # eight levels down to 0.7 of the lowest, two above, and what is passed on the way from the neighbour's
-    assert all(row["runs"] <= 16 for row in rows[2:])
+    assert all(row["runs"] <= 16 for row in rows[1:])
 
 
 class Stopping(Show):
-    """Interrupts a campaign of six combinations before so many are finished; counts all that is `finished`."""
+    """Interrupts a campaign of three combinations before so many are finished; counts all that is `finished`."""
 
     def __init__(self, after):
         self.left, self.searches, self.finished = after, False, 0
 
     def begin(self, stage, total, taken, work):
-        self.searches = (stage, total) == ("campaign", 6)
+        self.searches = (stage, total) == ("campaign", 3)
 
     def advance(self, done):
         self.finished += 1
@@ -262,6 +255,7 @@ def test_losses_that_are_not_told_are_told_why(block):
     """They were null without a word."""
     edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
     edit(block, "shares = [0.0, 1.0]", "shares = [1.0]")
+    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1]\n')
     assert run(block, "--only", "campaign") == 0
     found = read_results(block / "output")
     assert found["campaign"]["loss"][0]["dynamic"] is None
@@ -293,6 +287,7 @@ def test_a_control_point_beside_the_axis_leaves_both_signs_to_be_run(block):
     edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
     edit(block, "signs = [1]", "signs = [1, -1]")
     edit(block, "shares = [0.0, 1.0]", "shares = [0.0]")
+    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1]\n')
     assert run(block, "--only", "campaign") == 0
     assert read_results(block / "output")["campaign"]["computed"] == 2
 
