@@ -8,6 +8,7 @@ import itertools
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -70,14 +71,9 @@ def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> 
     write_atomically(folder / "report.docx", to_docx(page, folder))
 
 
-def render_html(
-    results: Results,
-    figures: Path,
-    words: Words,
-    edited: Markup | None = None,
-    interactive: Viewer | None = None,
-) -> str:
-    """Return the report as one self-contained page, with or without the part to step through on the screen."""
+@cache
+def _template() -> jinja2.Template:
+    """Return the template of the report, compiled once for page, PDF and Word."""
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
         autoescape=True,
@@ -86,6 +82,17 @@ def render_html(
         lstrip_blocks=True,
         finalize=lambda value: joined(value) if type(value) in {str, Markup} else value,
     )
+    return environment.get_template("report.html.j2")
+
+
+def render_html(
+    results: Results,
+    figures: Path,
+    words: Words,
+    edited: Markup | None = None,
+    interactive: Viewer | None = None,
+) -> str:
+    """Return the report as one self-contained page, with or without the part to step through on the screen."""
     full = results.echo.report.annexes == "full"
     attached = _attached(results, figures.parent)
     calculations = list(traces(results, words))
@@ -96,7 +103,7 @@ def render_html(
         "cracks": any(state.settlement for state in states),
     }
     there |= {"validation": full, "trace": calculations, "attachments": attached}
-    return environment.get_template("report.html.j2").render(
+    return _template().render(
         w=words,
         results=results,
         full=full,

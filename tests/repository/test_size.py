@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 815,
     "assessment/ntc": 2360,
     "assessment/project": 5047,
-    "assessment/report": 6778,
+    "assessment/report": 6785,
     "assessment/results": 3386,
     "assessment/runtime": 1845,
     "assessment/studies": 2494,

@@ -29,7 +29,7 @@ CLIENT = 'client = "Parish"\n'
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch):
-    """Figures that are as good as empty, a PDF that only looks like one, and one process."""
+    """Figures that are as good as empty, PDF and Word files that only look like one, and one process."""
     _draw_nothing(monkeypatch)
 
 
@@ -44,6 +44,7 @@ def _draw_nothing(monkeypatch):
     monkeypatch.setattr(figures, "write_figures", blank)
     monkeypatch.setattr(figures, "write_images", lambda *_: [])
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
+    monkeypatch.setattr("assessment.report.formats.docx.to_docx", lambda page, _: page.encode())
     monkeypatch.setattr(output, "processes", lambda _: 1)
 
 
