@@ -1,8 +1,8 @@
 """About how long a run takes, before anything is analysed: its programs and time steps, times what each of them takes.
 
-The constants were measured on one core of 2 GHz or so with the examples, of 2 to 907 joints. How many programs and
-motions a run takes is known when it is over: small examples take what is said here within a half, the static chain of
-the triumphal arch six times as long.
+The constants were measured on one core of 2 GHz or so with the examples and templates, of 1 to 907 joints: their static
+chains take what is said here within a factor of two. How many programs, members of ensembles and motions a run takes is
+known when it is over. A wall in bond that slides a lot, and an ensemble that is not needed, are those that differ most.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 PROGRAM = (1e-3, 8e-6)  # s of a program of a static step, and for each joint of it
 STEP = {"rigid": (5e-5, 9e-6), "elastic": (3e-5, 5e-6)}  # s of a sample of a motion, and for each joint
-PROGRAMS = 4.5  # of an increment
+PROGRAMS = 6.0  # of an increment
+BOND = 10.0  # times the programs, for each joint of a block beyond two: what lies in bond slides, and hangs together
 COLLAPSE = 4.0  # times the movement at which a structure falls
 CURVE, HIGH = 40.0, 1e-3  # increments of a pushover, each so much of the height; of others in proportion
 AGAIN = 0.75  # of the time of a path or motion: each further member of its ensemble
@@ -40,7 +41,8 @@ def expected(read: Checked) -> dict[str, float]:
     project, motions, joints = read.project, read.motions, len(read.model.assembly.joints.a)
     height = float(np.ptp(np.concatenate([block.polygon[:, 1] for block in read.model.assembly.blocks])))
     ensemble = 1.0 + AGAIN * (project.scatter - 1)
-    increment = PROGRAMS * (PROGRAM[0] + PROGRAM[1] * joints)
+    bonded = 1.0 + BOND * max(0.0, joints / int(read.model.assembly.movable.sum()) - 2.0)
+    increment = PROGRAMS * bonded * (PROGRAM[0] + PROGRAM[1] * joints)
     step = {contacts: once + each * joints for contacts, (once, each) in STEP.items()}
 
     def states(table: StatesTable | SensitivityTable) -> int:

@@ -312,7 +312,16 @@ def push(
             )
             followed = _path(title, control, follow, found)
         if followed is not None:
-            add_curve(title, model, setting, direction, *followed, found)
+            try:
+                add_curve(title, model, setting, direction, *followed, found)
+            except (
+                NoEquilibriumError,
+                ConvergenceError,
+            ) as error:  # checks are of the first motion: no curve without
+                reason = message(
+                    "the mechanism of the first motion is not found: {reason}", reason=error.message
+                )
+                found.failures.append(headed(title, reason))
         path = followed[1] if followed and image is None else None
         found.quality.append(quality_row(name, f"pushover, {behaviour}", path))
         found.seconds = time.perf_counter() - began

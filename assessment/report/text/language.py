@@ -22,7 +22,7 @@ from assessment.results.schema import (
 )
 from assessment.results.schema.part import QUANTITIES, Quantity
 from assessment.results.table import Row
-from mechanics.messages import Message, english, filled
+from mechanics.messages import Message, english, filled, headed, linked
 
 LANGUAGES = ("it", "en")
 # where no line ends: at the blank before a unit, around the equals sign before a number, at the stroke of a unit
@@ -355,11 +355,23 @@ def sentence(text: str, words: Words) -> Markup:
 
 
 def merged(texts: Iterable[str]) -> list[str]:
-    """Return sentences, of those that differ in numbers alone one with their ranges, in the order of the first."""
+    """Return sentences, of those that differ in numbers alone one with their ranges, in the order of the first.
+
+    Sentences under one heading stand behind it together.
+    """
     alike: dict[Any, list[str]] = {}
     for text in texts:
         alike.setdefault(_without_numbers(text), []).append(text)
-    return [_ranged(own) for own in alike.values()]
+    together: dict[Any, list[Any]] = {}
+    for each in (_ranged(own) for own in alike.values()):
+        is_headed = isinstance(each, Message) and each.template == headed("", "").template
+        parts = tuple(each.fields.values()) if is_headed else ()
+        messages = bool(parts) and all(isinstance(part, Message) for part in parts)
+        together.setdefault(each.fields["title"] if messages else (each,), []).append(each)
+    return [
+        own[0] if len(own) == 1 else headed(title, linked([each.fields["text"] for each in own]))
+        for title, own in together.items()
+    ]
 
 
 @dataclass(frozen=True)
@@ -403,6 +415,8 @@ def _item(name: str, item: Any, form: str, words: Words) -> str:
         return words.comma(english(item, form)).replace("-", "−")
     if name == "state":
         return words.state(item)
+    if name == "check":
+        return check_name(item, words)
     if name == "contacts" and words.language != "en":
         return words.plain(f"value.{item}")
     return direction_name(item) if name == "direction" else item

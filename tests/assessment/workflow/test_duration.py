@@ -2,6 +2,7 @@
 
 import pytest
 
+from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.workflow.checking import read_inputs
@@ -43,6 +44,25 @@ def test_members_of_an_ensemble_and_smaller_increments_take_longer(arch):
 def test_the_example_takes_what_was_measured(arch):
     """128 s of processor time for its 317 motions."""
     assert 128.0 / 3.0 < expected(arch)["campaign"] < 3.0 * 128.0
+
+
+@pytest.mark.parametrize(
+    ("template", "seconds"),
+    [
+        ("arch", 5.8),
+        ("arcade", 23.0),
+        ("barrel-vault", 31.0),
+        ("facade", 11.0),
+        ("wall", 85.0),
+        ("wall-with-openings", 176.0),
+    ],
+)
+def test_templates_take_what_was_measured(tmp_path, template, seconds):
+    """Processor time of the static chain, within a factor of two: arches, a stacked wall, walls in bond."""
+    new_project(tmp_path / template, template, {})
+    project = load_project(tmp_path / template)
+    told = expected(read_inputs(project, build_model(project)))
+    assert seconds / 2.0 < told.get("pushdown", 0.0) + told["pushover"] < 2.0 * seconds
 
 
 def test_the_line_says_all_of_it_in_round_numbers(arch, monkeypatch):

@@ -6,10 +6,15 @@ import re
 
 import pytest
 
+from assessment.analyses.static import lateral
 from assessment.cli.main import main
 from assessment.project.catalogue.geometry import rectangle
 from assessment.project.catalogue.new_project import write_drawing
+from assessment.project.schema import ControlTable
+from mechanics.errors import NoEquilibriumError
+from mechanics.messages import message
 from tests.support.block_project import ASSESSMENT, TURNED, block, read_results, run
+from tests.support.structures import block_on_base
 
 CONTROLS = re.compile(r"\[\[control\]\]\nname = .*\npoint_m = .*\n")
 BARE = CONTROLS.sub("", block())
@@ -80,3 +85,21 @@ def test_a_history_alone_has_a_control_point(tmp_path):
     assert run(project) == 0
     [history] = read_results(project / "output")["states"]["original"]["history"]
     assert history["control"] == "scelto +x"
+
+
+def test_a_curve_whose_first_motion_is_not_found_is_told_and_the_others_go_on(monkeypatch):
+    """Checks are of the first motion: without it there is no capacity, and none that is too large."""
+    model, made = block_on_base(), lateral.rigid_push
+
+    def lost(model, control, sliding, direction, path):
+        if direction == "-x":
+            raise NoEquilibriumError(message("no equilibrium: some block would start to move"))
+        return made(model, control, sliding, direction, path)
+
+    monkeypatch.setattr(lateral, "rigid_push", lost)
+    setting = lateral.PushSetting("rigid", "coulomb", 0.02)
+    control = ControlTable(name="C", point_m=(0.0, 1.0))
+    there, none = lateral.push(model, "original", None, setting, ("+x", "-x"), (control, control))
+    assert there.value is not None
+    assert none.value is None
+    assert "pushover -x, rigid contacts: the mechanism of the first motion is not found" in none.failures[0]
