@@ -120,7 +120,7 @@ def mute():
         yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
 
 
-def test_a_port_that_says_nothing_is_not_waited_for_without_end(mute, project, capsys, monkeypatch):
+def test_mute_scheduler(mute, project, capsys, monkeypatch):
     """The library's own timeouts do not end it; what is finished is kept."""
     assert main(["run", str(project), "--no-report"]) == 0
     edit(project, "increment_m = 0.2", "increment_m = 0.1")

@@ -363,7 +363,7 @@ def test_a_jump_beside_the_fit_and_a_kink_in_it():
     assert [len(slopes) for slopes in fit.slopes] == [1, 2]
 
 
-def test_a_part_of_the_fit_that_nothing_measures_divides_nothing():
+def test_identification_numpy_warning():
     """Of the singular values 2, 0 and no damping 0/0 was taken, and left out afterwards: a warning of NumPy."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, pushover
+from mechanics import Assembly, Block, Material, pushover, time_history
 from tests.support.random_masonry import random_masonry
 from tests.support.structures import rectangle
 
@@ -36,12 +36,26 @@ def test_a_curve_that_ends_at_zero_is_at_zero(seed):
 
 @pytest.mark.parametrize("friction", [0.6, np.inf])
 @pytest.mark.parametrize("increment", [0.01, 0.004])
-def test_a_low_neighbour_is_not_met_before_the_wall_is_spent(friction, increment):
+def test_wall_beside_support(friction, increment):
     """They can touch at θ = 1/3 only: α0 = b/h, and the wall is spent when its centre stands above its edge."""
     curve = pushover(beside(0.3, friction), increment=increment)
     assert curve.multiplier[0] == pytest.approx(SLENDER, rel=1e-9)
     assert curve.displacement[-1] == pytest.approx(3.0 * np.sin(np.arctan(SLENDER)), rel=1e-6)
     assert curve.reached_zero
+
+
+def test_a_motion_passes_a_low_neighbour_that_it_does_not_meet():
+    """Until they can touch, at tan θ = 1/3, it is that of the wall alone; friction of an open joint held it before."""
+    motions = []
+    for blocks in (beside(0.3, np.inf).blocks, beside(0.3, np.inf).blocks[:2]):
+        model = Assembly(blocks)
+        tilted = model.rotated(1, (0.5, 0.0), -0.9 * np.arctan(SLENDER))
+        motions.append(time_history(model, np.full(401, -0.1), 0.0025, "rigid", tilted, control=(0.5, 3.0)))
+    met, alone = motions
+    turned = -met.positions[:, 1, 2]
+    free = turned < np.arctan(0.1 / 0.3) - 0.005
+    assert turned[free].max() > np.arctan(SLENDER) and not free.all()
+    assert met.displacement[free] == pytest.approx(alone.displacement[free], abs=1e-6)
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])

@@ -32,7 +32,7 @@ def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
     assert len(path.movement) < 20
 
 
-def test_an_arch_that_slides_on_both_springings_is_followed_in_whole_increments():
+def test_run_arch_tie():
     """Which springing slides alternates from program to program; the short steps, in turn, refused every step.
 
     Each point was then found by blocks released at 1/32 of an increment: 600 points, and 20 s, to the same end.

@@ -9,11 +9,10 @@ from mechanics.errors import CollapseError
 from tests.support.random_masonry import random_masonry
 
 
-@pytest.mark.parametrize("sliding", ["coulomb", "associative"])
-@pytest.mark.parametrize("seed", range(0, 45, 9))
-def test_no_settled_arch_falls_for_a_tie(seed, sliding):
-    """Arches whose right support has spread, by both laws; the tie is set after the movement."""
-    model = random_masonry(seed)
+@pytest.mark.parametrize("seed", range(0, 90, 3))
+def test_tie_on_settled(seed):
+    """Thirty arches whose right support has spread, by either law; the tie is set after the movement."""
+    model, sliding = random_masonry(seed), "associative" if seed % 2 else "coulomb"
     try:
         settled = pushdown(model, "right", (0.02, -0.01), increment=0.005, sliding=sliding).final
     except CollapseError as fall:
@@ -23,4 +22,4 @@ def test_no_settled_arch_falls_for_a_tie(seed, sliding):
     tie = Tie("chain", tuple(first), tuple(last), 50.0)
     without = limit_analysis(model, state=settled, sliding=sliding).alpha
     with_tie = limit_analysis(model.tied([tie]), state=settled, sliding=sliding).alpha
-    assert with_tie >= (1.0 - 1e-6) * without or sliding == "coulomb"
+    assert with_tie >= (1.0 - 1e-6) * without

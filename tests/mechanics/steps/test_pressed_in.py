@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushover
+from mechanics import (
+    Assembly,
+    Block,
+    CollapseError,
+    Material,
+    UnstableError,
+    limit_analysis,
+    pushdown,
+    pushover,
+)
 from mechanics.steps import unpressed
 from tests.support.random_masonry import random_masonry
 from tests.support.structures import arch_on_piers, rectangle, running_bond
@@ -35,6 +44,14 @@ def test_a_beam_between_walls_hangs_by_self_stress_alone():
         soft = Assembly([Block(b.vertices, 1.0, stiff, support=b.support) for b in model.blocks])
         with pytest.raises(UnstableError):
             pushover(soft, (0.9, 0.6), "+x", "elastic", 0.005)
+
+
+def test_siblings_of_a_beam_between_walls():
+    """A row with upright joints, keystones that nothing wedges; a beam whose thrust is lost as a wall goes away."""
+    row = [Block(rectangle(0.6 * k, 0.0, 0.6 * (k + 1), 0.8), 1.0, STONE) for k in range(3)]
+    assert unpressed(between_walls(*row)).tolist() == [0, 1, 2]
+    with pytest.raises(CollapseError):
+        pushdown(between_walls(BEAM), "right", (0.01, 0.0), increment=0.001)
 
 
 @pytest.mark.parametrize("seed", [3, 4, 6, 8, 14, 18, 27])

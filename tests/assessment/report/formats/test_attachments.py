@@ -36,11 +36,12 @@ def refused(project):
     return str(error.value)
 
 
-def test_no_content_chooses_a_program_to_read_it(tmp_path, monkeypatch):
+@pytest.mark.parametrize("program", [b"{} loop", b"(x) run"])
+def test_attachment_eps_in_png(program, tmp_path, monkeypatch):
     """Each of these names of PostScript, TIFF, BMP or GIF content is refused before a plugin of Pillow sees it."""
     monkeypatch.setattr(EpsImagePlugin, "Ghostscript", lambda *_: pytest.fail("Ghostscript was run"))
-    postscript = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\n{} loop\n"
-    (tmp_path / "photo.png").write_bytes(postscript)
+    postscript = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\n"
+    (tmp_path / "photo.png").write_bytes(postscript + program)
     pictures = [tmp_path / "photo.png"]
     for kind in ("tiff", "bmp", "gif"):
         pictures.append(tmp_path / f"{kind}.jpg")
