@@ -150,7 +150,7 @@ def fault_of(outline: PlacedOutline, scale: float, reach: float) -> Fault | None
         what = "close it, or freeze its layer if it is no block"
         text = f"{at(points[0], points[-1])} is open, its ends {apart:.6g} apart; {what}"
         # of a thin outline the last edge may be what is missing, not what is too much
-        meant = len(points) > 3 and scale * apart <= reach
+        meant = len(points) > 3 and scale * apart <= reach and _crossings(flat) <= MOST_CROSSINGS
         thin = meant and shapely.Polygon(flat).buffer(-0.5 * apart / SHARE).is_empty
         return fault(text, points[0], points[-1], remedy="close" if meant and not thin else "")
     size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0

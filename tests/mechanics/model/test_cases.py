@@ -43,17 +43,21 @@ def test_repair_opens_gaps(tmp_path):
     assert not survey_layout(after, tolerance).faults
 
 
-@pytest.mark.parametrize("corners", [501, 4001])
-def test_star_500(corners, tmp_path, monkeypatch):
-    """Whether a loop could be taken off, and what lines enclose, is decided without laying out all crossings."""
+@pytest.mark.parametrize(
+    ("corners", "close", "said"),
+    [(501, True, "crosses or touches itself there"), (4001, True, "crosses"), (4001, False, "is open")],
+)
+def test_star_500(corners, close, said, tmp_path, monkeypatch):
+    """Whether a loop could be taken off or an end closed, and what lines enclose, without laying out all crossings."""
     for lays_out in ("make_valid", "buffer"):
         monkeypatch.setattr(shapely, lays_out, lambda *_, **__: pytest.fail("all crossings are laid out"))
     turns = np.arange(corners) * 2.0 * np.pi * (corners // 2) / corners
+    star = 1e3 * np.column_stack([np.cos(turns), np.sin(turns)])
     document, space = drawing()
     outline(space, [(-2e3, -2e3), (2e3, -2e3), (2e3, -1e3), (-2e3, -1e3)])
     space.add_line((-2e3, -1e3), (-2e3, 1e3), {"layer": "STONES"})
-    outline(space, (1e3 * np.column_stack([np.cos(turns), np.sin(turns)])).tolist())
-    assert "crosses or touches itself there" in refused(document, tmp_path)
+    outline(space, [*star.tolist(), *([] if close else [(1e3, 0.1)])], close=close)
+    assert said in refused(document, tmp_path)
 
 
 def test_lwpolyline_versions(tmp_path):
