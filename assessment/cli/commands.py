@@ -79,7 +79,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.chapters.judgement import refuse_unreadable
     from assessment.report.figures.drawings.model import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
-    from assessment.report.text.language import Words, words_of
+    from assessment.report.text.language import Words
     from assessment.runtime.files import write_atomically
     from assessment.workflow.checking import checked
     from assessment.workflow.duration import expected_line
@@ -88,7 +88,7 @@ def check(options: argparse.Namespace) -> int:
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")
     refuse_unreadable(folder)
-    drawing = folder / "model.svg"
+    drawing, words = folder / "model.svg", Words.of("en")  # as all that the terminal says
     if options.repair:
         project, changes = with_repaired_drawing(project)
         for change in changes[:MOST_CHANGES]:
@@ -106,12 +106,12 @@ def check(options: argparse.Namespace) -> int:
     except FaultyDrawingError as faulty:
         tell_error(faulty)
         if faulty.outlines:
-            save_svg(partial(draw_faults, faulty, Words.of(project.report.language)), drawing)
+            save_svg(partial(draw_faults, faulty, words), drawing)
             tell(f"drawing with the faults marked: {drawing}")
         if any(fault.remedy for fault in faulty.faults) and not options.repair:
             tell("small faults can be repaired in a copy of the drawing: assesto check --repair")
         return WRONG_INPUT
-    save_svg(lambda: draw_model(found.results, words_of(found.results)), drawing)
+    save_svg(lambda: draw_model(found.results, words), drawing)
     say(model_summary(found.results))
     say(f"drawing of the model: {drawing}")
     for record in found.motions.records:

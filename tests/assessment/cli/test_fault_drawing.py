@@ -64,7 +64,7 @@ def test_every_fault_is_listed_once_and_marked(tmp_path, capsys):
         (False, False, True),
     ]
     assert numbers(picture) == {"1", "2", "3", "4"}
-    for key in ("disegnato più volte: 1", "cornice attorno ad altri blocchi: 1", "sovrapposizione: 2"):
+    for key in ("drawn more than once: 1", "frame around other blocks: 1", "overlap: 2"):
         assert key in picture
 
 
