@@ -26,7 +26,7 @@ def placed(step: Equilibrium, moved: np.ndarray, forces: np.ndarray | None = Non
     return replace(step, state=state, places=places, forces=step.forces if forces is None else forces)
 
 
-@pytest.fixture(params=["rigid", "elastic"])
+@pytest.fixture(scope="module", params=["rigid", "elastic"])
 def point(request: pytest.FixtureRequest) -> Equilibrium:
     """A point of a curve of a wall that slides."""
     wall = running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)

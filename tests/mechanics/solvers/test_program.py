@@ -30,7 +30,6 @@ from mechanics.steps.equilibrium import check_self_weight, closed_program, rest
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
-from tests.stress.corpus import assemblies
 from tests.support.drawn_projects import drawn
 from tests.support.steps import euler_step, posed, shaken, static_step
 from tests.support.structures import (
@@ -193,55 +192,6 @@ def second_opinion(program: Program) -> Solution:
     answer = qp_piqp.solve(program, 1e-12, 200)
     assert answer is not None
     return Solution(*answer, certify(program, *answer))
-
-
-def test_multipliers_of_random_assemblies_by_three_solvers():
-    """Rigid, α by PIQP, HiGHS and the method of our own (200 assemblies in the stress tests)."""
-    for number, model in assemblies(24):
-        same_multiplier(model, number)
-
-
-def same_multiplier(model: Assembly, number: int) -> None:
-    closed = closed_program(model, model.initial).pushed(model, model.lateral_load("+x"))
-    found, _ = solve(closed.program, closed.layout)
-    highs = lp_highs.solve(closed.program)
-    assert highs is not None
-    assert certify(closed.program, *highs).worst(closed.program.step) < 1e-7, number
-    assert found.alpha == pytest.approx(highs[1], abs=1e-7), number
-    assert found.alpha == pytest.approx(second_opinion(closed.program).alpha, abs=1e-7), number
-
-
-def test_elastic_statics_of_random_assemblies_by_two_solvers():
-    for number, model in assemblies(24, segments=5):
-        same_elastic_step(model, number)
-
-
-def same_elastic_step(model: Assembly, number: int) -> None:
-    program, layout = static_step(model, "elastic")
-    found, iterate = solve(program, layout)
-    assert iterate is not None, "not by the second opinion itself"
-    expected = second_opinion(program)
-    # the curve of a soft bed is flat: forces go with the root of the energy that is left
-    assert found.alpha == pytest.approx(expected.alpha, abs=2e-5), number
-    move = abs(found.displacement - expected.displacement).max()
-    assert move < 0.15 * program.step, number  # both certified: along it the program is nearly flat
-
-
-@pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
-def test_time_steps_of_random_assemblies_by_two_solvers(behaviour):
-    rng = np.random.default_rng(12)
-    for number, model in assemblies(24, segments=4):
-        same_time_step(model, behaviour, number, rng.uniform(-1.0, 1.0))
-
-
-def same_time_step(model: Assembly, behaviour, number: int, acceleration: float) -> None:
-    """Displacements in the energy norm, per that of what the loads do alone."""
-    program, layout = euler_step(model, behaviour, shaken(model, number), acceleration)
-    found, iterate = solve(program, layout)
-    assert iterate is not None and program.mass is not None
-    apart = found.displacement - second_opinion(program).displacement
-    free = float(program.load @ (program.load / program.mass))
-    assert np.sqrt(apart @ (program.mass * apart) / free) < 5e-5, number
 
 
 @pytest.mark.parametrize("tangential_stiffness", [np.inf, 1e5])
