@@ -195,12 +195,13 @@ def test_viscous_damping_has_the_ratio_asked_for() -> None:
     assert abs(motion.energy.integrator[-1]) < 0.05 * motion.energy.viscous[-1]
 
 
-def test_elastic_second_order_scheme_is_of_second_order() -> None:
+@pytest.mark.parametrize("integrator", ["second-order", "moreau-jean"])
+def test_elastic_schemes_are_of_second_order(integrator: Integrator) -> None:
     model, omega = winkler()
     start, end = swinging(model), 2.0 * np.pi / omega
     steps = np.array([20, 40, 80, 160])
     found = [
-        time_history(model, np.zeros(n + 1), end / n, "elastic", start, "second-order").positions[-1, 1, 2]
+        time_history(model, np.zeros(n + 1), end / n, "elastic", start, integrator).positions[-1, 1, 2]
         for n in [*steps, 1280]
     ]
     errors = abs(np.array(found[:-1]) - found[-1])

@@ -205,13 +205,17 @@ def test_what_rocking_dissipates_in_a_cycle() -> None:
 
 
 @pytest.mark.parametrize(
-    ("end", "close"), [(0.6, 1e-4), (3.0, 2e-3)], ids=["first swing", "across two impacts"]
+    ("end", "close", "integrator"),
+    [(0.6, 1e-4, "second-order"), (3.0, 2e-3, "second-order"), (0.6, 1e-3, "moreau-jean")],
+    ids=["first swing", "across two impacts", "Moreau and Jean"],
 )
-def test_midpoint_rule_follows_the_pendulum_at_every_step(end: float, close: float) -> None:
+def test_midpoint_rules_follow_the_pendulum_at_every_step(
+    end: float, close: float, integrator: Integrator
+) -> None:
     model, state, _ = released(0.6, 4.2, 0.5)
     exact = abs(housner(0.6, 4.2, 0.5, np.array([0.0, end]))[0][1])
     for h in (0.04, 0.02, 0.01, 0.005):
-        motion = time_history(model, np.zeros(round(end / h) + 1), h, "rigid", state, "second-order")
+        motion = time_history(model, np.zeros(round(end / h) + 1), h, "rigid", state, integrator)
         assert abs(motion.positions[-1, 1, 2]) == pytest.approx(exact, rel=close)
 
 

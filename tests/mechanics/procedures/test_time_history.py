@@ -7,23 +7,18 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
-from mechanics.kernels.joint import H
 from mechanics.messages import message
-from mechanics.model.contacts import end_gaps, forces_on_blocks
+from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.procedures.energy import may_fall
 from mechanics.procedures.time_history import HistoryTolerances, Integrator
 from mechanics.steps import dynamic_system
-from mechanics.types import GRAVITY
 from tests.support.structures import (
     arch_on_piers,
     block_on_base,
-    column,
     rectangle,
-    running_bond,
     semicircular_arch,
 )
 from tests.support.wording import in_italian
@@ -336,45 +331,6 @@ def test_energy_of_many_rigid_joints_is_kept_between_impacts() -> None:
     assert spent[1] < 0.2 * spent[0]
 
 
-def test_moreau_jean_is_of_second_order_while_elastic_joints_stay_closed() -> None:
-    """θ = ½. A column that swings gently about the middle of its bed, ω² = (k d B³/12 − W H/2)/(m (B² + 4 H²)/12)."""
-    (width, height), stiffness, speed, duration = (0.5, 2.0), 2e6, 5e-3, 0.16
-    model = block_on_base(width, height, friction=2.0, stiffness=stiffness)
-    inertia = model.weight / 9.80665 * (width**2 + 4.0 * height**2) / 12.0
-    omega = np.sqrt((stiffness * width**3 / 12.0 - 0.5 * model.weight * height) / inertia)
-    velocities = np.zeros((2, 3))
-    velocities[1] = -0.5 * height * speed, 0.0, speed
-    start = State(time_history(model, np.zeros(2), 1e-3, "elastic").start.positions, velocities)
-    error = []
-    for step in (0.002, 0.001, 0.0005):
-        wave = np.zeros(round(duration / step) + 1)
-        motion = time_history(model, wave, step, "elastic", start, "moreau-jean")
-        turned = motion.positions[-1, 1, 2] - motion.positions[0, 1, 2]
-        error.append(abs(turned * omega / speed - np.sin(omega * duration)))
-    assert error[0] > 0.01
-    assert np.log2(np.divide(error[:-1], error[1:])) == pytest.approx(2.0, abs=0.15)
-
-
-def test_moreau_jean_between_impacts_of_a_rigid_block_is_of_nearly_second_order() -> None:
-    """θ'' = −p² sin(α − θ) about a corner. Shorter than 10 ms, where 3 · 10⁻⁶ rad are left, errors fall as the step."""
-    (width, height), speed, lean, duration = (0.6, 4.2), 0.15, 0.03, 0.48
-    model = block_on_base(width, height, friction=2.0)
-    alpha, p_squared = np.arctan(width / height), 1.5 * 9.80665 / np.hypot(width, height)
-    exact = solve_ivp(
-        lambda _, y: [y[1], -p_squared * np.sin(alpha - y[0])], (0.0, duration), [lean, speed], rtol=1e-10
-    ).y[0, -1]
-    positions, velocities = model.rotated(1, (width, 0.0), -lean).positions, np.zeros((2, 3))
-    arm = positions[1, :2] - (width, 0.0)
-    velocities[1] = -speed * np.array([-arm[1], arm[0], 1.0])
-    error = []
-    for step in (0.04, 0.01):
-        wave = np.zeros(round(duration / step) + 1)
-        motion = time_history(model, wave, step, "rigid", State(positions, velocities), "moreau-jean")
-        error.append(abs(motion.positions[-1, 1, 2] + exact))
-    assert 1e-5 < error[0] < 1e-4
-    assert np.log(error[0] / error[1]) / np.log(4.0) > 1.6
-
-
 def test_energy_balance_of_impacts_by_the_dozen() -> None:
     """An arch that rocks until it falls: every term is there, and what the scheme itself takes is little."""
     arch = semicircular_arch(15, 0.2, friction=0.8)
@@ -385,13 +341,6 @@ def test_energy_balance_of_impacts_by_the_dozen() -> None:
     assert energy.imbalance < 1e-5
     assert np.diff(energy.impact).min() > -1e-4 * energy.turnover
     assert energy.impact[-1] > 10.0 * abs(energy.integrator[-1])
-
-
-def test_friction_takes_the_energy_of_a_sliding_wall() -> None:
-    """Joints that slide to and fro: impacts, of slides that change, take little."""
-    motion = time_history(running_bond(3, 3), burst(0.8, 70, 4.0), STEP, "rigid", integrator="second-order")
-    assert abs(motion.energy.impact).max() < 0.05 * motion.energy.turnover
-    assert motion.energy.friction[-1] > 0.9 * motion.energy.dissipated[-1]
 
 
 def test_bounces_shorter_than_a_step_are_rest() -> None:
@@ -464,85 +413,6 @@ def test_bad_arguments_are_named(change: dict[str, object], message: str) -> Non
     arguments = {"acceleration": np.zeros(10), "time_step": STEP} | change
     with pytest.raises(ValueError, match=message):
         time_history(block_on_base(), **arguments)
-
-
-# Rest that is not computed
-
-
-def two_pulses(step: float) -> np.ndarray:
-    """Weak shaking of 12 s with two strong stretches, g."""
-    time = np.arange(0.0, 12.0, step)
-    strong = np.exp(-(((time - 2.0) / 0.5) ** 2)) + 0.8 * np.exp(-(((time - 8.0) / 0.4) ** 2)) + 0.05
-    return np.asarray(0.3 * strong * np.sin(2.0 * np.pi * 1.5 * time) * np.sin(9.0 * time + 1.0))
-
-
-@pytest.mark.parametrize("model", [block_on_base(0.6, 3.0), column(0.4, 1.6, 3)], ids=["block", "column"])
-def test_a_motion_whose_rest_is_skipped_is_the_whole_motion(model: Assembly) -> None:
-    """A third of the steps and more are not computed; the peak is that of the whole motion, to 1e-5.
-
-    Programs are solved to 1e-9: the usual 1e-7 leave more open, 1e-4 of the block's peak and 4e-3 of the column's.
-    """
-    base = two_pulses(STEP)
-    skipped, whole = (
-        time_history(model, base, STEP, tolerances=HistoryTolerances(skips=skips, accepted=1e-9))
-        for skips in (True, False)
-    )
-    moved = [abs(motion.positions - motion.positions[0]) for motion in (skipped, whole)]
-    assert skipped.skipped > 0.3 * skipped.steps and whole.skipped == 0
-    assert moved[1].max() > 1e-3
-    assert moved[0].max() == pytest.approx(moved[1].max(), rel=1e-5)
-    assert skipped.energy.imbalance <= 1e-4
-
-
-def test_skipping_rest_moves_a_peak_no_more_than_a_sharper_program_does() -> None:
-    """Motions turn on the last digits: the median difference is at most three times that of a tenth of the residual."""
-    random = np.random.default_rng(5)
-    differences: list[list[float]] = []
-    for k in range(9):
-        model = (
-            block_on_base(random.uniform(0.4, 0.9), random.uniform(2.0, 4.0))
-            if k % 3
-            else column(random.uniform(0.5, 0.7), random.uniform(2.0, 3.0), 2)
-        )
-        base = random.uniform(1.2, 2.0) * two_pulses(0.01)
-        skipped, whole, sharper = (
-            time_history(model, base, 0.01, tolerances=HistoryTolerances(skips=skips, accepted=accepted))
-            for skips, accepted in ((True, 1e-9), (False, 1e-9), (False, 1e-10))
-        )
-        assert skipped.collapsed == whole.collapsed
-        peaks = [float(abs(m.positions - m.positions[0]).max()) for m in (skipped, whole, sharper)]
-        if peaks[1] > 1e-3 and not whole.collapsed:
-            differences.append([abs(peaks[n] / peaks[1] - 1.0) for n in (0, 2)])
-    assert len(differences) >= 4
-    by_rest, by_residual = np.median(np.array(differences), axis=0)
-    assert by_rest <= max(3.0 * by_residual, 1e-5)
-
-
-def test_a_record_below_activation_costs_ten_steps_and_a_try_how_far_rest_goes() -> None:
-    """Of 2400 steps tens are computed; blocks stay exactly where they are, and joints carry what balances."""
-    model = running_bond(3, 3)
-    base = 0.2 * two_pulses(STEP)
-    motion = time_history(model, base, STEP)
-    assert motion.steps - motion.skipped < 30 and motion.programs < 40
-    resting = np.flatnonzero(~motion.velocities.any(axis=(1, 2)))[1:]
-    assert abs(motion.positions[resting] - motion.positions[0]).max() < 1e-7
-    contacts, places = model.contacts, model.contacts.places(motion.positions[-1])
-    for k in resting[:: len(resting) // 20]:
-        forces = motion.forces[k]
-        assert (abs(forces[:, 1]) <= places[:, H] * forces[:, 0] + 1e-6).all()
-        assert (abs(forces[:, 2]) <= contacts.friction * forces[:, 0] + 1e-6).all()
-        total = np.zeros((len(model.blocks), 3))
-        np.add.at(total, contacts.a, forces_on_blocks(places, forces)[:, :3])
-        np.add.at(total, contacts.b, forces_on_blocks(places, forces)[:, 3:])
-        total += model.dead_load
-        total[:, 0] -= model.mass[:, 0] * GRAVITY * base[k]
-        assert abs(total[model.movable]).max() < 1e-2 * model.weight * abs(base).max() + 1e-6
-
-
-def test_elastic_joints_and_vertical_shaking_skip_nothing() -> None:
-    base = 0.1 * two_pulses(0.02)
-    assert time_history(block_on_base(), base, 0.02, "elastic").skipped == 0
-    assert time_history(block_on_base(), base, 0.02, vertical_acceleration=0.1 * base).skipped == 0
 
 
 def test_a_motion_that_ends_before_rest_says_so_and_whether_blocks_may_fall():
