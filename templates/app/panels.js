@@ -92,7 +92,8 @@ const chosen = () => {
 };
 const missingLayers = () => {
   const drawn = new Set(Object.keys(store.model?.layers ?? {}).map((name) => name.toLowerCase()));
-  return Object.keys(content().layers ?? {}).filter((name) => drawn.size && !drawn.has(name.toLowerCase())).map((name) =>
+  const gone = ([name, own]) => drawn.size && !own.ignore && !drawn.has(name.toLowerCase());
+  return Object.entries(content().layers ?? {}).filter(gone).map(([name]) =>
     el("p", {}, `${w("not_in_drawing", { name })} `, button(w("remove"), () => edit([[["layers", name], null]], true))));
 };
 const drawingPanel = () => {
@@ -102,7 +103,8 @@ const drawingPanel = () => {
 };
 const materialsPanel = () => {
   const title = (layer) => [layer, content().layers?.[layer]?.support].filter(Boolean).join(` · ${w("support")} `);
-  const layers = Object.keys(store.model?.layers ?? {}).map((layer) =>
+  const ignored = Object.entries(content().layers ?? {}).filter(([, own]) => own.ignore).map(([layer]) => layer);
+  const layers = [...new Set([...Object.keys(store.model?.layers ?? {}), ...ignored])].map((layer) =>
     el("details", { "data-at": `layers.${layer}` }, el("summary", {}, title(layer)), ...layerForm(layer)));
   return [...chosen(), el("hr"), ...sections(["material"]), el("h3", {}, labelOf("ProjectContent", "layers")), ...layers,
     ...sections(["region", "contacts"], { region: { leave: ["outline_m"], first: ["name", ...FIRST] } })];

@@ -71,11 +71,12 @@ def page(browser, served):
 
 
 def survey(path, lifted=0.0):
-    """A beam on two piers that stand on two bases, as somebody draws it; the beam may lie in its piers by a slip."""
+    """A beam on two piers on two bases in a frame, as somebody draws it; the beam may lie in its piers by a slip."""
     layout = {
         "BASI": [rectangle(-2.4, -0.3, -1.0, 0.0), rectangle(1.0, -0.3, 2.4, 0.0)],
         "PILE": [rectangle(-2.0, 0.0, -1.4, 3.0), rectangle(1.4, 0.0, 2.0, 3.0)],
         "TRAVE": [rectangle(-2.0, 3.0 + lifted, 2.0, 3.5)],
+        "CARTIGLIO": [rectangle(-6.0, -3.0, 6.0, 6.0)],
     }
     write_drawing(path, {layer: [np.array(each) for each in blocks] for layer, blocks in layout.items()})
     return path
@@ -123,6 +124,7 @@ def begin(page, home, name, lifted=0.0):
         page.fill(f"#new-{key}", value)
     page.click("#new-make")
     page.wait_for_selector("body[data-model=shown]")
+    assert "CARTIGLIO" not in page.inner_text("#panel")  # what is ignored is not gone
 
 
 def test_from_a_dropped_survey_to_the_report(page, home):
@@ -268,7 +270,12 @@ def test_what_goes_wrong_is_told_and_nothing_is_lost(page, home):
     (home / "plan.dxf").write_text("no drawing", encoding="utf-8")
     page.set_input_files("[data-drop=drawing]", home / "plan.dxf")
     page.wait_for_selector("#problems .wrong:has-text('plan.dxf')")
+    with (home / "large.dxf").open("wb") as large:
+        large.truncate(50_000_001)
+    page.set_input_files("[data-drop=drawing]", home / "large.dxf")
+    page.wait_for_selector("#problems .wrong:has-text('large.dxf'):has-text('50 MB')")
     page.click("[data-step=materials]")
+    assert page.locator("[data-at='layers.CARTIGLIO']").count() == 1  # to be taken for masonry after all
     page.fill("[data-at='material.friction']", "-1")
     page.press("[data-at='material.friction']", "Enter")
     page.wait_for_selector("[data-field='material.friction'].wrong .error:has-text('not less than')")
