@@ -36,7 +36,7 @@ from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import macro_blocks
 from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
-from mechanics.pictures import STYLE, Shape, nice
+from mechanics.pictures import STYLE, Shape, magnification, nice
 from tests.support.analysed import analysed
 from tests.support.block_project import TURNED, write_block
 from tests.support.block_project import block as tables_of_block
@@ -330,3 +330,13 @@ def test_numbers_of_macro_blocks_are_off_hinges_and_off_one_another(monkeypatch)
     for box in boxes:
         assert not any(box.contains(*axes.transData.transform(mark)) for mark in marks)
         assert not any(box.overlaps(other) for other in boxes if other is not box)
+
+
+def test_what_is_not_moved_is_not_magnified():
+    """A facade at rest was drawn with its last digits, magnified by 1e16."""
+    corners = np.array([[-4.5e-4, 1.9e-3], [0.61, 1.7e-3], [0.61, 0.42], [1e-3, 0.421]])
+    at_rest = Shape.of(
+        [corners, corners + np.array([7.3, 3.1])], [[0.30523, 0.21111], [7.60523, 3.31111]], [False, False]
+    )
+    assert magnification(at_rest, np.zeros((2, 3))) == 1.0
+    assert magnification(at_rest, np.full((2, 3), 1e-3)) > 1.0
