@@ -23,16 +23,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points
-from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, Solution, certify, end_forces
+from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, Solution, certify
 from mechanics.solvers import GOOD, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate, with_dilation
 from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
+from mechanics.steps.flow_step import flows_at, margins
 from mechanics.steps.static_system import Sliding, check_sliding
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array, Mask
@@ -206,10 +206,10 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
     any mechanism, whatever its frictions, are with it one of its flows. Of the mechanisms that fit the forces in the
     end, that of least gaps and slips is taken.
     """
-    from mechanics.solvers import lp_highs
+    from mechanics.solvers import lp_highs, mechanisms  # late: with them comes scipy.optimize
 
-    none, room = LIMIT.idle * program.weight, _room(program, central.forces)
-    displacement, flowing = central.displacement, _flowing(program, central, iterate)
+    none, room = LIMIT.idle * program.weight, margins(program, central.forces)
+    displacement, flowing = central.displacement, flows_at(program, central.forces, iterate.gaps)
     if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
         return central  # what only turns has one multiplier
     best, chance, tries = central, np.random.default_rng(0), 0
@@ -221,17 +221,17 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
             if found.alpha < best.alpha * (1.0 - GOOD) and found.certificate.worst(program.step) <= GOOD:
                 best, tries = found, 0
             if tries % LIMIT.turn == 0:
-                room = _room(program, answer[0])
+                room = margins(program, answer[0])
                 weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2 if tries else np.ones_like(room)
-                other = lp_highs.mechanism_of(program, room <= none, weights)
+                other = mechanisms.mechanism_of(program, room <= none, weights)
         if other is not None:
             displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
         else:
             displacement, flowing = _of_other_frictions(program, layout, chance) or (displacement, flowing)
     if best is central:
         return central
-    room = _room(program, best.forces)
-    plain = lp_highs.mechanism_of(program, room <= none, np.ones_like(room))
+    room = margins(program, best.forces)
+    plain = mechanisms.mechanism_of(program, room <= none, np.ones_like(room))
     if plain is None:
         return best
     certificate = certify(program, best.forces, best.alpha, plain[0])
@@ -249,17 +249,5 @@ def _of_other_frictions(
     with suppress(ConvergenceError, NoEquilibriumError):
         central, iterate = solve(other, layout)
         if iterate is not None and central.certificate.worst(program.step) <= GOOD:
-            return central.displacement, _flowing(other, central, iterate)
+            return central.displacement, flows_at(other, central.forces, iterate.gaps)
     return None
-
-
-def _flowing(program: Program, solution: Solution, iterate: Iterate) -> Mask:
-    """Return which gaps and slips (j, 4), y₁, y₂, λ₊ and λ₋, of a flow are not zero: its forces vanish there."""
-    flowing: Mask = iterate.gaps / program.step > _room(program, solution.forces) / program.weight
-    return flowing
-
-
-def _room(program: Program, forces: Array) -> Array:
-    """Return N₁, N₂, μN + T and μN − T (j, 4), kN, of forces (j, 3)."""
-    bound, t = program.law[:, FRICTION] * forces[:, 0], forces[:, 2]
-    return np.column_stack([end_forces(forces, program.places[:, H]), bound + t, bound - t])

@@ -9,15 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import V
+from mechanics.kernels.joint import H
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.model.contacts import Contacts, end_gaps
+from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import Limit, limit_analysis
-from mechanics.procedures.step_control import reach, slides
+from mechanics.procedures.step_control import reach
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
+from mechanics.steps.flow_step import slides
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem, held
@@ -107,10 +108,12 @@ def _flow_of(limit: Limit, increment: float) -> Equilibrium:
     """
     model, begun, size = limit.model, limit.state, LIMIT.onset * limit.model.size
     system = static_system(model, "rigid", limit.sliding).around(begun.positions, size)
-    start = held(StepProblem(system, begun, model.dead_load, size), limit.forces[: len(model.contacts)])
-    moved = system.places(begun.positions + increment * limit.mechanism, begun)
-    slip = moved[:, V] - start.places[:, V]
-    gaps = np.column_stack([end_gaps(moved), slip, -slip]).clip(0.0)
+    problem = StepProblem(system, begun, model.dead_load, size)
+    start = held(problem, limit.forces[: len(model.contacts)])
+    program, _ = problem.pose(begun.positions, None, np.arange(len(system.contacts)))
+    u, phi, slip = program.deformation(increment * limit.mechanism[model.movable].ravel()).T
+    tilt = program.places[:, H] * phi
+    gaps = np.column_stack([u - tilt, u + tilt, slip, -slip]).clip(0.0)
     assert start.iterate is not None
     return replace(start, alpha=limit.alpha, iterate=replace(start.iterate, alpha=limit.alpha, gaps=gaps))
 

@@ -4,7 +4,8 @@ The same follower serves pushdown and pushover, rigid and elastic:
 
     until the path ends:
         predict       the last rate, carried on by a length          advance of the path
-        solve         program and geometry in turns                  find_equilibrium
+        go on         along the flow of rigid joints that slide      along_flow
+        or solve      program and geometry in turns                  find_equilibrium
         or divide     a step of rigid joints, into short ones        in_short_steps
         or let move   the shortest step, until it rests or falls     motion_to_rest
         accept        and lengthen the next step, or halve it        Bisection
@@ -22,6 +23,7 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError,
 from mechanics.messages import Message, message
 from mechanics.procedures.model_check import sound
 from mechanics.progress import tell
+from mechanics.steps.flow_step import along_flow, flows, slides
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
@@ -48,7 +50,6 @@ class PathTolerances:
 
 
 PATH = PathTolerances()
-SLIDES = 1e-3  # of a step: a slip of a joint that slides
 
 
 @dataclass(slots=True)
@@ -130,22 +131,25 @@ def reach(
         problem = replace(problem, system=system)
 
 
-def slides(found: Equilibrium, size: float) -> bool:
-    """Whether joints slide in the program of an equilibrium by more than a share of its step's `size` (m)."""
-    if found.iterate is None:
-        return False
-    slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
-    return bool(slip > SLIDES * size)
-
-
 def _reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
     rigid = problem.system.rigid
+    ended: NoEquilibriumError | ConvergenceError | None = None
+    if last is not None and flows(problem, last):
+        try:
+            return sound(along_flow(problem, guess, last)), False
+        except (NoEquilibriumError, ConvergenceError) as error:
+            ended = error
     try:
-        return sound(find_equilibrium(problem, guess, last)), False
+        found = sound(find_equilibrium(problem, guess, last))
+        if ended is None or shortest or (last is not None and found.alpha <= last.alpha):
+            return found, False
+        stop = ended  # other flows have higher multipliers: first the end of this one is located
     except (NoEquilibriumError, ConvergenceError) as error:
-        stop: NoEquilibriumError | ConvergenceError = error
+        stop = error
+    if ended is not None and not shortest:
+        raise stop
     if problem.system.dilation < LIMIT.slight:
         with suppress(NoEquilibriumError, ConvergenceError):
             return sound(find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last)), False

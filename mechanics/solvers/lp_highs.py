@@ -5,13 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from scipy import sparse
 from scipy.optimize import linprog
 
 from mechanics.errors import ArgumentError
-from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import SLID
-from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm
 from mechanics.types import Array, Mask
@@ -76,42 +72,3 @@ def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | N
         return None
     forces, alpha, _ = form.recover(np.asarray(found.x), np.zeros(len(form.b)))
     return forces, alpha
-
-
-def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, Array] | None:
-    """Return displacements (m,) of the given work, and their gaps and slips (j, 4), of which few are not zero.
-
-    `free` (j, 4): gaps and slips, as in least_multiplier, that forces leave free; no joint is lifted by its slip. Their
-    sum by these `weights` (j, 4) is least. None if there are no such displacements.
-    """
-    p, j = program, np.arange(len(program.places))
-    assert p.lateral is not None
-    row, half, m, count = rows(p.places), p.places[:, H], len(p.load), len(j)
-    ends = [row[:, 0] - half[:, None] * row[:, 1], row[:, 0] + half[:, None] * row[:, 1], row[:, 2]]
-    tilt = half * p.places[:, PHI]
-    begun = np.stack([p.places[:, U] - tilt, p.places[:, U] + tilt, p.places[:, V] - p.law[:, SLID]], axis=1)
-    moving = p.dof >= 0
-    blocks, rhs = [], []
-    for e, entries in enumerate(ends):
-        b = sparse.csr_matrix((entries[moving], (np.nonzero(moving)[0], p.dof[moving])), (count, m))
-        y = [
-            sparse.csr_matrix((np.ones(count), (j, 4 * j + r)), (count, 4 * count))
-            for r in ((e,), (2, 3))[e > 1]
-        ]
-        blocks.append(sparse.hstack([b, -y[0] if e < 2 else y[1] - y[0]]))
-        rhs.append(-begun[:, e])
-    work = sparse.csr_matrix(np.concatenate([p.lateral, np.zeros(4 * count)]) * (p.step / p.work))
-    equations = sparse.vstack([*blocks, work])
-    bounds = [(None, None)] * m + [(0.0, None if may else 0.0) for may in free.ravel()]
-    cost = np.concatenate([np.zeros(m), weights.ravel()])
-    found = linprog(
-        cost,
-        A_eq=equations,
-        b_eq=np.concatenate([*rhs, [p.step]]),
-        bounds=bounds,
-        method="highs-ds",
-        options=EXACTLY,
-    )
-    if found.status != 0:
-        return None
-    return np.asarray(found.x[:m]), np.asarray(found.x[m:]).reshape(-1, 4)

@@ -31,6 +31,9 @@ class StepTolerances:
     `no_overlap`, overlap that does not count; `inside`, least penetration that counts; `look_ahead`, distance beyond a
     step within which contacts are looked for. `least_friction`: coefficient that replaces zero friction.
 
+    Flows. `slides`: slip of a joint that slides, as a share of a step; `exact`: change, as a share of the block size,
+    with which the geometry of a flow is exact; `touching`: gap or slip, as a share of a step, that is none.
+
     Short steps. `short`: their length, as a share of the block size; `fewest`: least number of short steps in a step;
     `short_time`: time of each in a push, in units of √(size/g), long enough for inertia to have little effect;
     `still_time`: the same under given loads: what they do not balance by 1e-5 of the weight falls at once.
@@ -57,6 +60,9 @@ class StepTolerances:
     inside: float = 1e-6
     look_ahead: float = 0.05
     least_friction: float = 1e-9
+    slides: float = 1e-3
+    exact: float = 1e-12
+    touching: float = 1e-7
     short: float = 1e-2
     fewest: int = 4
     short_time: float = 4.5

@@ -5,6 +5,8 @@ Closed forms: each voussoir and block slides on both of its faces.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -130,3 +132,21 @@ def test_a_curve_begins_at_the_multiplier_of_its_own_law() -> None:
     wall = running_bond(2, 5)
     curve = pushover(wall, (0.4, 0.875), "+x", "rigid", 0.002, sliding="coulomb", until=0.9)
     assert curve.multiplier[0] == pytest.approx(limit_analysis(wall, sliding="coulomb").alpha, rel=1e-9)
+
+
+@pytest.mark.parametrize("increment", [0.001, 0.01])
+@pytest.mark.parametrize(("friction", "base"), [(0.8, 0.7), (0.7, 0.5)])
+def test_the_end_brick_of_a_wall_rocks_off_alone(friction: float, base: float, increment: float) -> None:
+    """A half brick b × h: α_0 = b/h, d_0 = h sin arctan(b/h). Others press forces on it that hold it up to 0.61."""
+    b, h = 0.15, 0.35
+    stone, below = Material(20.0, friction), Material(20.0, base)
+    courses = ((0.0, (0, 2, 4)), (h, (0, 1, 3, 4)))
+    blocks = [
+        Block(rectangle(b * left, z, b * right, z + h), 1.0, stone)
+        for z, ends in courses
+        for left, right in itertools.pairwise(ends)
+    ]
+    model = Assembly([*blocks, Block(rectangle(-0.4, -0.3, 1.0, 0.0), 1.0, below, support="base")])
+    curve = pushover(model, increment=increment)
+    assert curve.alpha_0 == pytest.approx(b / h, rel=1e-6)
+    assert curve.displacement[-1] == pytest.approx(h * np.sin(np.arctan(b / h)), rel=1e-5)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from mechanics import pushover
+from mechanics import limit_analysis, pushover
 from tests.support.structures import running_bond
+from tests.validation.test_least_multiplier import random_wall
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
@@ -17,3 +19,19 @@ def test_walls_that_slide_neither_penetrate_nor_exceed_the_associative_law(conta
     other = pushover(model, (0.5 * columns, 0.3 * courses), "+x", contacts, 0.01, sliding="associative")
     assert max(step.penetration for step in curve.steps) < 1e-4 * model.size
     assert 0.9 * other.multiplier.max() < curve.multiplier.max() < 1.001 * other.multiplier.max()
+
+
+@pytest.mark.parametrize("seed", [60, 323])
+def test_a_curve_goes_on_along_its_flow_whatever_the_increment(seed):
+    """Programs alone go over to other flows: α 0.335 for 0.310 after the first step of wall 60, d_0 2.7 times as far."""
+    model = random_wall(seed)
+    curves = [pushover(model, increment=increment) for increment in (0.01, 0.02)]
+    least = limit_analysis(model).alpha
+    assert [curve.alpha_0 for curve in curves] == pytest.approx([least, least], rel=1e-6)
+    far = [curve.displacement[-1] for curve in curves]
+    assert far[0] == pytest.approx(far[1], rel=1e-5)
+    assert all(curve.reached_zero and curve.lifting == 0 for curve in curves)
+    worst = max(c.worst(0.01) for curve in curves for c in curve.certificates)
+    assert worst < 1e-7
+    pressed = [step.forces[:, 0].min() for curve in curves for step in curve.steps]
+    assert np.min(pressed) > -1e-9 * model.weight

@@ -1,0 +1,109 @@
+"""A step along a flow: rigid joints by Coulomb's law, whose programs have many solutions where joints slide.
+
+A flow is a mechanism and forces that fit it (see procedures.limit_analysis). It goes on as long as its gaps and slips
+and its forces can:
+
+    free ← gaps and slips that the last forces leave free
+    until the geometry is exact:
+        Δx ← the least displacement of the given work that closes what is not free    a quadratic program
+    f  ← the forces of least α that balance the loads there and fit the mechanism     a linear program
+
+Where either has no solution the flow ends, and another begins.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mechanics.errors import ConvergenceError
+from mechanics.kernels.joint import H
+from mechanics.kernels.law import FRICTION, STRENGTH
+from mechanics.messages import message
+from mechanics.program import Program, certify, end_forces
+from mechanics.solvers import interior
+from mechanics.solvers.interior import Iterate
+from mechanics.steps.contact_values import iterate_over, over_all, spread, state_at_rest, taken
+from mechanics.steps.static_step import Equilibrium, StepProblem, check_motion, displaced, penetration
+from mechanics.steps.tolerances import LIMIT, STEP
+from mechanics.types import Array, Mask
+
+
+def margins(program: Program, forces: Array) -> Array:
+    """Return N₁, N₂, μN + T and μN − T (j, 4), kN, of forces N, P and T (j, 3)."""
+    bound, t = program.law[:, FRICTION] * forces[:, 0], forces[:, 2]
+    return np.column_stack([end_forces(forces, program.places[:, H]), bound + t, bound - t])
+
+
+def flows_at(program: Program, forces: Array, gaps: Array) -> Mask:
+    """Return which gaps and slips (j, 4), y₁, y₂, λ₊ and λ₋, of a flow are not zero: its forces (j, 3) vanish there."""
+    found: Mask = gaps / program.step > margins(program, forces) / program.weight
+    return found
+
+
+def flows(problem: StepProblem, last: Equilibrium | None) -> bool:
+    """Whether a step may go on along the flow of the last one: of rigid joints that slide and do not crush or yield."""
+    if last is None or last.iterate is None or problem.lateral is None or problem.mass is not None:
+        return False
+    system = problem.system
+    if not system.rigid or system.dilation > 0.0 or (system.law[:, STRENGTH] < np.inf).any():
+        return False
+    return slides(last, problem.size)
+
+
+def slides(found: Equilibrium, size: float) -> bool:
+    """Whether joints slide in the program of an equilibrium by more than a share of its step's `size` (m)."""
+    if found.iterate is None:
+        return False
+    slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
+    return bool(slip > STEP.slides * size)
+
+
+def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilibrium:
+    """Return the equilibrium near a `guess` (b, 3) to which the flow of the `last` one leads.
+
+    Raises NoEquilibriumError where blocks fall, ConvergenceError where the flow ends.
+    """
+    from mechanics.solvers import lp_highs, mechanisms  # late: with them comes scipy.optimize
+
+    system, model = problem.system, problem.system.model
+    assert last.iterate is not None
+    known = iterate_over(last.iterate, last.contacts, system.contacts)
+    at, ended = guess, ConvergenceError(message("the flow of the last step ends"))
+    for _ in range(STEP.rigid_rounds):
+        program, index = problem.pose(at, None)
+        before = taken(known, index)
+        forces = interior.resultants(program, before)
+        free = margins(program, forces) <= LIMIT.idle * program.weight
+        began = before.gaps > STEP.touching * program.step
+        found = mechanisms.nearest_mechanism(program, free | flows_at(program, forces, before.gaps), began)
+        if found is None:
+            raise ended
+        displacement, gaps = found
+        at = displaced(model, at, displacement)
+        check_motion(problem, at)
+        if abs(displacement).max() <= STEP.exact * model.size:
+            break
+    else:
+        raise ended
+    program, _ = problem.pose(at, None, index)
+    answer = lp_highs.least_multiplier(program, gaps > STEP.touching * program.step)
+    if answer is None:
+        raise ended
+    forces, alpha = answer
+    count, places = len(system.contacts), system.places(at, problem.start)
+    everywhere = spread(forces, index, count)
+    ends = np.column_stack([end_forces(forces, program.places[:, H]), forces[:, 2]])
+    certificate = certify(program, forces, alpha, np.zeros(len(program.load)))
+    if certificate.worst(problem.size) > STEP.certificate(system.behaviour):
+        raise ended
+    return Equilibrium(
+        state_at_rest(system, at, everywhere, problem.start),
+        system,
+        places,
+        everywhere,
+        alpha,
+        over_all(Iterate(ends, gaps, alpha, np.zeros(len(program.load))), index, count),
+        certificate,
+        penetration(system, places, everywhere),
+        1,
+    )
