@@ -23,7 +23,7 @@ def test_walls_that_slide_neither_penetrate_nor_exceed_the_associative_law(conta
 
 @pytest.mark.parametrize("seed", [60, 323])
 def test_a_curve_goes_on_along_its_flow_whatever_the_increment(seed):
-    """Programs alone go over to other flows: α 0.335 for 0.310 after the first step of wall 60, d_0 2.7 times as far."""
+    """Programs alone go over to other flows: α 0.335 for 0.310 after the first step of wall 60, 2.7 times its d_0."""
     model = random_wall(seed)
     curves = [pushover(model, increment=increment) for increment in (0.01, 0.02)]
     least = limit_analysis(model).alpha
