@@ -29,8 +29,8 @@ LINES = {
     "mechanics/model": 3383,
     "mechanics/procedures": 3380,
     "mechanics/records": 1086,
-    "mechanics/solvers": 1069,
-    "mechanics/steps": 1769,
+    "mechanics/solvers": 1135,
+    "mechanics/steps": 1884,
 }
 
 
