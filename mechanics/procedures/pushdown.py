@@ -402,9 +402,15 @@ class _Path:
         self.final = rested.state
 
     def _moves_as_a_whole(self, by: float) -> bool:
-        """Whether every movable block moved by just the support's translation in the last step, of `by` (m)."""
-        moved = self.moving.translation(by)
-        if moved is None:
+        """Whether every movable block moved by just the support's translation in the last step, of `by` (m).
+
+        What rests on another support too moves along it, and may leave it.
+        """
+        moved, last = self.moving.translation(by), self.steps[-1]
+        elsewhere = ~self.model.movable
+        elsewhere[self.index] = False
+        beside = elsewhere[last.contacts.a] | elsewhere[last.contacts.b]
+        if moved is None or (beside & (last.forces[:, 0] > self.system.least_force)).any():
             return False
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()

@@ -32,6 +32,17 @@ def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
     assert len(path.movement) < 20
 
 
+def test_a_lintel_that_rides_with_one_seat_slides_off_the_other():
+    """Its bearings are 0.05 and 0.10 m: friction takes it along with the longer one, on which its weight is larger."""
+    seats = [rectangle(-1.0, -1.0, 0.05, 0.0), rectangle(1.9, -1.0, 3.0, 0.0)]
+    blocks = [
+        Block(seat, 1.0, STONE, support=name) for seat, name in zip(seats, ("left", "right"), strict=True)
+    ]
+    model = Assembly([*blocks, Block(rectangle(0.0, 0.0, 2.0, 0.3), 1.0, STONE)])
+    path = pushdown(model, "right", (0.002, 0.0), increment=0.001, to_collapse=True)
+    assert path.ultimate == pytest.approx(0.05, abs=1e-5)
+
+
 def test_run_arch_tie():
     """Which springing slides alternates from program to program; the short steps, in turn, refused every step.
 
