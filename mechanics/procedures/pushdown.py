@@ -402,10 +402,7 @@ class _Path:
         self.final = rested.state
 
     def _moves_as_a_whole(self, by: float) -> bool:
-        """Whether every movable block moved by just the support's translation in the last step, of `by` (m).
-
-        What rests on another support too moves along it, and may leave it.
-        """
+        """Whether in the last step, of `by` (m), every block went along with the support and rests on no other."""
         moved, last = self.moving.translation(by), self.steps[-1]
         elsewhere = ~self.model.movable
         elsewhere[self.index] = False
