@@ -170,6 +170,21 @@ def test_the_motion_of_given_macro_blocks_is_that_of_the_pushover():
             assert recomputed(line.formula, line.inputs) == pytest.approx(line.result, rel=1e-9)
 
 
+def test_a_macro_block_of_unequal_blocks_turns_about_its_toe():
+    """α(θ) = −x/z of the centre of weight about the toe, turned by θ: its blocks weigh 12 and 1.8 and lie apart."""
+    stone, toe = Material(20.0, 0.7), np.array([0.6, 0.0])
+    shapes = [((-1.0, -0.5, 2.0, 0.0), "base"), ((0.0, 0.0, 0.6, 1.0), None), ((0.0, 1.0, 0.3, 1.3), None)]
+    model = Assembly([Block(rectangle(*corners), 1.0, stone, support=name) for corners, name in shapes])
+    chosen = mechanism((toe, -1.0, [1, 2]))
+    motion = finite_motion(model, model.initial.positions, chosen, [Hinge(0, None, (0.6, 0.0))])
+    weights = np.array([block.weight for block in model.blocks[1:]])
+    x, z = np.average([block.centroid for block in model.blocks[1:]], axis=0, weights=weights) - toe
+    turned = -motion.positions[:, 1, 2]
+    across, up = x * np.cos(turned) + z * np.sin(turned), z * np.cos(turned) - x * np.sin(turned)
+    assert len(turned) > 10
+    np.testing.assert_allclose(motion.multiplier, -across / up, atol=1e-9)
+
+
 def test_a_wedge_without_hinges_has_no_nonlinear_check():
     """A centre far away is a translation: the linear check stays, and a note says why the other is missing."""
     model = column(3, friction=0.1)
