@@ -360,7 +360,8 @@ class _Curve:
         """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
-        problem = StepProblem(self.system, now, self.model.dead_load, work * fastest, self.lateral, work)
+        load, size = self.model.dead_load, work * fastest
+        problem = StepProblem(self.system, now, load, size, self.lateral, work, along=self.drawn)
         last = self.steps[-1] if self.steps else self.first.step
         return reach(problem, now.positions + work * self.rate, last, shortest)
 

@@ -40,14 +40,12 @@ def flows_at(program: Program, forces: Array, gaps: Array) -> Mask:
     return found
 
 
-def flows(problem: StepProblem, last: Equilibrium | None) -> bool:
+def flows(problem: StepProblem, last: Equilibrium) -> bool:
     """Whether a step may go on along the flow of the last one: of rigid joints that slide and do not crush or yield."""
-    if last is None or last.iterate is None or problem.lateral is None or problem.mass is not None:
-        return False
     system = problem.system
-    if not system.rigid or system.dilation > 0.0 or (system.law[:, STRENGTH] < np.inf).any():
+    if not (problem.along and system.rigid and system.dilation == 0.0):
         return False
-    return slides(last, problem.size)
+    return bool(np.isinf(system.law[:, STRENGTH]).all()) and slides(last, problem.size)
 
 
 def slides(found: Equilibrium, size: float) -> bool:
