@@ -106,7 +106,10 @@ class IncrementalCurve:
 
     @property
     def collapse(self) -> float | None:
-        """The lowest level (g) at which the structure collapses; None: at none."""
+        """The lowest of the `levels` (g) at which the structure collapses; None: at none.
+
+        Collapse comes in bands: a narrow one below, between two levels, is missed (seen: 0.57 g below 0.73 g).
+        """
         return float(self.levels[self.collapsed].min()) if self.collapsed.any() else None
 
     @property

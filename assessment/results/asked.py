@@ -34,6 +34,14 @@ def collisions(echo: Echo) -> bool:
     return bool((echo.contacts or {}).get("collisions", True))
 
 
+def damped(echo: Echo) -> bool:
+    """Return whether joints of a motion have dashpots."""
+    return any(
+        each.get("damping_ratio")
+        for each in (*(echo.history or ()), echo.incremental or {}, echo.campaign or {})
+    )
+
+
 def taken_to_collapse(echo: Echo) -> set[str]:
     """Return the settlements whose ultimate movement is to be found."""
     return {each["name"] for each in echo.settlements or () if each.get("to_collapse")}

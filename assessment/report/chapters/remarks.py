@@ -110,6 +110,8 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Sentences:
         yield words("text.greatest_pressure", pressure=pressure, **place)
     yield words("text.sliding_coulomb" if asked.coulomb(results.echo) else "text.sliding")
     yield words("text.collisions" if asked.collisions(results.echo) else "text.no_collisions")
+    if asked.damped(results.echo):
+        yield words("text.dashpots")
 
 
 def strengthened(results: Results, words: Words) -> Sentences:

@@ -344,6 +344,9 @@ def test_crushing_friction_and_collisions_are_told():
     assert "associative" in told and "come to touch" in told
     results["echo"]["contacts"]["collisions"] = False
     assert "have no contact (collisions = false)" in laws_told(results)
+    assert "before contact" not in laws_told(results)
+    results["echo"]["incremental"] = {"damping_ratio": 0.05}
+    assert "before contact" in laws_told(results)
 
 
 def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):
