@@ -85,12 +85,12 @@ def mechanism_start(
         if pushed is not None:
             return pushed
     share = 1.0 if state is None else START.settled
+    yields = bool(np.isfinite(limit.contacts.strength[limit.contacts.ties]).any())
+    flow = limit.sliding == "coulomb" and not (limit.dilation or yields)
     return PathStart(
         state or model.initial,
         limit.sliding == "coulomb" and limit.dilation > 0.0,
-        _flow_of(limit, increment)
-        if limit.sliding == "coulomb" and not (limit.dilation or model.ties)
-        else None,
+        _flow_of(limit, increment) if flow else None,
         limit.alpha,
         limit.forces,
         limit.contacts,
