@@ -4,8 +4,8 @@ The same follower serves pushdown and pushover, rigid and elastic:
 
     until the path ends:
         predict       the last rate, carried on by a length          advance of the path
-        go on         along the flow of rigid joints that slide      along_flow
-        or solve      program and geometry in turns                  find_equilibrium
+        solve         program and geometry in turns                  find_equilibrium
+        or go on      along the flow, where it leads to a higher one along_flow
         or divide     a step of rigid joints, into short ones        in_short_steps
         or let move   the shortest step, until it rests or falls     motion_to_rest
         accept        and lengthen the next step, or halve it        Bisection
@@ -37,12 +37,14 @@ class PathTolerances:
     """Tolerances of the length of steps.
 
     `halvings`: of an increment, to which the end of a path is located; `growth`: factor from one step to the next,
-    after halvings or a small first step; `jump`: a motion of as many times the expected displacement of a step.
+    after halvings or a small first step; `jump`: a motion of as many times the expected displacement of a step;
+    `rise`: share of its multiplier by which that of a step along a flow may rise.
     """
 
     halvings: int = 5
     growth: float = 1.5
     jump: float = 2.0
+    rise: float = 1e-4
 
     def shortest(self, increment: float) -> float:
         """Return the shortest step (m): the increment after all halvings."""
@@ -135,21 +137,23 @@ def _reach(
     problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
 ) -> tuple[Equilibrium, bool]:
     rigid = problem.system.rigid
-    ended: NoEquilibriumError | ConvergenceError | None = None
-    if last is not None and flows(problem, last):
-        try:
-            return sound(along_flow(problem, guess, last)), False
-        except (NoEquilibriumError, ConvergenceError) as error:
-            ended = error
+    flow, higher = last if last is not None and flows(problem, last) else None, None
     try:
         found = sound(find_equilibrium(problem, guess, last))
-        if ended is None or shortest or (last is not None and found.alpha <= last.alpha):
+        if flow is None or found.alpha <= flow.alpha * (1.0 + PATH.rise):
             return found, False
-        stop = ended  # other flows have higher multipliers: first the end of this one is located
+        higher = found  # another flow: that of the last step goes on if it can, and its end is located
     except (NoEquilibriumError, ConvergenceError) as error:
-        stop = error
-    if ended is not None and not shortest:
-        raise stop
+        stop: NoEquilibriumError | ConvergenceError = error
+    if flow is not None:
+        try:
+            return sound(along_flow(problem, guess, flow)), False
+        except (NoEquilibriumError, ConvergenceError) as error:
+            stop = error
+        if not shortest:
+            raise stop
+        if higher is not None:
+            return higher, False
     if problem.system.dilation < LIMIT.slight:
         with suppress(NoEquilibriumError, ConvergenceError):
             return sound(find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last)), False
