@@ -44,7 +44,7 @@ class PushdownTolerances:
     `onset`: movement at which the first reaction is taken, as a share of an increment and at most of the block size;
     `whole`: difference between the blocks' movement and the support's, as a share of it, up to which the structure
     moves as a whole; `look_ahead`: range in which contacts are searched for, in expected displacements of a step;
-    `points`: most points of a path that goes on to collapse; `least`: movement that is told from rounding, as a share
+    `points`: most points of a path that goes on to collapse; `least`: movement that differs from rounding, as a share
     of the block size.
     """
 

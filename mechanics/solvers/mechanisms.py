@@ -72,7 +72,7 @@ def nearest_mechanism(program: Program, free: Mask, began: Mask) -> tuple[Array,
     most, kept = abs(program.lateral).max(), int(held.sum())
     load = sparse.csr_matrix(program.lateral * scale / most)
     g = sparse.vstack([rows_of[at_least], -rows_of[at_most]])
-    solver = piqp.SparseSolver()
+    solver = piqp.SparseSolver()  # its status is not asked: the certificate of the step decides
     solver.settings.eps_abs = solver.settings.eps_rel = 1e-12
     solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = 1e-10
     solver.setup(

@@ -58,8 +58,9 @@ def slides(found: Equilibrium, size: float) -> bool:
 
 
 def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilibrium:
-    """Return the equilibrium near a `guess` (b, 3) to which the flow of the `last` one leads.
+    """Return the equilibrium near a `guess` (b, 3), m and rad, to which the flow of the `last` one leads.
 
+    Its work is that of the `problem`, kNm. Source: the program of eq. 5 without dilation; docs/theory.md, Static paths.
     Raises NoEquilibriumError where blocks fall, ConvergenceError where the flow ends.
     """
     from mechanics.solvers import lp_highs, mechanisms  # late: with them comes scipy.optimize

@@ -30,7 +30,7 @@ LINES = {
     "mechanics/procedures": 3383,
     "mechanics/records": 1086,
     "mechanics/solvers": 1135,
-    "mechanics/steps": 1884,
+    "mechanics/steps": 1885,
 }
 
 

@@ -314,10 +314,8 @@ def push(
         if followed is not None:
             try:
                 add_curve(title, model, setting, direction, *followed, found)
-            except (
-                NoEquilibriumError,
-                ConvergenceError,
-            ) as error:  # checks are of the first motion: no curve without
+            except (NoEquilibriumError, ConvergenceError) as error:
+                # checks are of the first motion: no curve without it
                 reason = message(
                     "the mechanism of the first motion is not found: {reason}", reason=error.message
                 )

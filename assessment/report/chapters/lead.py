@@ -71,7 +71,7 @@ def _outcome(results: Results, name: str, words: Words) -> str:
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
 
-    Where the structure is now weakest in another direction, the index there is told too.
+    Where the structure is now weakest in another direction, the index there is given too.
     """
     limit = summary.index_limit(results)
     before = summary.least_row(results, known(results.states[name].strengthening).of)
