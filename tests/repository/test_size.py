@@ -23,7 +23,7 @@ LINES = {
     "assessment/results": 3394,
     "assessment/runtime": 1845,
     "assessment/studies": 2494,
-    "assessment/workflow": 1153,
+    "assessment/workflow": 1154,
     "mechanics": 946,
     "mechanics/kernels": 3485,
     "mechanics/model": 3383,
