@@ -450,6 +450,8 @@ class _Curve:
             start = self._start(held.state)
         except (UnstableError, NoEquilibriumError, ConvergenceError):
             return False
+        if start.alpha < 0.0:  # it stands only where a push holds it back
+            return False
         # the new point is the onset of the push: it has the forces under α, not those of the rest under gravity
         forces = moved_over(start.forces, start.contacts, held.contacts)
         onset = replace(

@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 946,
     "mechanics/kernels": 3485,
     "mechanics/model": 3383,
-    "mechanics/procedures": 3383,
+    "mechanics/procedures": 3385,
     "mechanics/records": 1086,
     "mechanics/solvers": 1135,
     "mechanics/steps": 1885,
