@@ -121,7 +121,6 @@ def prepare(report: bool) -> None:
     """Import what `write` needs; it takes nearly two seconds, which other processes use to compute."""
     import pandas  # noqa: F401
 
-    import assessment.report.figures.animation
     import assessment.report.figures.index
 
     if report:
@@ -182,7 +181,6 @@ def _make(
     """Make everything in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement import NAME, judgement
     from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
-    from assessment.report.figures.animation import write_animations
     from assessment.report.figures.index import pictures, write_figures, write_images
     from assessment.report.tables import write_tables
     from assessment.report.text.language import words_of
@@ -206,7 +204,7 @@ def _make(
             begun.append(pool.apply(write_pdf, new, opinion.edited))  # first: it takes longest
             begun.append(pool.apply(write_page, new, opinion.edited))
         images = write_images(pool, new / "figures")
-        begun += [*write_animations(pool, new / "figures"), pool.apply(write_tables, new / "tables")]
+        begun.append(pool.apply(write_tables, new / "tables"))
         for work in images:
             result_of(work)
         if report:  # its figures are the images

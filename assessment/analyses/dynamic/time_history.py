@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,11 +13,11 @@ from assessment.analyses.found import Found
 from assessment.analyses.static.states import StateResult
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.project.schema import ORIGINAL, ControlTable, HistoryTable, MotionTable, StatesTable
+from assessment.project.schema import ORIGINAL, ControlTable, MotionTable, StatesTable
 from assessment.project.structure.model import StateModel
 from assessment.results.configurations.frames import snapshots
 from assessment.results.configurations.ties import while_shaken
-from assessment.results.schema.dynamic import AnimationFrames, Course, Energy, History, Motion
+from assessment.results.schema.dynamic import Course, Energy, History, Motion
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
@@ -161,8 +160,6 @@ def _goes_on(parts: list[TimeHistory], to_rest: bool) -> bool:
 Start = State | Message
 """The state at rest that a motion begins from, or why it could not be reached."""
 
-FRAMES = 150  # of an animation
-SHORTEST_FRAME = 0.05  # s
 MOST_POINTS = 2000  # of a curve kept for figures
 
 
@@ -210,8 +207,6 @@ def history(shaking: Shaking) -> FoundHistory:
     seconds = time.perf_counter() - began
 
     value = _answered(model, motion, setting, response).replace(seconds=seconds)
-    if isinstance(setting.table, HistoryTable) and setting.table.animation:
-        value = value.replace(frames=frames(response, motion.start, model.initial.positions))
     notes, last = list(response.notes), response.last
     if last.collapsed:
         at = known(value.time_of_collapse_s)
@@ -284,16 +279,6 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
     )
     ties = while_shaken(model, times, response.forces, last.final, rigid)
     return found.replace(ties=ties) if ties else found
-
-
-def frames(response: Response, start: float, drawn: Array) -> AnimationFrames:
-    """Return at most FRAMES displacements (b, 3) from the positions `drawn`, at equal times from `start` (s)."""
-    steps = max(math.ceil(len(response.time) / FRAMES), round(SHORTEST_FRAME / float(response.time[1])), 1)
-    every = slice(None, None, steps)
-    moved = response.positions[every] - drawn
-    return AnimationFrames(
-        time_s=(start + response.time[every]).tolist(), configuration=moved.round(7).tolist()
-    )
 
 
 def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow:

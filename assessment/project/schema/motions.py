@@ -69,7 +69,6 @@ class HistoryTable(StatesTable):
     vertical_record: Annotated[kinds.Name | None, FileName()] = absent(
         "file of the vertical ground acceleration"
     )
-    animation: bool = entry("also write the motion from every state as a GIF", False)
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield a scale that leaves no motion."""

@@ -20,7 +20,7 @@ from docx.enum.section import WD_SECTION
 from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_TAB_ALIGNMENT, WD_TAB_LEADER
 from docx.oxml import parse_xml
 from docx.oxml.ns import nsdecls
-from docx.shared import Emu, Mm, Pt
+from docx.shared import Emu, Mm
 from docx.text.paragraph import Paragraph
 from lxml import html
 from markupsafe import escape
@@ -39,10 +39,8 @@ LOCALES = {"it": "it-IT", "en": "en-GB"}
 PAGE, MARGIN, HEAD = (Mm(210), Mm(297)), Mm(20), Mm(24)
 WIDTH = PAGE[0] - 2 * MARGIN
 HIGHEST = Mm(165)  # of a picture: its caption stands on the same page
-WHOLE = 0.5 * (PAGE[1] - HEAD - MARGIN)  # of height: a table of no more stands on one page
-LINE, BETWEEN = Pt(9.8), Pt(2)  # of a row of a table: each of its lines, and above and below them
-LETTER = Pt(4.2)  # of width, in the mean
-TOGETHER = 3  # rows at the head and at the end of a longer table
+# rows of a table that stands on one page; at the head and at the end of a longer one, that stand together
+WHOLE, TOGETHER = 20, 3
 STAMP = Mm(22)  # of height, for a stamp and a signature
 MANY_COLUMNS = 9  # of a table: its text is smaller from there on
 MADE = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same report has the same bytes
@@ -152,7 +150,7 @@ def _table(document: Any, table: Element) -> None:
     for column, width in zip(native.columns, widths, strict=True):
         column.width = width
     text = "Table Text Small" if headed and len(widths) > MANY_COLUMNS else "Table Text"
-    kept = kept_with_next(texts, widths) if headed else ()
+    together = len(rows) if len(rows) <= WHOLE else TOGETHER
     for number, (row, cells) in enumerate(zip(native.rows, rows, strict=True)):
         head = headed and number == 0
         for tag in ("cantSplit", *(("tblHeader",) if head else ())):
@@ -167,7 +165,7 @@ def _table(document: Any, table: Element) -> None:
                 _append(cell._tc.get_or_add_tcPr(), "tcBorders", inner=line)
             if "tall" in source.classes:
                 row.height = STAMP
-            if number in kept:
+            if headed and (number < together or number >= len(rows) - together) and number < len(rows) - 1:
                 paragraph.paragraph_format.keep_with_next = True
             _words(paragraph, source)
     _paragraph(document, "After Table")
@@ -180,21 +178,6 @@ def _widths(rows: Sequence[Sequence[str]]) -> list[Emu]:
         for column in zip(*rows, strict=True)
     ]
     return [Emu(round(WIDTH * each / sum(wanted))) for each in wanted]
-
-
-def kept_with_next(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> set[int]:
-    """Return which rows of a table, texts of cells, go with the next: all of one of up to half a page.
-
-    Of a longer one those at its head and its end, so that no row stands alone. `widths` of the columns in EMU; heights
-    are estimated, as only the program that shows the document knows them.
-    """
-    lines = [
-        max(1 + int(len(text) * LETTER / width) for text, width in zip(row, widths, strict=True))
-        for row in rows
-    ]
-    height = sum(LINE * count + BETWEEN for count in lines)
-    together = len(rows) if height <= WHOLE else TOGETHER
-    return {*range(min(together, len(rows) - 1)), *range(max(0, len(rows) - together), len(rows) - 1)}
 
 
 def _paragraph(document: Any, style: str) -> Any:

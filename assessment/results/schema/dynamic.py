@@ -64,13 +64,6 @@ class ShakenTie(Part):
     yields: bool = key("whether it reaches the yield force")
 
 
-class AnimationFrames(Part):
-    """`frames` of a history: configurations at equal times, for the GIF."""
-
-    time_s: list[float] = key("times in the record's file")
-    configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
-
-
 class Energy(Part):
     """`energy`: the balance of a motion from its beginning to its end."""
 
@@ -125,7 +118,6 @@ class History(Part):
     halvings: int | None = optional("halvings of the time step where a step was not solved")
     notes: list[Sentence] | None = optional("what to know about it")
     seconds: float | None = optional("computing time", unit="s")
-    frames: AnimationFrames | None = optional("for the animation")
     ties: list[ShakenTie] | None = optional("tension of the ties of the state; missing: no tie")
     members: int | None = optional("members of the ensemble that were run", "Membri|Members")
     members_collapsed: int | None = optional("members that collapse", "Di cui collassano|Of which collapse")

@@ -29,7 +29,7 @@ View = tuple[str, Direction]
 """A state and the direction in which it is pushed."""
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
-CAPITAL = 0.75  # of the size of a font: the height of a digit
+LETTER, CAPITAL = 0.65, 0.75  # of the size of a font: width and height of a digit
 CRACK: dict[str, Any] = {"color": pictures.INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 SURVEYED: dict[str, Any] = {"color": "#a33c0a", "linewidth": 1.6, "linestyle": (0, (3, 1)), "marker": "|"}
 MEASURED: dict[str, Any] = pictures.HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
@@ -213,18 +213,16 @@ class Mechanism:
             axes.plot(*self._carried(slide, np.full(2, owner)).T, **pictures.SLIDING)
         ends = zip(self.ties, self.tie_ends, strict=True)
         parts.draw_ties(page, axes, [self._carried(points, np.array(tie.blocks)) for tie, points in ends])
-        labels = parts.Labels(page, axes)
-        if self.hinges:
-            owner = np.array([self.start.nearest(point) for point in self.hinges])
-            points = self._carried(np.asarray(self.hinges, dtype=float), owner)
-            axes.plot(*points.T, **pictures.HINGE)
-            labels.avoid(points, pictures.HINGE["markersize"] + pictures.HINGE["markeredgewidth"])
-        whole_weight = sum(each.weight for each in self.macro_blocks)
+        owner = np.array([self.start.nearest(point) for point in self.hinges], dtype=np.intp)
+        hinges = self._carried(np.asarray(self.hinges, dtype=float).reshape(-1, 2), owner)
+        axes.plot(*hinges.T, **pictures.HINGE)
+        least, wanted = LIGHT * sum(each.weight for each in self.macro_blocks), []
         for number, whole in enumerate(self.macro_blocks, 1):
-            if whole.weight >= LIGHT * whole_weight:
+            if whole.weight >= least:
                 away = np.hypot(*(self.start.centroids[list(whole.members)] - whole.centroid).T)
                 nearest = np.array(whole.members)[np.argsort(away, kind="stable")]
-                labels.write(str(number), list(self.swept.centroids[nearest]), **BOXED)
+                wanted.append((str(number), list(self.swept.centroids[nearest])))
+        parts.write_numbers(page, axes, wanted, hinges, **BOXED)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return pictures.field(points, owner, self.start.centroids, self.velocity)
@@ -239,31 +237,34 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     page = sheet(pictures.union([shape]), border_mm=8.0, foot_mm=foot(["", ""]))
     axes = page.panels[0]
     pictures.fill_roles(axes, shape)
-    labels = parts.Labels(page, axes)
     found = cracks_of(results, state)
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
     ends = {crack.joint: _face(results, shape, crack.joint) for crack in found}
     for face in ends.values():
         axes.plot(*face.T, **CRACK)
+    marks: list[Array] = []
     for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
         size = room(page, ring, str(number))
         if size >= SMALLEST_PT:
             dark = results.geometry.blocks[number].support is not None
-            labels.put(str(number), centroid, fontsize=size, color="1.0" if dark else "0.25")
+            style: dict[str, Any] = {"fontsize": size, "color": "1.0" if dark else "0.25"}
+            axes.annotate(str(number), tuple(centroid.tolist()), ha="center", va="center", **style)
+            marks.append(centroid)
     handles = [key(words.plain("figure.crack"), **CRACK)] if found else []
     drawn, moved = outlines(results), np.asarray(results.states[state].configuration, dtype=float)
+    wanted = []
     for each in surveyed(results, state):
         line = np.asarray(each.line, dtype=float)
         at = pictures.place(line, np.array([drawn.nearest(point) for point in line]), drawn.centroids, moved)
-        style, kind = (MEASURED, "measured_crack") if len(line) == 1 else (SURVEYED, "surveyed_crack")
+        look, kind = (MEASURED, "measured_crack") if len(line) == 1 else (SURVEYED, "surveyed_crack")
         label = words.plain(f"figure.{kind}")
-        axes.plot(*at.T, **style)
+        axes.plot(*at.T, **look)
         if label not in [handle.get_label() for handle in handles]:
-            handles.append(key(label, **style))
-        labels.avoid(at, MEASURED["markersize"] + 1.0)
-        labels.write(each.mark, _around(page, at[len(at) // 2]), **NUMBER)
-    for crack in found[:most]:
-        labels.write(f"G{crack.joint}", _beside(page, ends[crack.joint], middle), **NUMBER)
+            handles.append(key(label, **look))
+        marks += list(at)
+        wanted.append((each.mark, [at[len(at) // 2]]))
+    wanted += [(f"G{crack.joint}", _beside(page, ends[crack.joint], middle)) for crack in found[:most]]
+    parts.write_numbers(page, axes, wanted, marks, **NUMBER)
     page.legend(handles, words)
     return page.figure
 
@@ -283,10 +284,8 @@ def draw_identification(results: Results, words: Words) -> Figure:
     pictures.ghost(axes, drawn)
     pictures.fill_roles(axes, shape)
     axes.plot(*marked.T, **MEASURED)
-    labels = parts.Labels(page, axes)
-    labels.avoid(marked, MEASURED["markersize"] + MEASURED["markeredgewidth"])
-    for number, point in enumerate(marked, 1):
-        labels.write(str(number), _around(page, point), **NUMBER)
+    wanted = [(str(number), [point]) for number, point in enumerate(marked, 1)]
+    parts.write_numbers(page, axes, wanted, marked, **NUMBER)
     mark = key(words.plain("figure.measurement"), **MEASURED)
     page.legend([parts.ghost_handle(words.plain("figure.original_outline")), mark], words)
     return page.figure
@@ -294,10 +293,6 @@ def draw_identification(results: Results, words: Words) -> Figure:
 
 def _times(times: float, words: Words) -> str:
     return words.plain("figure.magnified" if times > 1.0 else "figure.true_scale", times=f"{times:g}")
-
-
-def _around(page: Sheet, point: Array) -> list[Array]:
-    return [point + page.paper(3.0) * np.array(way) for way in ((1, 0), (-1, 0), (0, 1), (0, -1))]
 
 
 def _face(results: Results, shape: pictures.Shape, joint: int) -> Array:
@@ -323,5 +318,5 @@ def room(page: Sheet, ring: Array, text: str) -> float:
     """Return the size in points, LARGEST_PT at most, of a text that stays within a block (n, 2) m at any slope."""
     corners = np.asarray(shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).exterior.coords)
     narrow = 1000.0 * min(np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1])))
-    diagonal = np.hypot(parts.LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
+    diagonal = np.hypot(LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
     return float(min(LARGEST_PT, narrow / page.scale / diagonal))

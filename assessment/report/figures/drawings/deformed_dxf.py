@@ -17,29 +17,21 @@ from assessment.report.figures.drawings.parts import moved_ends
 from assessment.report.text.language import slug
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import mechanisms
-from assessment.results.configurations.joint_states import (
-    JointStates,
-    Situation,
-    joint_states,
-    loaded,
-    situations,
-    thrust_lines,
-)
+from assessment.results.configurations.joint_states import joint_states, situations, thrust_lines
 from assessment.results.schema import Configuration, Results, State
 from assessment.runtime.files import write_atomically
 from mechanics.pictures import Shape
 
 SIDES = {"+x": "PLUS_X", "-x": "MINUS_X"}
 COLOURS = (7, 1, 5, 3, 6, 30, 140, 94)  # AutoCAD's colour indices, one layer after the other
-HINGE_RADIUS, TEXT_HEIGHT = 0.008, 0.003  # of the model's size
+HINGE_RADIUS = 0.008  # of the model's size
 
 
 def write_deformed(results: Results, path: Path) -> None:
-    """Write a DXF in metres: the drawing and, for every state, each deformed shape, hinges, lines of thrust, joints.
+    """Write a DXF in metres: the drawing and, for every state, each deformed shape, hinges, lines of thrust.
 
-    Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures; those of the
-    joints' values are switched off. True scale, but for mechanisms, whose virtual displacements have none. The same
-    bytes for the same results.
+    Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures. True scale, but
+    for mechanisms, whose virtual displacements have none. The same bytes for the same results.
     """
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True  # no times and no random identifiers
@@ -58,15 +50,6 @@ def write_deformed(results: Results, path: Path) -> None:
                     space.add_circle(mark, HINGE_RADIUS * size, dxfattribs={"layer": layer})
                 else:
                     space.add_line(mark[0], mark[1], dxfattribs={"layer": layer})
-        for situation in loaded(results):
-            layer = f"{_layer(results, situation.state)}_JOINTS_{situation.contacts.upper()}_{_at(situation)}"
-            drawing.layers.add(layer, color=8).off()
-            states = joint_states(results, situation)
-            for k in (k for k, condition in enumerate(states.condition) if condition != "idle"):
-                shown = space.add_text(
-                    _values(states, k), height=TEXT_HEIGHT * size, dxfattribs={"layer": layer}
-                )
-                shown.set_placement(states.point[k])
         for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
             drawing.classes.add_class(kind)
         drawing.write(text)
@@ -117,24 +100,8 @@ def _marks(results: Results) -> Iterator[tuple[str, int, Sequence[Any]]]:
             yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", 1, points
     for situation in situations(results):
         if lines := thrust_lines(joint_states(results, situation)):
-            yield f"{_layer(results, situation.state)}_THRUST_{_at(situation)}", 5, lines
-
-
-def _at(situation: Situation) -> str:
-    return "REST" if situation.direction is None else SIDES[situation.direction]
-
-
-def _values(states: JointStates, k: int) -> str:
-    """Write what a joint does: N and T in kN, then eccentricity, contact length, openings and slip in mm, pressure."""
-    pressure = states.pressure[k]
-    parts = [
-        f"N {states.normal[k]:.3g} T {states.shear[k]:.3g} kN",
-        f"e {1e3 * states.eccentricity[k]:.0f} c {1e3 * states.contact[k]:.0f}",
-        f"open {1e3 * max(states.opening[k, 0], 0.0):.1f}/{1e3 * max(states.opening[k, 1], 0.0):.1f}",
-        f"slip {1e3 * states.slip[k]:.1f} mm" if np.isfinite(states.slip[k]) else "mm",
-        f"p {pressure:.3g} kN/m2" if np.isfinite(pressure) else "",
-    ]
-    return "  ".join(filter(None, parts))
+            at = SIDES[situation.direction] if situation.direction else "REST"
+            yield f"{_layer(results, situation.state)}_THRUST_{at}", 5, lines
 
 
 def _layer(results: Results, state: str) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import MM, Sheet, key
+from assessment.report.figures.style import Sheet, key
 from assessment.report.text.language import Words, direction_name
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.ties import ties_of
@@ -22,11 +22,8 @@ from mechanics.types import Array
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
 PLATE_MM = 2.4  # length of the plate at an end of a tie
 PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
-LEADER: dict[str, Any] = {"arrowstyle": "-", "linewidth": 0.4, "color": "0.3", "shrinkA": 0.0, "shrinkB": 0.0}
-# of the size of a font: width of a digit, of a bold one, height of a line
-LETTER, BOLD, LINE = 0.65, 0.75, 1.2
-# about a place that is taken: where a number may stand
-RINGS_MM, TURNS = (3.0, 5.0, 7.0, 9.0, 12.0, 16.0), 12
+LETTER_MM, LINE_MM = 1.9, 3.4  # room of a number: for each digit, and its height
+RINGS_MM = (3.5, 7.0, 10.5)  # about a place that is taken: where a number may stand
 
 
 def ghost_handle(label: str) -> Line2D:
@@ -82,60 +79,21 @@ def moved_ends(results: Results, state: str, configuration: Any, times: float = 
         yield ends + times * (place(ends, np.array(tie.blocks), drawn.centroids, at) - ends)
 
 
-class Labels:
-    """Numbers written into a panel: inside its axes, and never on one another; lengths in m of the model."""
-
-    def __init__(self, page: Sheet, axes: Axes) -> None:
-        self.page, self.axes = page, axes
-        self.taken: list[Array] = []  # x0, z0, x1, z1
-
-    def write(self, text: str, places: Iterable[Array], **style: Any) -> bool:
-        """Write a text at the first of the places (2,) that is free, else beside one of them with a leader to it.
-
-        Return whether there was room for it.
-        """
-        half = self._half(text, style)
-        wanted = [np.asarray(place, dtype=float) for place in places]
-        spots: list[tuple[Array, Array | None]] = [(at, None) for at in wanted]
-        turns = np.linspace(0.0, 2.0 * np.pi, TURNS, endpoint=False)
-        ways = self.page.paper(1.0) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        spots += [(target + ring * way, target) for target in wanted for ring in RINGS_MM for way in ways]
-        for at, target in spots:
-            if self._is_free(at, half):
-                led: dict[str, Any] = {} if target is None else {"arrowprops": LEADER, "xytext": tuple(at)}
-                self._take(at, half)
-                self._text(text, at if target is None else target, **led, **style)
-                return True
-        return False
-
-    def put(self, text: str, place: Array, **style: Any) -> None:
-        """Write a text at a place (2,) that is its own, such as the inside of a block, whatever is there."""
-        self._take(place, self._half(text, style))
-        self._text(text, place, **style)
-
-    def avoid(self, places: Array, points: float) -> None:
-        """Keep texts off marks (n, 2) of a size in points."""
-        for at in places:
-            self._take(at, 0.5 * self.page.paper(points / 72.0 / MM))
-
-    def _text(self, text: str, place: Array, **style: Any) -> None:
-        x, z = place.tolist()
-        self.axes.annotate(text, (x, z), ha="center", va="center", **style)
-
-    def _half(self, text: str, style: Mapping[str, Any]) -> Array:
-        """Return half the width and height (2,) of a text."""
-        points = float(style.get("fontsize", 7.5))
-        pad = 2.0 * float((style.get("bbox") or {}).get("pad", 0.0))
-        letter = BOLD if style.get("fontweight") == "bold" else LETTER
-        size = np.array([letter * points * len(text) + pad, LINE * points + pad])
-        return np.asarray(0.5 * self.page.paper(1.0 / 72.0 / MM) * size)
-
-    def _take(self, at: Array, half: Array | float) -> None:
-        self.taken.append(np.concatenate([at - half, at + half]))
-
-    def _is_free(self, at: Array, half: Array) -> bool:
-        """Whether a box is inside the axes and on no other."""
-        low, high = at - half, at + half
-        (x0, x1), (z0, z1) = self.axes.get_xlim(), self.axes.get_ylim()
-        inside = x0 <= low[0] and z0 <= low[1] and high[0] <= x1 and high[1] <= z1
-        return inside and not any((low < box[2:]).all() and (box[:2] < high).all() for box in self.taken)
+def write_numbers(
+    page: Sheet,
+    axes: Axes,
+    wanted: Iterable[tuple[str, Sequence[Array]]],
+    marks: Iterable[Array],
+    **style: Any,
+) -> None:
+    """Write each number at the first of its places (2,) m, or around them, that no mark and no number has yet."""
+    taken = list(marks)
+    turns = 0.25 * np.pi * np.arange(8)
+    ways = page.paper(1.0) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    for text, places in wanted:
+        room = page.paper(1.0) * np.array([LETTER_MM * len(text), LINE_MM])
+        spots = [*places, *(at + ring * way for at in places for ring in RINGS_MM for way in ways)]
+        free = (at for at in spots if not any((abs(at - other) < room).all() for other in taken))
+        x, z = next(free, spots[0])
+        taken.append(np.array([x, z]))
+        axes.annotate(text, (x, z), ha="center", va="center", annotation_clip=False, **style)

@@ -4,9 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from PIL import Image
 
-from assessment.analyses.dynamic import time_history as dynamics
 from assessment.analyses.dynamic import time_history as response
 from assessment.analyses.dynamic.time_history import TAIL as FREE
 from assessment.analyses.dynamic.time_history import (
@@ -24,7 +22,6 @@ from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.project.structure.model import build_model
 from assessment.report.document import render_html
-from assessment.report.figures.animation import animation, write_animations
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables import tables
 from assessment.report.text.language import words_of
@@ -377,36 +374,6 @@ def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
     result = history(Shaking(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial))
     assert result.failures == ["original, history of wave: step 3: no solution"]
     assert result.numbers.collapsed is None
-
-
-def test_an_animation_is_written_where_it_is_asked_for(tmp_path):
-    """A GIF per state, of at most FRAMES frames in real time, the same bytes at every writing; none else."""
-    project = _project(
-        tmp_path / "block", TAIL.format(scale=0.58), TAIL.format(scale=0.5), "animation = true\n"
-    )
-    results = plain(run(project, build_model(project), jobs=1).results)
-    weak, strong = results["states"]["original"]["history"]
-    assert "frames" not in weak
-    times, configurations = strong["frames"]["time_s"], strong["frames"]["configuration"]
-    assert len(times) == len(configurations) <= dynamics.FRAMES
-    assert np.array(configurations).shape == (len(times), 2, 3)
-    paths = [film.result() for film in write_animations(Pool(0, typed(results)), tmp_path)]
-    assert [path.name for path in paths] == [
-        "history_2_0_original.gif",
-        "history_2_1_base_ruotata_20_mrad.gif",
-    ]
-    with Image.open(paths[0]) as film:
-        assert 5 <= film.n_frames <= len(times)
-        assert sum(_duration(film, n) for n in range(film.n_frames)) == pytest.approx(
-            len(times) * times[1], rel=0.05
-        )
-    found = typed(results)
-    assert paths[0].read_bytes() == animation(found, "original", found.states["original"].history[1])
-
-
-def _duration(film, number):
-    film.seek(number)
-    return film.info["duration"] / 1000.0
 
 
 def test_thinned_curves_keep_their_shape():

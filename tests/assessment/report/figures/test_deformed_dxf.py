@@ -7,7 +7,6 @@ from ezdxf.filemanagement import readfile
 
 from assessment.report.figures.drawings.deformed_dxf import shapes, write_deformed
 from assessment.results.configurations.faces import outlines
-from assessment.results.configurations.joint_states import joint_states, loaded
 from tests.support.analysed import analysed
 from tests.support.typed import typed
 
@@ -58,18 +57,3 @@ def test_bytes_do_not_hang_on_the_order_of_sets(written, tmp_path, monkeypatch, 
 def test_the_same_results_give_the_same_bytes(written, tmp_path):
     write_deformed(typed(analysed()), tmp_path / "again.dxf")
     assert (tmp_path / "again.dxf").read_bytes() == written.read_bytes()
-
-
-def test_what_joints_carry_is_written_at_them_on_layers_that_are_off(written):
-    """N of the joints of the state at rest, at the centres of pressure."""
-    drawing = readfile(written)
-    results = typed(analysed())
-    situation = next(each for each in loaded(results) if each.direction is None)
-    layer = f"0_ORIGINAL_JOINTS_{situation.contacts.upper()}_REST"
-    assert drawing.layers.get(layer).is_off()
-    states = joint_states(results, situation)
-    carrying = [k for k, condition in enumerate(states.condition) if condition != "idle"]
-    texts = list(drawing.modelspace().query(f'TEXT[layer=="{layer}"]'))
-    for k, text in zip(carrying, texts, strict=True):
-        assert float(text.dxf.text.split()[1]) == pytest.approx(states.normal[k], rel=5e-3)
-        assert tuple(text.dxf.insert)[:2] == pytest.approx(states.point[k], abs=1e-9)

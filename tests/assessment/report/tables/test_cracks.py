@@ -1,5 +1,7 @@
 """The table of cracks against the geometry of one rotation, and the drawing whose numbers it is read with."""
 
+from itertools import combinations
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from assessment.report.chapters.remarks import cracks as crack_sentences
 from assessment.report.chapters.remarks import damping
 from assessment.report.chapters.remarks import survey as survey_sentences
 from assessment.report.figures.drawings.deformed import LARGEST_PT, NUMBER, draw_cracks, room
-from assessment.report.figures.drawings.parts import Labels
+from assessment.report.figures.drawings.parts import write_numbers
 from assessment.report.figures.style import sheet
 from assessment.report.tables.cracks import SEEN, cracks, survey_table
 from assessment.report.tables.structure import PRINTED
@@ -71,35 +73,17 @@ def test_every_joint_of_the_table_is_numbered_in_the_drawing():
     assert said >= {f"G{row['joint']}" for row in cracks(typed(results)).rows}
 
 
-def test_labels_stay_inside_and_off_one_another():
-    """Thirty numbers wanted at two places, one of them outside: all boxes are apart and inside."""
-    page = sheet((0.0, 0.0, 10.0, 10.0))
-    labels = Labels(page, page.panels[0])
-    written = [
-        labels.write(str(number), [np.array([-50.0, 5.0]), np.array([5.0, 5.0])]) for number in range(30)
-    ]
-    boxes = np.array(labels.taken)
-    assert sum(written) == len(boxes) > 1
-    (x0, x1), (z0, z1) = page.panels[0].get_xlim(), page.panels[0].get_ylim()
-    assert (boxes[:, [0, 2]] >= x0).all() and (boxes[:, [0, 2]] <= x1).all()
-    assert (boxes[:, [1, 3]] >= z0).all() and (boxes[:, [1, 3]] <= z1).all()
-    for number, box in enumerate(boxes):
-        others = boxes[number + 1 :]
-        apart = (others[:, 0] >= box[2]) | (others[:, 2] <= box[0])
-        assert (apart | (others[:, 1] >= box[3]) | (others[:, 3] <= box[1])).all()
-
-
-def test_numbers_of_joints_side_by_side_have_a_gap():
-    """G888 and G887 stood a fifth of a point apart and read as one: a bold letter is wider than 0.65 of its size."""
-    page = sheet((0.0, 0.0, 10.0, 10.0))
-    first = np.array([5.0, 5.0])
-    beside = first + np.array([page.paper(4 * 0.70 * NUMBER["fontsize"] * 25.4 / 72.0), 0.0])
+def test_numbers_are_off_marks_and_off_one_another():
+    """Seven numbers wanted at one place, which a mark has: bold letters are up to 0.75 of their size wide."""
+    page, place = sheet((0.0, 0.0, 10.0, 10.0)), np.array([5.0, 5.0])
     with mpl.rc_context(STYLE):
-        labels = Labels(page, page.panels[0])
-        assert labels.write("G888", [first], **NUMBER) and labels.write("G887", [beside], **NUMBER)
+        write_numbers(
+            page, axes := page.panels[0], [(f"G88{k}", [place]) for k in range(7)], [place], **NUMBER
+        )
         FigureCanvasAgg(page.figure).draw()
-        one, other = (Text.get_window_extent(text) for text in page.panels[0].texts)
-    assert other.x0 - one.x1 > 0.2 * NUMBER["fontsize"] or not one.padded(1.0).overlaps(other)
+        boxes = [Text.get_window_extent(text).padded(1.0) for text in axes.texts]
+    assert not any(box.contains(*axes.transData.transform(place)) for box in boxes)
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
 def test_the_number_of_a_block_stays_within_it():
