@@ -1,6 +1,6 @@
 """Which bed a joint has: exact or of points (bed), or of finite strength (crushing). The one place that chooses.
 
-`law` (LAW,) of the joint; `left` (6,) m: what its bed remembers of having been crushed. The `strength`, kN/m, is the
+`law` (LAW,) of the joint; `left` (8,) m: the lines above which its bed begins. The `strength`, kN/m, is the
 law's, or infinite for ties in a motion: they yield as a whole (dynamics.gaps). A bed of finite strength has no points.
 """
 
@@ -19,7 +19,7 @@ from mechanics.kernels.bed import (
 )
 from mechanics.kernels.crushing import crushed, softness, under, worked
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.law import BED, LEFT, SEGMENTS, STRENGTH
+from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
@@ -29,8 +29,8 @@ EXACT, POINTS, CRUSHING = range(3)
 
 @compiled
 def kind(law: Array, strength: float) -> int:
-    """EXACT, POINTS or CRUSHING."""
-    if strength < np.inf:
+    """EXACT, POINTS or CRUSHING; the last also where a bed without strength begins above the line of its dashpots."""
+    if strength < np.inf or law[DASHPOTS] > 0.0 or law[DASHPOTS + 1] > 0.0:
         return CRUSHING
     return POINTS if law[SEGMENTS] > 0.0 else EXACT
 

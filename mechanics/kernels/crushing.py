@@ -6,6 +6,7 @@ stays:
     f = min(σ, k⟨p − r⟩)      r(s) = max(0, q₁(s), q₂(s), q₃(s))      q = p − σ/k when a place was pressed in the most
 
 A line q is remembered for either end and for the middle: that of the moment at which it was pressed in the farthest.
+A fourth one is that of the dashpots of a step (dynamics.gaps), of beds without strength (σ = ∞) too.
 Loads that grow find the bed that they left, and one that has been let go touches where it is left. Where r has a kink
 the bed is divided; on each part f is the difference of two beds without strength, k⟨p − r⟩ − k⟨p − r − σ/k⟩.
 """
@@ -22,7 +23,7 @@ from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
 
-LINES = 3  # that are remembered: of both ends and of the middle
+LINES = 4  # of both ends and of the middle, and that of dashpots
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements under given forces, and halvings of one
 UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
@@ -69,7 +70,7 @@ def crushed(
 ) -> tuple[float, float, float, float, float]:
     """N, P and −∂N/∂u, −∂N/∂φ, −∂P/∂φ of a bed that bears at most the `strength`, kN/m.
 
-    `left` (6,) m: each line q at both ends of the bed.
+    `left` (8,) m: each line q at both ends of the bed.
     """
     yields, low, line = strength / stiffness, -half, highest(-half, half, left)
     n, m, c0, c1, c2 = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -110,7 +111,7 @@ def worked(u: float, phi: float, half: float, stiffness: float, strength: float,
 
 @compiled
 def leave(u: float, phi: float, half: float, stiffness: float, strength: float, left: Array) -> None:
-    """Remember in `left` (6,) that the bed has been pressed to gaps u + φs, for places that never were so far."""
+    """Remember in `left` (8,) that the bed has been pressed to gaps u + φs, for places that never were so far."""
     q1, q2 = half * phi - u - strength / stiffness, -half * phi - u - strength / stiffness
     if q1 > left[0]:
         left[0], left[1] = q1, q2

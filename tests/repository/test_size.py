@@ -25,7 +25,7 @@ LINES = {
     "assessment/studies": 2494,
     "assessment/workflow": 1154,
     "mechanics": 946,
-    "mechanics/kernels": 3485,
+    "mechanics/kernels": 3523,
     "mechanics/model": 3383,
     "mechanics/procedures": 3385,
     "mechanics/records": 1086,

@@ -206,3 +206,62 @@ def test_elastic_schemes_are_of_second_order(integrator: Integrator) -> None:
     ]
     errors = abs(np.array(found[:-1]) - found[-1])
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.7
+
+
+@pytest.mark.parametrize("integrator", ["second-order", "moreau-jean", "implicit-euler"])
+def test_dashpots_of_a_block_that_rocks_act_in_contact_alone(integrator: Integrator) -> None:
+    """By explicit steps over sixty fibres that press where they overlap; pressed before, the second peak is 0.86."""
+    ratio, width, height, stiffness = 0.2, 0.5, 2.0, 2e5
+    stone = Material(20.0, 10.0, stiffness, tangential_stiffness=stiffness)
+    base = Block(rectangle(-2.0, -0.5, 2.5, 0.0), 1.0, stone, support="base")
+    model = Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)])
+    a = 0.55 * np.sin(2.0 * np.pi * np.arange(0.0, 2.0, 0.0025) / 0.7)
+    a[280:] = 0.0
+    motion = time_history(model, a, 0.0025, "elastic", integrator=integrator, damping_ratio=ratio)
+    found = motion.positions[:, 1, 2] - motion.positions[0, 1, 2]
+
+    beta, weight = 2.0 * ratio / first_frequency(model), model.weight
+    mass = np.array([1.0, 1.0, (width**2 + height**2) / 12.0]) * weight / GRAVITY
+    each, h = stiffness * width / 60, 2e-4
+    along, q, v, shear = width * ((np.arange(60) + 0.5) / 60 - 0.5), np.zeros(3), np.zeros(3), 0.0
+    q[1] = -weight / (stiffness * width)
+    turned = []
+    for time in np.arange(0.0, 1.99, h):
+        turned.append(q[2])
+        cos, sin = np.cos(q[2]), np.sin(q[2])
+        x, z = (
+            along * cos + 0.5 * height * sin,
+            along * sin - 0.5 * height * cos,
+        )  # of fibres about the centroid
+        gap = q[1] + 0.5 * height + z
+        force = np.where(gap < 0.0, np.maximum(each * (-gap - beta * (v[1] + v[2] * x)), 0.0), 0.0)
+        normal = force.sum()
+        load = np.array(
+            [-weight * np.interp(time, 0.0025 * np.arange(len(a)), a), normal - weight, force @ x]
+        )
+        if normal > 0.0:
+            lever = force @ z / normal
+            slides = v[0] - v[2] * lever
+            shear -= stiffness * width * slides * h
+            across = shear - stiffness * width * beta * slides
+            load += np.array([across, 0.0, -across * lever])
+        else:
+            shear = 0.0
+        v = v + h * load / mass
+        q = q + h * v
+    expected = np.interp(motion.time, h * np.arange(len(turned)), turned)
+    peaks = [(abs(each[:280]).max(), abs(each[280:700]).max()) for each in (found, expected)]
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.03 if integrator == "implicit-euler" else 0.015)
+
+
+@pytest.mark.parametrize("integrator", ["second-order", "implicit-euler"])
+def test_a_joint_that_is_open_at_one_end_rests_on_its_dashpots(integrator: Integrator) -> None:
+    """The centroid lies over the outer sixth of the bed: it neither creeps nor changes its forces."""
+    stone = Material(20.0, 0.7, 1e5)
+    base = Block(rectangle(-1.0, -0.5, 1.0, 0.0), 1.0, stone, support="base")
+    leaning = Block([[-0.5, 0.0], [0.5, 0.0], [1.3, 2.0], [0.3, 2.0]], 1.0, stone)
+    model = Assembly([base, leaning])
+    still = time_history(model, np.zeros(2), 0.005, "elastic")
+    motion = time_history(model, np.zeros(200), 0.005, "elastic", still.start, integrator, damping_ratio=0.2)
+    assert abs(motion.positions - motion.positions[0]).max() < 1e-6
+    assert motion.forces[-1, 0] == pytest.approx(motion.forces[1, 0], rel=1e-4)

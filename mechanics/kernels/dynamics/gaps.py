@@ -1,8 +1,11 @@
 """The gaps and slips that the joints of a step count from, and what its end leaves of them.
 
 Elastic joints: of a fibre of the bed that is closed the force is −k(w₀ + θΔw), of one that closes within the step
-−kθ(w₀ + Δw); dashpots add −kβΔw/h. In one: −k(θ + β/h)(Δw + g), where g is w₀/(θ + β/h) at an end that is closed and w₀
-at one that closes.
+−kθ(w₀ + Δw). Dashpots act in contact: they add −kβ/h times what the closed part of the way is, Δw or w₀ + Δw. In one:
+−k(θ + β/h)(Δw + g), where g = c w₀, c = 1/(θ + β/h), of a fibre that is closed and g = w₀ of one that closes. Where
+c < 1 that is g = c w₀ + ⟨(1 − c)w₀⟩: of a joint that is open at one end the bed begins above the line (1 − c)w₀, as one
+that has been crushed above those that crushing left. Where c ≥ 1 a fibre that is pressed closes within the step anyway,
+and g is linear between the ends.
 
 A bed that has been crushed begins where that has left it (crushing): what counts as closed is the gap to there.
 
@@ -19,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.crushing import leave
+from mechanics.kernels.crushing import LINES, highest, leave
 from mechanics.kernels.dynamics.motion import (
     GAPS,
     GONE,
@@ -35,7 +38,7 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, TIED, H, U, V, place
-from mechanics.kernels.law import BED, LAW, LEFT, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -81,8 +84,8 @@ def _begins(
 ) -> None:
     """Set u and φ of an elastic joint at a place p so that its ends have the gaps g, see above.
 
-    `s` (PLACE,): at the start, where its gap changes at the `rate` (u, φ); `closed`: 1/(θ + β/h). What crushing has
-    left in it is scaled like the gaps, in the `law` (LAW,) of the step.
+    `s` (PLACE,): at the start, where its gap changes at the `rate` (u, φ); `closed`: 1/(θ + β/h). The `law` (LAW,) of
+    the step gets what crushing has left in it, scaled like the gaps, and the line of its dashpots.
     """
     low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
     first, second = 1.0, 1.0  # factors of the gaps of the ends
@@ -91,15 +94,20 @@ def _begins(
         low + max(left[0], left[2], left[4], 0.0),
         high + max(left[1], left[3], left[5], 0.0),
     )
-    if min(bare_low, bare_high) < 0.0:
+    narrow, wide = min(bare_low, bare_high), max(bare_low, bare_high)
+    if narrow < 0.0:
         first, second = closed, closed
         side = 1.0 if bare_high > bare_low else -1.0
-        wide = max(bare_low, bare_high)
-        if wide > 0.0 and wide + h * (rate[0] + side * s[H] * rate[1]) <= 0.0:
+        if wide > 0.0 and closed < 1.0 and law[SEGMENTS] == 0.0:
+            line = highest(-side * p[H] * (wide + narrow) / (wide - narrow), p[H], left)
+            q_low, q_high = (left[2 * line], left[2 * line + 1]) if line < LINES else (0.0, 0.0)
+            law[DASHPOTS] = (1.0 - closed) * low + q_low
+            law[DASHPOTS + 1] = (1.0 - closed) * high + q_high
+        elif wide > 0.0 and wide + h * (rate[0] + side * s[H] * rate[1]) <= 0.0:
             first, second = (1.0, closed) if bare_high < bare_low else (closed, 1.0)
         low, high = first * low, second * high
         p[U], p[PHI] = 0.5 * (low + high), 0.5 * (high - low) / p[H]
-    for line in range(0, LAW - LEFT, 2):
+    for line in range(0, DASHPOTS - LEFT, 2):
         law[LEFT + line], law[LEFT + line + 1] = first * left[line], second * left[line + 1]
 
 

@@ -19,12 +19,12 @@ compiled = compiler("contract", "reassoc")
 # slides that turn back within steps leave uncertain
 ELASTIC, FRICTION_WORK, IMPACT, VISCOUS, STEPPING, INPUT, LARGEST, TURNED = range(8)
 ENERGIES = 8
-# columns of the state of a joint (joints, j × 23): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; of rigid ones
+# columns of the state of a joint (joints, j × 25): N₁, N₂, T and y₁, y₂, λ₊, λ₋ of the last program; of rigid ones
 # the same of its central iterate, gaps over the length of the step (program); spring in shear, kN; gap of the blocks
 # less that of the bed, m; by how much a tie is longer than as it was made, m; what a bed remembers of having been
 # crushed (law)
 N1, GAPS, MIDDLE, SPRING, SUNK, LONGER, REMAINS = 0, 3, 7, 14, 15, 16, 17
-JOINT = 23
+JOINT = 25
 STANDARD_GRAVITY = 9.80665  # m/s²
 GONE = 1e-9  # of the block size: an overlap that is none
 

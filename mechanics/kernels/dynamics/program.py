@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.bed_law import bed_forces, gaps_under
 from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import CURVED, PHI, H, U
-from mechanics.kernels.law import DILATION, FRICTION
+from mechanics.kernels.law import DASHPOTS, DILATION, FRICTION, LEFT, STRENGTH
+from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc")
@@ -31,6 +33,7 @@ STALLED_FORCE, STALLED = 1e-5, 1e-4
 # what is not solved even so is solved with lift: that of the slips before is taken from the gaps, until they differ by
 # less than this share of a span, in so many programs
 RIGHT, ROUNDS = 0.1, 5
+LINEAR = 3  # programs with beds without the lines of dashpots, each of which bears what the bed does where the last led
 PRESSED = 1e-3  # of the weight: a joint whose lift counts
 WITHIN = 0.98  # of the bound of friction: the most of a force there
 COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a cold start
@@ -156,6 +159,25 @@ def _take_lift_back(
 
 
 @compiled
+def _without_dashpots(rows: Any, at: Array, laws: Array, dx: Array) -> tuple[Array, Array]:
+    """Places (j, PLACE) and laws (j, LAW) of beds without the lines of dashpots that bear the same at dx (m,)."""
+    places, linear = at.copy(), laws.copy()
+    linear[:, DASHPOTS:] = 0.0
+    for q in range(len(laws)):
+        if not (laws[q, DASHPOTS:] > 0.0).any():
+            continue
+        du, dphi, _ = motion(at[q], rows[q, 0], rows[q, 1], dx)
+        h = at[q, H]
+        n, m, _, _, _ = bed_forces(
+            laws[q], laws[q, STRENGTH], laws[q, LEFT:], h, at[q, U] + du, at[q, PHI] + dphi
+        )
+        if n > 0.0 and abs(m) < h * n:
+            w1, w2, _, _, _ = gaps_under(linear[q], h, 0.5 * (n - m / h), 0.5 * (n + m / h))
+            places[q, U], places[q, PHI] = 0.5 * (w1 + w2) - du, 0.5 * (w2 - w1) / h - dphi
+    return places, linear
+
+
+@compiled
 def solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, begins: int,
     elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, near: Array, speed: Array, h: float,
@@ -188,19 +210,24 @@ def solve(
         _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
     keep_within_strength(at, laws, f)
     if elastic:
-        rough = (weight, size, span, ROUGHLY, ROUGHLY)
-        more, force, gap, product = _interior_point(
-            rows, at, laws, load, mass, dx, f, y, rough, stored_matrix, packed, chosen
-        )
-        done += more
-        if not max(force, product) <= ROUGHLY:
-            return False, done, force, product, 0.0
-        more, force, gap = newton(
-            rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, packed, chosen
-        )
-        done += more
-        if force <= accepted:
-            return True, done, force, 0.0, 0.0
+        dashpots = (laws[:, DASHPOTS:] > 0.0).any()
+        for n in range(LINEAR if dashpots else 1):
+            wanted = (weight, size, span, ROUGHLY, ROUGHLY) if n == 0 else scale
+            places, linear = _without_dashpots(rows, at, laws, dx) if dashpots else (at, laws)
+            more, force, gap, product = _interior_point(
+                rows, places, linear, load, mass, dx, f, y, wanted, stored_matrix, packed, chosen
+            )
+            done += more
+            if not max(force, product) <= ROUGHLY:
+                return False, done, force, product, 0.0
+            more, force, gap = newton(
+                rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, packed, chosen
+            )
+            done += more
+            if force <= accepted:
+                return True, done, force, 0.0, 0.0
+        if dashpots:
+            return False, done, force, 0.0, 0.0
     skew = not elastic and len(laws) > 0 and laws[0, DILATION] < 1.0
     if not elastic and begins == NEAR:
         more, force, gap, product = _interior_point(

@@ -18,7 +18,7 @@ from tests.mechanics.kernels.test_bed import displacements, ends_of, halves, sti
 kinds = st.one_of(
     st.just({}), st.integers(1, 20).map(lambda n: {SEGMENTS: float(n)}), st.just({STRENGTH: 1.0})
 )
-lines = st.lists(st.floats(-2.0, 2.0), min_size=6, max_size=6)  # what crushing has left, in σ/k
+lines = st.lists(st.floats(-2.0, 2.0), min_size=8, max_size=8)  # above which it begins, in σ/k
 
 
 def law_of(kind: dict[int, float], k: float, left: list[float]) -> Array:
@@ -85,7 +85,7 @@ def test_gaps_and_compliance_under_forces_are_those_of_the_bed_that_has_them(
 @settings(deadline=None, max_examples=40)
 @given(half=halves, k=stiffnesses, over=st.floats(0.05, 3.0))
 def test_a_tie_in_motion_yields_as_a_whole_and_is_elastic_below(half, k, over):
-    law = law_of({STRENGTH: 1.0}, k, [0.0] * 6)
+    law = law_of({STRENGTH: 1.0}, k, [0.0] * 8)
     p, joint = in_motion(law, half, 0.0)
     p[TIED] = 1.0
     assert work_on_bed(p, -over / k, law, joint) == pytest.approx(stored(-over / k, 0.0, half, k), rel=1e-12)

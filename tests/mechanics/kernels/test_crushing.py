@@ -11,7 +11,7 @@ from mechanics.kernels.crushing import crushed, leave, softness, under, worked
 from tests.mechanics.kernels.test_bed import displacements, ends_of, halves, stiffnesses, turns
 
 STRENGTH, FIBRES = 1.0, 20_000
-NONE = np.zeros(6)
+NONE = np.zeros(8)
 pressings = st.lists(st.tuples(st.floats(0.1, 4.0), turns), max_size=3)
 
 
@@ -112,7 +112,7 @@ def test_ends_and_middle_keep_the_lines_of_their_deepest_pressings():
     half, k, left = 0.5, 1e3, NONE.copy()
     for u, phi in ((-2e-3, -8e-3), (-2e-3, 8e-3), (-4e-3, 0.0), (-3.5e-3, -3e-3)):
         leave(u, phi, half, k, STRENGTH, left)
-    assert left == pytest.approx([5e-3, -3e-3, -3e-3, 5e-3, 3e-3, 3e-3])
+    assert left[:6] == pytest.approx([5e-3, -3e-3, -3e-3, 5e-3, 3e-3, 3e-3])
 
 
 @settings(deadline=None, max_examples=60)
