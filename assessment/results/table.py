@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, get_type_hints
 
 from assessment.ntc.tables import INDEXED, QUOTED, ROCK, SURFACE
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Check, StrengtheningRow
-from assessment.results.schema.part import QUANTITIES, Part, plain_value
+from assessment.results.schema.part import QUANTITIES, Part, enter, plain_value
 from assessment.results.schema.studies import Capacities, Scenarios
 
 Row = dict[str, Any]
@@ -34,15 +35,22 @@ def reduction(original: float | None, settled: float | None) -> float | None:
     return None if not original or settled is None else 1.0 - settled / original
 
 
+@cache
 def columns_of(row: type) -> tuple[str, ...]:
-    """Return the columns of a table whose rows are of a class: fields of a dataclass, of a part those with a label."""
+    """Return the columns of a table whose rows are of a class: fields of a dataclass, of a part those with a label.
+
+    The quantities that a dataclass describes are entered.
+    """
     if issubclass(row, Part):
         described = row.model_fields.items()
         return tuple(
             name for name, field in described if name in QUANTITIES and plain_value(field.annotation)
         )
-    found: Any = row
-    return tuple(field.name for field in fields(found))
+    hints = get_type_hints(row, include_extras=True)
+    for name, hint in hints.items():
+        for told in getattr(hint, "__metadata__", ()):
+            enter(name, hint.__origin__, dict(told))
+    return tuple(hints)
 
 
 def cells(part: Part, columns: Iterable[str]) -> Row:

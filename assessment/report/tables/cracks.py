@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from typing import Annotated
 
 import numpy as np
 import shapely
@@ -13,6 +14,7 @@ from assessment.report.tables.structure import printed
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.hand_check import block_size
 from assessment.results.schema import Point, Results
+from assessment.results.schema.part import named
 from assessment.results.table import Table, columns_of
 from mechanics.model import H, V, end_gaps, end_points
 from mechanics.types import Array, Mask
@@ -34,13 +36,15 @@ class Crack:
 
     state: str
     joint: int
-    block_a: int
-    block_b: int
+    block_a: Annotated[int, named("Blocco a|Block a")]
+    block_b: Annotated[int, named("Blocco b|Block b")]
     x_m: float
     z_m: float
-    opening_m: float | None
-    other_opening_m: float | None
-    slip_m: float | None
+    opening_m: Annotated[float | None, named("Apertura|Opening", shown="mm", decimals=1)]
+    other_opening_m: Annotated[
+        float | None, named("All’altro estremo|At the other end", shown="mm", decimals=1)
+    ]
+    slip_m: Annotated[float | None, named("Scorrimento|Slip", shown="mm", decimals=1)]
 
 
 @dataclass(frozen=True)
@@ -53,13 +57,13 @@ class Surveyed:
     """
 
     state: str
-    mark: str
+    mark: Annotated[str, named("Segno|Mark")]
     measurement: str
-    measured_kind: str
-    measured_mm: float | None
-    sigma_mm: float | None
+    measured_kind: Annotated[str, named("Tipo|Kind")]
+    measured_mm: Annotated[float | None, named("Misurato|Measured", decimals=1, null="none")]
+    sigma_mm: Annotated[float | None, named("σ", decimals=1, null="none")]
     joint: int | None
-    calculated_mm: float | None
+    calculated_mm: Annotated[float | None, named("Calcolato|Calculated", decimals=1, null="none")]
     line: list[Point]
     seen: bool
 

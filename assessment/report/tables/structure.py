@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from typing import Annotated
 
 from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table
 from assessment.report.text.language import Words
@@ -14,7 +15,7 @@ from assessment.results.configurations.joint_states import joint_states, loaded
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction, StrengtheningRow
 from assessment.results.schema.model import Block, LayerLoads, QualityRow
-from assessment.results.schema.part import present
+from assessment.results.schema.part import named, present
 from assessment.results.schema.static import Contacts, TieTension
 from assessment.results.table import Row, Table, cells
 
@@ -178,8 +179,8 @@ class EdgePressure:
     joint: int | None
     block_a: int
     block_b: int
-    edge_pressure_kN_m2: float
-    uncrushed_pressure_kN_m2: float
+    edge_pressure_kN_m2: Annotated[float, named("Pressione al bordo|Edge pressure", shown="MPa")]
+    uncrushed_pressure_kN_m2: Annotated[float, named("Senza schiacciamento|Without crushing", shown="MPa")]
     state: str
     direction: Direction | None
     contacts: Contacts

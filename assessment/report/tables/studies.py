@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
 from assessment.results.asked import taken_to_collapse
 from assessment.results.identified import told_of
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
-from assessment.results.schema.part import Part
+from assessment.results.schema.part import Part, named
 from assessment.results.schema.static import Contacts
 from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity, SensitivityRun
 from assessment.results.table import Row, Table, cells, quoted_check
@@ -36,12 +36,12 @@ class Bar:
 
     state: str
     property: str
-    low_factor: float
-    high_factor: float
-    a_g_low_g: float | None
-    a_g_base_g: float | None
-    a_g_high_g: float | None
-    swing_g: float | None
+    low_factor: Annotated[float, named("Fattore basso|Low factor", unit="")]
+    high_factor: Annotated[float, named("Fattore alto|High factor", unit="")]
+    a_g_low_g: Annotated[float | None, named("a_g (fattore basso)|a_g (low factor)", ground="rock")]
+    a_g_base_g: Annotated[float | None, named("a_g (valore assegnato)|a_g (as given)", ground="rock")]
+    a_g_high_g: Annotated[float | None, named("a_g (fattore alto)|a_g (high factor)", ground="rock")]
+    swing_g: Annotated[float | None, named("Escursione|Swing", null="not_determined")]
 
     def capacities(self) -> list[float]:
         """Those of the three capacities that are known, g."""
@@ -134,8 +134,8 @@ class Range:
     limit_state: str | None
     quantity: str
     value: float | None
-    lowest: float | None
-    highest: float | None
+    lowest: Annotated[float | None, named("Minimo|Lowest", unit="")]
+    highest: Annotated[float | None, named("Massimo|Highest", unit="")]
 
 
 def ranges(results: Results) -> Iterator[Range]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from assessment.results.asked import material
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.ties import lengthening, ties_of
 from assessment.results.schema import Direction, Results, RigidPush, known
+from assessment.results.schema.part import named
 from assessment.results.table import Row, Table, columns_of, sense
 from mechanics.pictures import field, place
 from mechanics.types import Array
@@ -36,11 +37,13 @@ class HandCheck:
     state: str
     direction: Direction
     macro_blocks: int
-    alpha_mechanism: float
+    alpha_mechanism: Annotated[float, named("α programma|α program")]
     virtual_work_alpha: float
-    deviation: float
-    hand_alpha: float
-    hand_deviation: float
+    deviation: Annotated[float, named("Scarto|Deviation", shown="%", digits=2)]
+    hand_alpha: Annotated[float, named("α macroblocchi|α macro-blocks")]
+    hand_deviation: Annotated[
+        float, named("Scarto, macroblocchi|Deviation, macro-blocks", shown="%", digits=2)
+    ]
 
 
 @dataclass(frozen=True)
@@ -83,17 +86,17 @@ class MacroBlockFigures:
 
     state: str
     direction: Direction
-    macro_block: int
+    macro_block: Annotated[int, named("N.|No.")]
     blocks: int
     weight_kN: float
     seismic_weight_kN: float
-    x_G_m: float
-    z_G_m: float
-    omega: float
-    x_C_m: float | None
-    z_C_m: float | None
-    delta_x: float
-    delta_z: float
+    x_G_m: Annotated[float, named("x_G")]
+    z_G_m: Annotated[float, named("z_G")]
+    omega: Annotated[float, named("ω", unit="rad")]
+    x_C_m: Annotated[float | None, named("x_C", null="none")]
+    z_C_m: Annotated[float | None, named("z_C", null="none")]
+    delta_x: Annotated[float, named("δ_x", unit="m")]
+    delta_z: Annotated[float, named("δ_z", unit="m")]
 
     @property
     def work_load(self) -> float:

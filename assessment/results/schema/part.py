@@ -100,6 +100,18 @@ def _kinds(annotation: Any) -> set[Any]:
     return set().union(*map(_kinds, inner)) if inner else {annotation}
 
 
+def enter(name: str, annotation: Any, told: dict[str, Any]) -> None:
+    """Enter a quantity with what is told of it, and tell its unit. Raises ValueError for one that is there already."""
+    if unit := told.pop("unit", _unit(name, annotation)):
+        told["unit"] = unit
+    if "label" in told:
+        if name in QUANTITIES:
+            raise ValueError(f"{name}: described in another table too")
+        words = not {float, int} & _kinds(annotation)
+        shown: Any = {"name": name, "unit": "", "words": words} | told
+        QUANTITIES[name] = Quantity(**shown)
+
+
 def plain_value(annotation: Any) -> bool:
     """Return whether values are single ones: text, number or truth, or null."""
     return not any(
@@ -122,19 +134,8 @@ class Part(BaseModel):
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
         """Enter the quantities that the fields describe. Raises ValueError for one that is described twice."""
         for name, field in cls.model_fields.items():
-            extra = field.json_schema_extra
-            if not isinstance(extra, dict) or name not in cls.__annotations__:
-                continue
-            if unit := extra.pop("unit", _unit(name, field.annotation)):
-                extra["unit"] = unit
-            if "label" not in extra:
-                continue
-            if name in QUANTITIES:
-                raise ValueError(f"{cls.__name__}.{name}: described in another table too")
-            look: Any = {key: value for key, value in extra.items() if key not in {"label", "unit"}}
-            words = not {float, int} & _kinds(field.annotation)
-            label: Any = extra["label"]
-            QUANTITIES[name] = Quantity(name, str(extra.get("unit", "")), label, words, **look)
+            if isinstance(extra := field.json_schema_extra, dict) and name in cls.__annotations__:
+                enter(name, field.annotation, extra)
 
     def replace(self, **values: Any) -> Self:
         """Return the part with other values of some keys, or with keys that it did not have.
@@ -150,12 +151,12 @@ def key(meaning: str, label: str = "", *, alias: str | None = None, **look: Any)
     `label`: what the quantity is called in headings, in Italian and English ("Picco|Peak") or in both alike ("d_0*");
     of a quantity that several tables have in one of them. `look`: see Quantity.
     """
-    return Field(description=meaning, alias=alias, json_schema_extra=_extra(label, look))
+    return Field(description=meaning, alias=alias, json_schema_extra=named(label, **look))
 
 
 def optional(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
     """Describe a key that is there only where it was asked for, or where it has a meaning; as `key`."""
-    return Field(default=None, description=meaning, alias=alias, json_schema_extra=_extra(label, look))
+    return Field(default=None, description=meaning, alias=alias, json_schema_extra=named(label, **look))
 
 
 def present(found: Mapping[Name, Value | None]) -> dict[Name, Value]:
@@ -195,13 +196,14 @@ def _unit(name: str, annotation: Any) -> str:
     )
 
 
-def _extra(label: str, look: Mapping[str, Any]) -> dict[str, Any]:
+def named(label: str, **look: Any) -> dict[str, Any]:
+    """Return what is told of a quantity; `Annotated` has it in a class of rows that are not in the file."""
     italian, _, english = label.partition("|")
     told: dict[str, Any] = {"label": {"it": italian, "en": english or italian}} if label else {}
     if look.get("ground") == "rock" or look.get("ratio") or look.get("change"):
         told["null"] = "not_determined"
     told |= {"shown": "%"} if look.get("change") else {}
-    return told | dict(look)
+    return told | look
 
 
 class Worded(Part):
