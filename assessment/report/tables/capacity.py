@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 from assessment.ntc.tables import CHECKS, LINEAR
 from assessment.report.tables.rows import TABLES, Curves, Found, capacities, curves, table, without
@@ -15,10 +14,8 @@ from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, present
 from assessment.results.table import Row, Table, cells, reduction
 
-VERIFICATION = (
-    "d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified ?return_period_years"
-)
-VERIFICATION += " governing"
+VERIFICATION = """d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified
+return_period_years governing"""
 CHOSEN = "state direction moving_weight_kN alpha_0_limit e_star a_0_star_g refused"
 CHOSEN_CHECK = "d_star_m a_star_g T_s a_g_g demand_a_g_g zeta_E verified return_period_years"
 SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptable_nominal_life_years"
@@ -54,58 +51,33 @@ def vertical(results: Results) -> Found:
             yield {"state": name, "direction": direction}, capacity.vertical
 
 
-@dataclass(frozen=True)
-class SummaryLine:
-    """A quantity in one direction, of a check where `limit_state` is not empty: the value of each state that has it.
-
-    Null: not known, though asked for.
-    """
-
-    direction: Direction
-    quantity: str
-    limit_state: str
-    values: Mapping[str, float | None]
-
-    def reduction(self, state: str) -> float | None:
-        """Return 1 − settled/original: positive where the movement costs capacity; None where one is not known."""
-        return reduction(self.values.get("original"), self.values.get(state))
-
-
 def summary(results: Results) -> Table:
-    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions."""
+    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions.
+
+    Null: what a check asked for bears in a state without capacity in the direction.
+    """
+    asked, missing = checks_asked(results), undetermined(results)
     rows: list[Row] = []
-    for line in (line for direction in directions(results) for line in summary_lines(results, direction)):
-        row: Row = {"direction": line.direction, "quantity": line.quantity, "limit_state": line.limit_state}
-        settled = [name for name in line.values if name != "original"]
-        rows.append(
-            row | dict(line.values) | {f"reduction: {name}": line.reduction(name) for name in settled}
-        )
+    for direction in directions(results):
+        lacking = [name for name, ways in missing.items() if direction in ways]
+        for sources in zip(*(_sources(state, direction) for state in results.states.values()), strict=True):
+            quantity, limit, _ = sources[0]
+            parts = {name: part for name, (*_, part) in zip(results.states, sources, strict=True) if part}
+            values = {
+                name: found[quantity] for name, part in parts.items() if (found := cells(part, [quantity]))
+            }
+            if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
+                values = dict.fromkeys(lacking) | values
+            if values:
+                row: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
+                before, settled = values.get("original"), [name for name in values if name != "original"]
+                rows.append(row | {f"reduction: {name}": reduction(before, values[name]) for name in settled})
     both = [each for name in results.states for each in (name, f"reduction: {name}")]
     columns = [name for name in both if name != "reduction: original"]
     return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
 
 
 TABLES["summary"] = summary
-
-
-def summary_lines(results: Results, direction: Direction) -> Iterator[SummaryLine]:
-    """Yield every quantity of the summary that any state has in a direction, and what each check asked for bears.
-
-    A state without capacity there has null.
-    """
-    of_states = [list(_sources(state, direction)) for state in results.states.values()]
-    missing = [name for name, lacking in undetermined(results).items() if direction in lacking]
-    asked = checks_asked(results)
-    for sources in zip(*of_states, strict=True):
-        quantity, limit, _ = sources[0]
-        values: dict[str, float | None] = {}
-        for name, (_, _, part) in zip(results.states, sources, strict=True):
-            if part is not None and (found := cells(part, [quantity])):
-                values[name] = found[quantity]
-        if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
-            values |= dict.fromkeys((name for name in missing if name not in values), None)
-        if values:
-            yield SummaryLine(direction, quantity, limit, values)
 
 
 def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
@@ -122,17 +94,15 @@ def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Par
             yield quantity, limit, checks.get(limit)
 
 
-@table("verification", f"state direction limit_state {VERIFICATION} mechanism")
+@table("verification", f"state direction limit_state {VERIFICATION.replace('return', '?return')} mechanism")
 def verification(results: Results) -> Found:
     """List the checks of every state and direction: what each limit state bears and what governs it.
 
     Null: there is no capacity to check, in a direction that was asked for.
     """
     found = [check for _, _, each in capacities(results) for check in each.checks.values()]
-    gone = (
-        () if any(check.return_period_years for check in found) else ("return_period_years",)
-    )  # no hazard curve
-    columns = [key for key in VERIFICATION.replace("?", "").split() if key not in gone]
+    known = any(check.return_period_years for check in found)  # by the hazard curve
+    columns = [key for key in VERIFICATION.split() if known or key != "return_period_years"]
     for name, state in results.states.items():
         for direction, capacity in state.capacity.items():
             for limit, check in capacity.checks.items():
@@ -193,32 +163,23 @@ def linear_checks(results: Results) -> Found:
 
     They are of the mechanism that is activated first, in the configuration of its state.
     """
-    for name, direction, mechanism, found in _mechanisms_activated(results):
-        for limit, check in found.checks.items():
-            if limit in LINEAR and check.demand_a_star_g is not None:
-                row: Row = {
-                    "state": name,
-                    "direction": direction,
-                    "limit_state": limit,
-                    "mechanism": mechanism,
-                }
-                row |= {"alpha_onset": check.alpha_0, "a_0_star_g": check.a_star_g, "ratio": check.zeta_E}
-                yield row | {"e_star": check.e_star}, check
-
-
-def _mechanisms_activated(
-    results: Results,
-) -> Iterator[tuple[str, Direction, str, Capacity | GivenMechanism]]:
-    """Yield state, direction, name and checks of every mechanism: what is activated first, then those chosen."""
+    activated: list[tuple[str, Direction, str, Capacity | GivenMechanism]] = []
     for name, direction, capacity in capacities(results):
-        pushed = results.states[name].pushover.get(direction)
-        count = capacity.mechanism
+        pushed, count = results.states[name].pushover.get(direction), capacity.mechanism
         if pushed and pushed.rigid and (first := pushed.rigid.onset):
             count = Count(hinges=first.hinges, sliding_joints=len(first.sliding_joints))
-        yield name, direction, mechanism_text(count), capacity
-    for given in results.mechanisms or []:
-        if given.direction:
-            yield given.state, given.direction, given.name, given
+        activated.append((name, direction, mechanism_text(count), capacity))
+    activated += [
+        (given.state, given.direction, given.name, given)
+        for given in results.mechanisms or []
+        if given.direction
+    ]
+    for name, direction, mechanism, found in activated:
+        where = {"state": name, "direction": direction, "mechanism": mechanism}
+        for limit, check in found.checks.items():
+            if limit in LINEAR and check.demand_a_star_g is not None:
+                numbers = {"alpha_onset": check.alpha_0, "a_0_star_g": check.a_star_g, "ratio": check.zeta_E}
+                yield where | {"limit_state": limit, "e_star": check.e_star} | numbers, check
 
 
 @table(
@@ -246,19 +207,16 @@ def traces(found: Capacity | GivenMechanism) -> Iterator[tuple[str, list[Line]]]
 @table("trace", "state direction part symbol formula inputs result unit paragraph")
 def trace(results: Results) -> Found:
     """List every step of every calculation: formula, numbers put in, result and paragraph."""
-    found = [
-        ("", "", f"spectrum {limit}", each.trace or []) for limit, each in (results.spectra or {}).items()
-    ]
+    demands = (results.spectra or {}).items()
+    found = [("", "", f"spectrum {limit}", each.trace or []) for limit, each in demands]
     for name, direction, capacity in capacities(results):
         found += [(name, direction, *each) for each in traces(capacity)]
-    found += [
-        (name, "", "indices", each.indices.trace) for name, each in results.states.items() if each.indices
-    ]
+    judged = {name: state.indices for name, state in results.states.items() if state.indices}
+    found += [(name, "", "indices", each.trace) for name, each in judged.items()]
     found += [("", "", "knowledge", results.knowledge.trace)] if results.knowledge else []
     for given in results.mechanisms or []:
-        found += [
-            (given.state, given.direction or "", f"{given.name}: {part}", own) for part, own in traces(given)
-        ]
+        where = given.state, given.direction or ""
+        found += [(*where, f"{given.name}: {part}", own) for part, own in traces(given)]
     for state, way, part, steps in found:
         for step in steps:
             inputs = "; ".join(f"{symbol}={value!r}" for symbol, value in step.inputs.items())

@@ -101,20 +101,9 @@ def surveyed(results: Results, state: str) -> list[Surveyed]:
         opening = float(max(0.0, (1.0 - share) * gaps[k, 0] + share * gaps[k, 1]))
         calculated = 1000.0 * (float(slips[k]) if kind == "slip" else opening)
         off = value is None and away[k].mean() > reach
-        rows.append(
-            Surveyed(
-                state=state,
-                mark=mark,
-                measurement=name,
-                measured_kind=kind,
-                measured_mm=value,
-                sigma_mm=sigma,
-                joint=None if off else k,
-                calculated_mm=None if off or apart[k] else calculated,
-                line=line,
-                seen=not off and bool(apart[k] or max(gaps[k].max(), slips[k]) > SEEN),
-            )
-        )
+        seen = not off and bool(apart[k] or max(gaps[k].max(), slips[k]) > SEEN)
+        there = None if off else k, None if off or apart[k] else calculated
+        rows.append(Surveyed(state, mark, name, kind, value, sigma, *there, line, seen))
     return rows
 
 
@@ -157,8 +146,8 @@ def cracks(results: Results) -> Found:
 def reported_cracks(results: Results) -> Table:
     """Return the rows of the report: of each state the widest."""
     most = printed(results)
-    rows = [asdict(each) for state in results.states for each in cracks_of(results, state)[:most]]
-    return Table("cracks", rows, columns_of(Crack))
+    found = [asdict(each) for state in results.states for each in cracks_of(results, state)[:most]]
+    return Table("cracks", found, columns_of(Crack))
 
 
 def _openings(results: Results, state: str) -> tuple[Array, Array, Mask]:

@@ -18,19 +18,14 @@ from assessment.results.schema.dynamic import (
     Range,
     Scanned,
 )
+from assessment.results.schema.part import present
 from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
 HISTORY = "state record pga_g contacts control peak_displacement_m residual_displacement_m collapsed time_of_collapse_s"
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
 MOVED = "settlement share movement_m"
-LOSS = f"{MOVED} rule pga_collapse_g dynamic_loss dynamic_loss_low dynamic_loss_high distinguishable left_out"
-LOSS += " static_loss"
 OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
-FRAGILITY = (
-    f"{MOVED} combinations withstood failed median_g median_low_g median_high_g beta beta_low beta_high"
-)
-FRAGILITY += " beta_record beta_ensemble"
 MODEL = """<?xml version="1.0" encoding="utf-8"?>
 <nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
   <fragilityModel id="collapse" assetCategory="buildings" lossCategory="structural">
@@ -176,7 +171,7 @@ def lost(loss: Loss | None) -> Row:
         return {}
     low, high = loss.dynamic_range
     row: Row = {"capacity_loss": loss.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
-    return row | ({} if loss.distinguishable is None else {"distinguishable": loss.distinguishable})
+    return row | present({"distinguishable": loss.distinguishable})
 
 
 def bands(found: Scanned, range_: Range | None) -> Row:
@@ -235,7 +230,11 @@ def campaign_points(results: Results) -> Found:
         yield from ((where, point) for point in each.points)
 
 
-@table("campaign_fragility", FRAGILITY)
+@table(
+    "campaign_fragility",
+    f"{MOVED} combinations withstood failed median_g median_low_g median_high_g beta beta_low beta_high "
+    "beta_record beta_ensemble",
+)
 def fragilities(results: Results) -> Found:
     """List the fragility of every movement; the bounds are those of the bootstrap."""
     for each in results.campaign.fragility if results.campaign else []:
@@ -244,15 +243,17 @@ def fragilities(results: Results) -> Found:
         yield {"median_low_g": low, "median_high_g": high, "beta_low": least, "beta_high": most}, each
 
 
-@table("campaign_loss", LOSS)
+@table(
+    "campaign_loss",
+    f"{MOVED} rule pga_collapse_g dynamic_loss {' '.join(OF_LOSS[1:])} left_out static_loss",
+)
 def losses(results: Results) -> Found:
     """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
     campaign = results.campaign
     for each, fit in zip(campaign.loss, campaign.fragility, strict=True) if campaign else ():
         low, high = each.dynamic_range
         row: Row = {"dynamic_loss": each.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
-        row |= {"static_loss": each.static}
-        row |= {} if each.distinguishable is None else {"distinguishable": each.distinguishable}
+        row |= {"static_loss": each.static} | present({"distinguishable": each.distinguishable})
         row |= cells(fit, ("rule", "pga_collapse_g")) if fit.rule else {}
         yield row | cells(each, (*MOVED.split(), "left_out"))
 
@@ -281,14 +282,12 @@ def fragility_model(results: Results) -> str | None:
     Mean and standard deviation are those of the measure (g), not of its logarithm, as OpenQuake takes them.
     """
     of_states = [(name, state.incremental.fragility) for name, state in results.states.items()]
-    found: list[tuple[str, str, float | None, float | None]] = [
-        (name, "PGA", fit.median_g, fit.dispersion) for name, fit in of_states if fit
-    ]
+    found: list[tuple[str, str, float | None, float | None]]
+    found = [(name, "PGA", fit.median_g, fit.dispersion) for name, fit in of_states if fit]
     if campaign := results.campaign:
         imt = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
-        found += [
-            (f"{row.settlement} {row.share:g}", imt, row.median_g, row.beta) for row in campaign.fragility
-        ]
+        fits = campaign.fragility
+        found += [(f"{row.settlement} {row.share:g}", imt, row.median_g, row.beta) for row in fits]
     functions = ""
     for name, imt, median, beta in found:
         if median and beta:

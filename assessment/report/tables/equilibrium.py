@@ -48,9 +48,8 @@ def reactions(results: Results) -> Found:
     """List the force of each support on the structure in every situation whose joint forces are known."""
     for each in situations(results):
         for support, force in _forces(results, each):
-            yield (
-                _where(each) | {"support": support} | _components("reaction", force, results.model.weight_kN)
-            )
+            own = _components("reaction", force, results.model.weight_kN)
+            yield _where(each) | {"support": support} | own
 
 
 @table("balance", f"{WHERE} reaction_x_kN load_x_kN reaction_z_kN load_z_kN unbalanced")
@@ -60,10 +59,8 @@ def balance(results: Results) -> Found:
     `unbalanced` is the larger component of what is left over, per weight.
     """
     for each in balances(results):
-        both = _components("reaction", each.reaction, each.weight) | _components(
-            "load", each.load, each.weight
-        )
-        yield _where(each.situation) | both | {"unbalanced": each.unbalanced}
+        row = _where(each.situation) | _components("reaction", each.reaction, each.weight)
+        yield row | _components("load", each.load, each.weight) | {"unbalanced": each.unbalanced}
 
 
 def balances(results: Results) -> Iterator[Balance]:
@@ -84,18 +81,11 @@ def joint_table(results: Results) -> Found:
     """
     for each in loaded(results):
         s = joint_states(results, each)
-        columns = [
-            s.normal,
-            s.shear,
-            s.eccentricity,
-            s.contact,
-            s.pressure,
-            s.uncrushed,
-            *s.opening.T,
-            s.slip,
-        ]
+        forces = [s.normal, s.shear, s.eccentricity, s.contact, s.pressure, s.uncrushed]
         numbers = np.column_stack([np.arange(len(s.blocks)), s.blocks]).tolist()
-        values = zip(numbers, np.column_stack(columns).tolist(), s.condition, strict=True)
+        values = zip(
+            numbers, np.column_stack([*forces, s.opening, s.slip]).tolist(), s.condition, strict=True
+        )
         for number, value, condition in values:
             yield _where(each) | dict(zip(JOINT.split(), (*number, *value, condition), strict=True))
 
@@ -110,21 +100,17 @@ hand_check = table("hand_check", HandCheck)(hand_checks)
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
     """Yield each support and its force (2,) kN on the structure."""
     blocks, states = results.geometry.blocks, joint_states(results, situation)
-    pulls = list(tie_pulls(results, situation))
+    ties = ties_of(results, situation.state)
+    pulls = []
+    for tie, tension in zip(ties, situation.tension, strict=len(situation.tension) > 0):
+        start, end = tie_ends(results, tie, situation.configuration)
+        pulls.append((tension * (end - start) / np.hypot(*(end - start)), tie.blocks))
     for support in sorted({block.support for block in blocks if block.support}):
         total = np.zeros(2)
         for force, pair in [*zip(states.force, states.blocks.tolist(), strict=True), *pulls]:
             first, second = (blocks[block].support == support for block in pair)
             total += float(second) * force - float(first) * force
         yield support, total
-
-
-def tie_pulls(results: Results, situation: Situation) -> Iterator[tuple[Array, list[int]]]:
-    """Yield of each tie of a situation its force (2,) kN on the first of its blocks, and these."""
-    ties = ties_of(results, situation.state)
-    for tie, tension in zip(ties, situation.tension, strict=len(situation.tension) > 0):
-        start, end = tie_ends(results, tie, situation.configuration)
-        yield tension * (end - start) / np.hypot(*(end - start)), tie.blocks
 
 
 def _components(name: str, force: Array, weight: float) -> Row:

@@ -133,9 +133,7 @@ class Excess(NamedTuple):
 def alpha_at_d_0(rigid: RigidPush) -> float | None:
     """Return the multiplier at d_0 where equilibrium is lost before it vanishes; None where it has vanished there."""
     left, end = rigid.curve.multiplier[-1], abs(rigid.curve.displacement_m[-1])
-    ends = rigid.d_0_m is not None and math.isclose(
-        rigid.d_0_m, end
-    )  # an ensemble may have that of another run
+    ends = rigid.d_0_m is not None and math.isclose(rigid.d_0_m, end)  # an ensemble may have another run's
     return left if rigid.lost and ends and left > 0.0 else None
 
 

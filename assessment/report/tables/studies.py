@@ -13,7 +13,7 @@ from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import Part, named
 from assessment.results.schema.static import Contacts
-from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity, SensitivityRun
+from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity
 from assessment.results.table import Row, Table, cells, quoted_check
 
 CAPACITY = "collapses alpha_0 alpha_u d_0_m limit_state a_g_g zeta_E"
@@ -21,10 +21,10 @@ SCENARIOS = f"state movement_m direction {CAPACITY} reduction ultimate_rigid_m u
 SENSITIVITY = f"state property factor direction {CAPACITY}"
 ROUNDING = 1e-6  # of a capacity: what the solver may leave of a difference that is none
 RANGE = "_range"  # behind the name of a quantity, in the schema: the ends of its range
-MOVEMENTS = "hypothesis support displacement_x_m x_error_m displacement_z_m z_error_m rotation_mrad"
-MOVEMENTS += " rotation_error_mrad"
-MEASUREMENTS = "hypothesis number measurement measured_kind x_m z_m unit measured sigma predicted residual"
-MEASUREMENTS += " residual_in_sigma"
+MOVEMENTS = """hypothesis support displacement_x_m x_error_m displacement_z_m z_error_m
+rotation_mrad rotation_error_mrad"""
+MEASUREMENTS = """hypothesis number measurement measured_kind x_m z_m unit
+measured sigma predicted residual residual_in_sigma"""
 
 
 @dataclass(frozen=True)
@@ -100,22 +100,21 @@ def bars(results: Results) -> list[Bar]:
         directions = dict.fromkeys(run.direction for run in own)
         checks = [quoted_check(results.states[state].capacity.get(direction)) for direction in directions]
         base = _weaker(check.a_g_g if check else None for check in checks)
-        of_state = [_bar(state, name, own, base) for name in dict.fromkeys(run.property for run in own)]
+        of_state = []
+        for name in dict.fromkeys(run.property for run in own):
+            of_property = [run for run in own if run.property == name]
+            low, high = sorted({run.factor for run in of_property})
+            least, most = (_weaker(r.a_g_g for r in of_property if r.factor == each) for each in (low, high))
+            known = [value for value in (least, base, most) if value is not None]
+            swing = max(known) - min(known) if len(known) == 3 else None
+            if swing is not None and swing <= ROUNDING * max(known):  # nothing but rounding
+                swing = 0.0
+            of_state.append(Bar(state, name, low, high, least, base, most, swing))
         found += sorted(of_state, key=lambda bar: -float("inf") if bar.swing_g is None else -bar.swing_g)
     return found
 
 
 tornado = table("tornado", Bar)(bars)
-
-
-def _bar(state: str, name: str, runs: Iterable[SensitivityRun], base: float | None) -> Bar:
-    of_property = [run for run in runs if run.property == name]
-    low, high = sorted({run.factor for run in of_property})
-    at = {factor: _weaker(run.a_g_g for run in of_property if run.factor == factor) for factor in (low, high)}
-    known = [value for value in (at[low], base, at[high]) if value is not None]
-    span = max(known) - min(known) if len(known) == 3 else None
-    swing = 0.0 if span is not None and span <= ROUNDING * max(known) else span  # nothing but rounding
-    return Bar(state, name, low, high, at[low], base, at[high], swing)
 
 
 def _weaker(capacities: Iterable[float | None]) -> float | None:
