@@ -17,6 +17,7 @@ import jinja2
 from markupsafe import Markup
 from PIL import ImageOps
 
+from assessment.ntc.tables import QUOTED
 from assessment.report.chapters import grids, judgement, remarks, synthesis
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.judgement import all_warnings
@@ -26,7 +27,7 @@ from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.text.fonts import embedded_faces, file_faces
 from assessment.report.text.language import Words, joined, sentence, translated, words_of
-from assessment.results.asked import coulomb
+from assessment.results.asked import coulomb, limit_states
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.runtime.files import read_picture, write_atomically
@@ -124,7 +125,7 @@ def render_html(
         risk=used_as(results, RISK),
         contacts=remarks.contacts_of(results),
         software="software_coulomb" if coulomb(results.echo) else "software",
-        farthest=remarks.farthest_limit_state(results),
+        farthest=next((limit for limit in QUOTED if limit in limit_states(results.echo)), ""),
         few=remarks.few_records(results),
         members=remarks.members(results),
     )

@@ -36,10 +36,8 @@ def collisions(echo: Echo) -> bool:
 
 def damped(echo: Echo) -> bool:
     """Return whether joints of a motion have dashpots."""
-    return any(
-        each.get("damping_ratio")
-        for each in (*(echo.history or ()), echo.incremental or {}, echo.campaign or {})
-    )
+    shaking = (*(echo.history or ()), echo.incremental or {}, echo.campaign or {})
+    return any(each.get("damping_ratio") for each in shaking)
 
 
 def taken_to_collapse(echo: Echo) -> set[str]:
@@ -49,22 +47,13 @@ def taken_to_collapse(echo: Echo) -> set[str]:
 
 def turns(echo: Echo) -> set[str]:
     """Return the settlements that are a rotation alone."""
-    return {
-        each["name"]
-        for each in echo.settlements or ()
-        if each["rotation_rad"] and not any(each["displacement_m"])
-    }
+    rotated = (each for each in echo.settlements or () if each["rotation_rad"])
+    return {each["name"] for each in rotated if not any(each["displacement_m"])}
 
 
 def limit_states(echo: Echo) -> list[str]:
     """Return the limit states of the project."""
     return list((echo.assessment or {}).get("limit_states", []))
-
-
-def local_limit(echo: Echo) -> tuple[float | None, str]:
-    """Return the displacement limit that was given (m; None: none was) and its reason."""
-    assessment = echo.assessment or {}
-    return assessment.get("local_displacement_limit_m"), assessment.get("local_displacement_reason") or ""
 
 
 def printed(echo: Echo) -> dict[str, Any]:
@@ -102,13 +91,8 @@ def directions_asked(results: Results) -> list[Direction]:
 
 def checks_asked(results: Results) -> list[str]:
     """Return the checks of each direction: those that any has; where none has, those of the limit states."""
-    made = {
-        name
-        for state in results.states.values()
-        for capacity in state.capacity.values()
-        for name in capacity.checks
-    }
-    if made:
+    capacities = [each for state in results.states.values() for each in state.capacity.values()]
+    if made := {name for capacity in capacities for name in capacity.checks}:
         return [name for name in CHECKS if name in made]
     asked = set(limit_states(results.echo))
     return [name for name in CHECKS if name.removesuffix(" linear") in asked]
@@ -116,7 +100,5 @@ def checks_asked(results: Results) -> list[str]:
 
 def determined_indices(results: Results) -> dict[str, Indices]:
     """Return the indices of the states that have a capacity in every direction asked for."""
-    missing = undetermined(results)
-    return {
-        name: state.indices for name, state in results.states.items() if state.indices and name not in missing
-    }
+    found = present({name: state.indices for name, state in results.states.items()})
+    return {name: each for name, each in found.items() if name not in undetermined(results)}

@@ -17,8 +17,8 @@ from assessment.report.tables import dynamic, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
-from assessment.report.tables.rows import TABLES, pushes, without
-from assessment.report.text.language import Words, cell, check_name, direction_name, heading, is_text, written
+from assessment.report.tables.rows import TABLES, without
+from assessment.report.text.language import Words, cell, check_name, direction_name, heading, written
 from assessment.results.asked import printed
 from assessment.results.configurations.hand_check import (
     BY_HAND,
@@ -29,6 +29,7 @@ from assessment.results.configurations.hand_check import (
     virtual_work_table,
 )
 from assessment.results.schema import Results, present
+from assessment.results.schema.part import QUANTITIES
 from assessment.results.summary import index_limit, index_of, least_row
 from assessment.results.table import Row, Table, cells, reference_of
 
@@ -56,12 +57,13 @@ def grid(table: Table, words: Words, caption: Markup, significant: int = 3, refe
         caption,
         [heading(column, words, reference) for column in columns],
         [[cell(column, row, words, significant) for column in columns] for row in table.rows],
-        [is_text(column) for column in columns],
+        [QUANTITIES[column].words for column in columns],
     )
 
 
 def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
+    chosen = checked.chosen_mechanisms(results)
     found = [
         _validation(words),
         # loads have their own table
@@ -79,7 +81,7 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         *checked.reported_indices(results),
         checked.reported_interventions(results, words),
         _interventions(results),
-        _chosen(results),
+        replace(chosen, rows=[row for row in chosen.rows if "refused" not in row]),
         *studies.reported_studies(results),
         *dynamic.reported_campaign(results),
         hand_check(results),
@@ -130,12 +132,6 @@ def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> It
             yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)
 
 
-def _chosen(results: Results) -> Table:
-    """Return the mechanisms of the user's that are none of the refused ones."""
-    table = checked.chosen_mechanisms(results)
-    return replace(table, rows=[row for row in table.rows if "refused" not in row])
-
-
 def _mechanisms(results: Results, words: Words) -> Table:
     """Return the mechanisms by name, with the multiplier of the first motion beside the largest."""
     table = without(mechanisms(results), "hinges", "sliding_joints", "sliding_residual")
@@ -172,13 +168,9 @@ def _interventions(results: Results) -> Table:
             if check := index_of(least, index_limit(results)):
                 row |= {"zeta_E": check.zeta_E, "reduction": check.loss, "gain": check.gain}
                 row["verified"] = check.verified
-            pulled = [
-                (each.greatest_kN, each.tie)
-                for where, push in pushes(results)
-                for each in push.ties or ()
-                if where["state"] == name and each.greatest_kN is not None
-            ]
-            if pulled:
+            pushed = (found for found in structure.tensions(results) if "direction" in found[0])
+            own = (each for where, each in pushed if where["state"] == name)
+            if pulled := [(each.greatest_kN, each.tie) for each in own if each.greatest_kN is not None]:
                 force, tie = max(pulled)
                 limit = structure.tie_strength(results)[tie]
                 row |= {"greatest_kN": force, "share_used": force / limit if limit else None}
@@ -217,9 +209,10 @@ def _validation(words: Words) -> Table:
 
 Path = tuple[str, ...]
 # keys whose values are words of the program; others are the user's own
-CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
-CHOICES |= {"kind", "from_m", "component", "annexes"}
-CHOICES |= {"state", "states", "of", "use_category", "directions", "integrator"}
+CHOICES = set(
+    """accuracy sliding contacts model spectrum method record_demand language kind from_m component annexes
+state states of use_category directions integrator""".split()
+)
 GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")
 
@@ -230,11 +223,10 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
     for path, key, value in _flat(echo):
         if value in ("", []):
             continue
+        own = "_".join((*path[:1], key))
         yield {
             "table": _group(path, words) if path != last else Markup(""),
-            "setting": _name(
-                own if (own := "_".join((*path[:1], key))) in words.strings["input"] else key, words
-            ),
+            "setting": _name(own if own in words.strings["input"] else key, words),
             "value": Markup.escape(_value(value, words, key in CHOICES or "hypotheses" in path)),
         }
         last = path

@@ -60,14 +60,11 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
 def _linear(results: Results, words: Words) -> Iterator[Markup]:
     """Yield the linear check of the weakest state beside the nonlinear one: the simplified assessment of §10.2."""
-    known = [
-        (capacity.SLV.zeta_E, capacity.SLV_linear.zeta_E, name, direction)
-        for name, direction, capacity in capacities(results)
-        if capacity.SLV and capacity.SLV_linear
-        if capacity.SLV.zeta_E is not None and capacity.SLV_linear.zeta_E is not None
-    ]
-    if known:
-        full, linear, name, direction = min(known)
+    ratios_of = [(each.ratios, name, direction) for name, direction, each in capacities(results)]
+    made = {"SLV", "SLV linear"}
+    both = [(r["SLV"], r["SLV linear"], name, way) for r, name, way in ratios_of if made <= r.keys()]
+    if both:
+        full, linear, name, direction = min(both)
         ratios = {"linear": words.ratio(linear), "full": words.ratio(full)}
         yield words("judgement.linear", state=name, direction=direction, **ratios)
 
@@ -96,10 +93,8 @@ def _interventions(results: Results, words: Words) -> Iterator[Markup]:
                 key = f"judgement.{'attained' if reached else 'not_attained'}"
                 told.append(words(key, kind=words(f"judgement.of_{kind}"), least=least))
         if told:
-            zetas = {
-                "zeta": words.ratio(found.zeta_SLV),
-                "before": written("zeta_before", found.zeta_before, words),
-            }
+            before = written("zeta_before", found.zeta_before, words)
+            zetas = {"zeta": words.ratio(found.zeta_SLV), "before": before}
             yield words("judgement.interventions", state=state, told=Markup("; ").join(told), **zetas)
 
 
@@ -120,12 +115,8 @@ def _histories(results: Results, words: Words) -> Iterator[Markup]:
         if fallen:
             states = ", ".join(f"“{words.state(name)}”" for name in fallen)
             yield words("judgement.history_collapse", **what, states=states)
-        peaks = [
-            (entry.peak_displacement_m, name)
-            for name, entry in own
-            if not entry.collapsed and entry.peak_displacement_m is not None
-        ]
-        if peaks:
+        stood = [(entry.peak_displacement_m, name) for name, entry in own if not entry.collapsed]
+        if peaks := [(peak, name) for peak, name in stood if peak is not None]:
             peak, name = max(peaks)
             text = "judgement.history_stands" if fallen else "judgement.history_peak"
             yield words(text, **what, peak=words.millimetres(peak), state=name)
@@ -181,11 +172,8 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     if found and (worst := found.worst):
         counts = None if worst.collapses else among_known(found)
         among = words("judgement.worst_among", known=counts[0], total=counts[1]) if counts else ""
-        where = {
-            "state": worst.state,
-            "movement": words.millimetres(worst.movement_m),
-            "direction": worst.direction,
-        }
+        movement = words.millimetres(worst.movement_m)
+        where = {"state": worst.state, "movement": movement, "direction": worst.direction}
         what = {"capacity": compared(worst, found.quantity), "limit": found.limit_state, "among": among}
         key = f"judgement.worst_{'collapses' if worst.collapses else found.quantity}"
         sentence = words(key, **where, **what, reference=_reference(results, words))
@@ -229,7 +217,16 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=shown[name])
     if len(residuals) == len(RESIDUALS) and not poor:
         yield words("judgement.certificates", **shown)
-    yield from _converged(results, words)
+    convergence = results.convergence
+    found_errors = [row.relative_error for row in (*convergence.rows, *(convergence.incremental or ()))]
+    errors = [error for error in found_errors if error is not None]
+    if not convergence.tolerance:
+        yield words("judgement.no_convergence")
+    elif errors:
+        good = max(errors) <= convergence.tolerance and len(errors) == len(found_errors)
+        what = {"error": words.number(100.0 * max(errors), COARSE)}
+        what["tolerance"] = words.comma(f"{100.0 * convergence.tolerance:g}")
+        yield words(f"judgement.{'converged' if good else 'not_converged'}", **what)
     yield from agreement(results, words)
     deviations: dict[bool, list[float]] = {False: [], True: []}  # whether sliding joints take what is missing
     for each in hand_checks(results):
@@ -247,22 +244,6 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))
-
-
-def _converged(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what refinement says of the discretisation error."""
-    tolerance = results.convergence.tolerance
-    if not tolerance:
-        yield words("judgement.no_convergence")
-        return
-    rows = [*results.convergence.rows, *(results.convergence.incremental or [])]
-    found = [row.relative_error for row in rows]
-    errors = [error for error in found if error is not None]
-    if errors:
-        good = max(errors) <= tolerance and len(errors) == len(found)
-        key = "judgement.converged" if good else "judgement.not_converged"
-        error = words.number(100.0 * max(errors), COARSE)
-        yield words(key, error=error, tolerance=words.comma(f"{100.0 * tolerance:g}"))
 
 
 def all_warnings(results: Results) -> list[str]:

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
-from assessment.ntc.tables import QUOTED
 from assessment.ntc.verification import THRUSTING_A_G
 from assessment.report.tables import structure
 from assessment.report.tables.capacity import directions
@@ -50,11 +49,6 @@ def contacts_of(results: Results) -> list[Contacts]:
         found.update(state.pushdown, *(pushover.by_contacts for pushover in state.pushover.values()))
     kinds: tuple[Contacts, ...] = ("rigid", "elastic")
     return [contacts for contacts in kinds if contacts in found]
-
-
-def farthest_limit_state(results: Results) -> str:
-    """Return the farthest limit state asked for, that of the losses printed; empty where none was."""
-    return next((limit for limit in QUOTED if limit in asked.limit_states(results.echo)), "")
 
 
 def members(results: Results) -> int:
@@ -209,17 +203,16 @@ def displacement_limits(results: Results, words: Words) -> Sentences:
     if {"SLV linear", "SLV"} <= {name for name, _ in checks}:
         yield words("text.linear_beside")
     yield from lost_before_zero(results, words)
-    limit, reason = asked.local_limit(results.echo)
-    if limit is not None:
-        reason = reason or words.plain("value.no_reason")
+    given = results.echo.assessment or {}
+    if (limit := given.get("local_displacement_limit_m")) is not None:
+        reason = given.get("local_displacement_reason") or words.plain("value.no_reason")
         yield words("text.local_limit", limit=1000.0 * limit, reason=reason)
     else:
         lost = []
         for name, direction, rigid in hand_check.mechanisms(results):
             if loss := rigid.local_loss:  # a joint that bears: the local limit of its direction
-                place = dict(
-                    zip(("first", "second"), loss.blocks, strict=True), state=name, direction=direction
-                )
+                first, second = loss.blocks
+                place = {"first": first, "second": second, "state": name, "direction": direction}
                 lengths = {"overlap": 1000.0 * loss.overlap_m, "limit": 1000.0 * loss.displacement_m}
                 lost.append(words("text.local_loss_at", **place, **lengths))
         if lost:

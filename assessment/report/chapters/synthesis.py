@@ -57,9 +57,7 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         for name in (*listed, *texts)
     ]
     text = [True, True, *[False] * (len(head) - 2 - len(texts)), *[True] * len(texts)]
-    caption = (
-        words("caption.synthesis_judged", limits=", ".join(judged)) if judged else words("caption.synthesis")
-    )
+    caption = words("caption.synthesis_judged" if judged else "caption.synthesis", limits=", ".join(judged))
     return Grid(caption, head, [[Markup.escape(cell) for cell in cells(row)] for row in rows], text)
 
 
@@ -77,9 +75,8 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
         return Markup("")
     weight, whole = rigid_push(results, *view).mechanism.moving_weight_kN, results.model.weight_kN
     where = {"name": mechanism_name(results, *view, words), "state": view[0], "direction": view[1]}
-    return words(
-        "synthesis.mechanism", **where, weight=weight, share=words.per_cent(weight / whole if whole else 0.0)
-    )
+    share = words.per_cent(weight / whole if whole else 0.0)
+    return words("synthesis.mechanism", **where, weight=weight, share=share)
 
 
 def basis(results: Results, words: Words) -> Iterator[Markup]:
@@ -129,9 +126,8 @@ def reference_life(results: Results, words: Words) -> Markup:
         return Markup("")
     figures = {"V_N": life, "C_U": USE_COEFFICIENT[use], "V_R": life * USE_COEFFICIENT[use]}
     shown = {name: words.comma(f"{value:g}") for name, value in figures.items()}
-    return words(
-        "synthesis.life", use_class=use, T_R=words.rounded(return_period("SLV", life, use), 0), **shown
-    )
+    shown["T_R"] = words.rounded(return_period("SLV", life, use), 0)
+    return words("synthesis.life", use_class=use, **shown)
 
 
 def _range(results: Results, words: Words) -> Markup:
@@ -157,6 +153,4 @@ def _pressure(results: Results, words: Words) -> Markup:
     if not limits:
         return words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
     strength = told("compressive_strength_kN_m2", min(limits), words)
-    return words(
-        "synthesis.strength" if known else "synthesis.strength_alone", strength=strength, pressure=most
-    )
+    return words(f"synthesis.strength{'' if known else '_alone'}", strength=strength, pressure=most)

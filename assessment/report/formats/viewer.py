@@ -43,14 +43,9 @@ def viewer(results: Results, words: Words) -> Viewer | None:
     if not paths:
         return None
     blocks = [
-        {
-            "vertices": b.vertices_m,
-            "centroid": b.centroid_m,
-            "layer": b.layer,
-            "support": b.support,
-            "weight": b.weight_kN,
-        }
-        for b in results.geometry.blocks
+        {"vertices": block.vertices_m, "centroid": block.centroid_m, "layer": block.layer}
+        | {"support": block.support, "weight": block.weight_kN}
+        for block in results.geometry.blocks
     ]
     ties = [
         {

@@ -169,11 +169,8 @@ def linear_checks(results: Results) -> Found:
         if pushed and pushed.rigid and (first := pushed.rigid.onset):
             count = Count(hinges=first.hinges, sliding_joints=len(first.sliding_joints))
         activated.append((name, direction, mechanism_text(count), capacity))
-    activated += [
-        (given.state, given.direction, given.name, given)
-        for given in results.mechanisms or []
-        if given.direction
-    ]
+    for given in results.mechanisms or []:
+        activated += [(given.state, given.direction, given.name, given)] if given.direction else []
     for name, direction, mechanism, found in activated:
         where = {"state": name, "direction": direction, "mechanism": mechanism}
         for limit, check in found.checks.items():

@@ -267,17 +267,12 @@ def indexed(label: str) -> Markup:
     return Markup(INDEX.sub(r"<sub>\1</sub>", str(Markup.escape(label))))
 
 
-def quantity(name: str) -> Quantity:
-    """Return what the schema of results says of a quantity. Raises KeyError for one that it does not describe."""
-    return QUANTITIES[name]
-
-
 def label(name: str, words: Words, reference: str = ROCK) -> str:
     """Return what a quantity is called, with its unit; of an acceleration what it refers to.
 
     `reference`: of the a_g of the checks, `ROCK` or `SURFACE`.
     """
-    found = quantity(name)
+    found = QUANTITIES[name]
     text = found.label[words.language]
     if found.ground:
         text += " " + words.plain(f"value.on_{reference if found.ground == ROCK else found.ground}")
@@ -289,11 +284,6 @@ def heading(name: str, words: Words, reference: str = ROCK) -> Markup:
     return indexed(label(name, words, reference))
 
 
-def is_text(name: str) -> bool:
-    """Return whether the values of a column are words, set to the left."""
-    return quantity(name).words
-
-
 def cell(name: str, row: Row, words: Words, significant: int = 3) -> Markup:
     """Write the value of a column in a row: a dash where it was not requested."""
     return written(name, row[name], words, significant) if name in row else words("value.none")
@@ -303,7 +293,7 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
     """Write a value of a quantity in the unit of its heading: what null means for null, HTML as it is."""
     if isinstance(value, Markup):
         return value
-    found = quantity(name)
+    found = QUANTITIES[name]
     if value is None:
         return words(f"value.{found.null or ('none' if found.words else 'not_reached')}")
     if name in WRITERS:
@@ -317,7 +307,7 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
 
 def told(name: str, value: float, words: Words) -> str:
     """Write a number of a quantity in the unit of reports, which a sentence gives to its field: `{name:unit}`."""
-    return number(quantity(name), value, words)
+    return number(QUANTITIES[name], value, words)
 
 
 def number(found: Quantity, value: float, words: Words, significant: int = 3) -> str:
