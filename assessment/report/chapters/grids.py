@@ -209,10 +209,9 @@ def _validation(words: Words) -> Table:
 
 Path = tuple[str, ...]
 # keys whose values are words of the program; others are the user's own
-CHOICES = set(
-    """accuracy sliding contacts model spectrum method record_demand language kind from_m component annexes
-state states of use_category directions integrator""".split()
-)
+CHOICES = {"accuracy", "sliding", "contacts", "model", "spectrum", "method", "record_demand", "language"}
+CHOICES |= {"kind", "from_m", "component", "annexes"}
+CHOICES |= {"state", "states", "of", "use_category", "directions", "integrator"}
 GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")
 
