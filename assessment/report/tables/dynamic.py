@@ -25,6 +25,8 @@ HISTORY = "state record pga_g contacts control peak_displacement_m residual_disp
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
 MOVED = "settlement share movement_m"
+LOSS = f"""{MOVED} rule pga_collapse_g dynamic_loss dynamic_loss_low dynamic_loss_high distinguishable left_out
+static_loss"""
 OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
 MODEL = """<?xml version="1.0" encoding="utf-8"?>
 <nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
@@ -243,10 +245,7 @@ def fragilities(results: Results) -> Found:
         yield {"median_low_g": low, "median_high_g": high, "beta_low": least, "beta_high": most}, each
 
 
-@table(
-    "campaign_loss",
-    f"{MOVED} rule pga_collapse_g dynamic_loss {' '.join(OF_LOSS[1:])} left_out static_loss",
-)
+@table("campaign_loss", LOSS)
 def losses(results: Results) -> Found:
     """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
     campaign = results.campaign
