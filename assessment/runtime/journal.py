@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import platform
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.progress import Pace, Show, clock, time_left
+from assessment.runtime.progress import Show, Stage, clock, heard
 
 LOCK = ".assesto.lock"  # in the output folder, while a run writes there
 PATIENCE = 0.2  # s: `holder` takes the lock for an instant, to see whether it is free
@@ -106,57 +105,31 @@ def record_exit(folder: Path, code: int) -> None:
 class Journal(Show):
     """Writes each event as a line of JSON, so that a kill leaves all lines before it; passes it on to `show`.
 
-    It takes the place of the journal of an earlier run in the folder.
+    It takes the place of the journal of an earlier run in the folder. Of what is under way and reached only some is
+    written: a title a second, and a share of the work at SELDOM.
     """
 
     def __init__(self, folder: Path, show: Show) -> None:
         self.path, self.show = folder / NAME, show
-        self.began = self.latest = self.named = 0.0  # times of the stage, the last event, the last title
+        self.began = self.latest = self.named = 0.0  # times of the stage, the last line, the last title
         self.title: str | None = None  # of the analysis under way, not written yet
         self.path.unlink(missing_ok=True)
 
-    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
-        """See Show."""
-        self._write(event="begin", stage=stage, total=total, taken=taken, work=work)
-        self.began, self.named, self.title = self.latest, 0.0, None
-        self.show.begin(stage, total, taken, work)
-
-    def under_way(self, title: str) -> None:
-        """See Show."""
-        self.title = title
-        self._name()
-        self.show.under_way(title)
-
-    def reached(self, done: float) -> None:
-        """See Show."""
-        self._name()
-        if time.time() - self.latest >= max(1.0, SELDOM * (time.time() - self.began)):
-            self._write(event="reached", work=done)
-        self.show.reached(done)
-
-    def advance(self, done: float) -> None:
-        """See Show."""
-        self._write(event="done", work=done)
-        self.show.advance(done)
-
-    def fault(self, title: str, reasons: Sequence[str]) -> None:
-        """See Show."""
-        self._write(event="fault", title=title, reasons=list(reasons))
-        self.show.fault(title, reasons)
-
-    def end(self) -> None:
-        """See Show."""
-        self._write(event="end")
-        self.show.end()
-
-    def _name(self) -> None:
-        """Write the title of the analysis under way, once, and at most one title a second."""
-        if self.title is not None and time.time() - self.named >= 1.0:
-            self._write(event="under_way", title=self.title)
-            self.named, self.title = self.latest, None
-
-    def _write(self, **event: Any) -> None:
-        self.latest = _append(self.path, **event)
+    def tell(self, event: str, **fields: Any) -> None:
+        """Write an event, and pass it on."""
+        now = time.time()
+        if event == "begin":
+            self.began, self.named, self.title = now, 0.0, None
+        elif event == "under_way":
+            self.title = fields["title"]
+        if event not in {"under_way", "reached"}:
+            self.latest = _append(self.path, event=event, **fields)
+        elif self.title is not None and now - self.named >= 1.0:
+            self.latest = self.named = _append(self.path, event="under_way", title=self.title)
+            self.title = None
+        if event == "reached" and now - self.latest >= max(1.0, SELDOM * (now - self.began)):
+            self.latest = _append(self.path, event=event, **fields)
+        self.show.tell(event, **fields)
 
 
 def _append(path: Path, **event: Any) -> float:
@@ -169,28 +142,6 @@ def _append(path: Path, **event: Any) -> float:
         finally:
             os.close(descriptor)
     return now
-
-
-@dataclass
-class Stage:
-    """A stage as read from its journal; times in s since the epoch.
-
-    `under_way`: the analysis that the run is at; `faults`: title and reasons of those that could not be completed.
-    """
-
-    name: str
-    total: int
-    taken: int
-    pace: Pace
-    done: int = 0
-    ended: bool = False
-    under_way: str | None = None
-    faults: list[tuple[str, list[str]]] = field(default_factory=list)
-
-    @property
-    def open(self) -> int:
-        """Analyses that are not finished."""
-        return self.total - self.taken - self.done
 
 
 @dataclass
@@ -214,32 +165,12 @@ def read_journal(folder: Path) -> Recorded:
         return recorded
     for line in lines:
         with suppress(ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError):
-            _add(recorded, json.loads(line))
+            event = json.loads(line)
+            if event["event"] == "result":
+                recorded.exit_code = int(event["code"])
+            else:
+                heard(recorded.stages, float(event["time"]), event["event"], **event)
     return recorded
-
-
-def _add(recorded: Recorded, event: Mapping[str, Any]) -> None:
-    """Add an event to the stage that it is of, the last one; an event that is none raises and changes nothing."""
-    kind, moment = event["event"], float(event["time"])
-    work = float(event["work"]) if kind in {"begin", "reached", "done"} else 0.0
-    if not math.isfinite(moment) or not math.isfinite(work):
-        raise ValueError(f"time: {moment}, work: {work}")
-    if kind == "result":
-        recorded.exit_code = int(event["code"])
-        return
-    if kind == "begin":
-        pace = Pace(work, moment)
-        recorded.stages.append(Stage(str(event["stage"]), int(event["total"]), int(event["taken"]), pace))
-    stage = recorded.stages[-1]
-    if kind in {"reached", "done"}:
-        stage.pace.reached(work, moment)
-        stage.done += kind == "done"
-    elif kind == "under_way":
-        stage.under_way = str(event["title"])
-    elif kind == "fault":
-        stage.faults.append((str(event["title"]), [str(reason) for reason in event["reasons"]]))
-    elif kind == "end":
-        stage.ended, stage.under_way = True, None
 
 
 def status(folder: Path) -> str:
@@ -275,7 +206,7 @@ def progress_of(recorded: Recorded, running: Holder | None) -> dict[str, Any]:
     """
     stage = recorded.stages[-1] if recorded.stages else None
     at_work = running is not None and stage is not None and not stage.ended
-    left = stage.pace.left(time.time()) if stage and at_work else None
+    left = stage.left(time.time()) if stage and at_work else None
     return {
         "running": running is not None,
         "pid": running.pid if running else None,
@@ -309,6 +240,6 @@ def _line(stage: Stage, running: bool) -> str:
     if stage.ended or not running:
         return text
     now = time.time()
-    left = time_left(stage.pace, now, "not known yet")
-    text += f", {stage.open} in flight or waiting; {clock(now - stage.pace.began)} gone, left: {left}"
+    gone, left = clock(now - stage.began), stage.time_left(now, "not known yet")
+    text += f", {stage.open} in flight or waiting; {gone} gone, left: {left}"
     return f"{text}; at {stage.under_way}" if stage.under_way else text

@@ -1,4 +1,4 @@
-"""How far a run is: what receives its progress, the pace of a stage, and bars on the terminal."""
+"""How far a run is: the events that tell of it, the stages that follow from them, and bars on the terminal."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,69 +18,107 @@ OVER = 1.0  # s: since when
 
 
 class Show:
-    """Receives the progress of the analyses; this one ignores it.
+    """Receives the progress of the analyses, each call as an event of that name; this one ignores them.
 
     `interval` (s): between two reports of how far an analysis at work is.
     """
 
     interval = 0.25
 
+    def tell(self, event: str, **fields: Any) -> None:
+        """Receive an event with its fields."""
+
     def begin(self, stage: str, total: int, taken: int, work: float) -> None:
         """A stage begins: of `total` analyses all but `taken` are to be computed, `work` in all."""
+        self.tell("begin", stage=stage, total=total, taken=taken, work=work)
 
     def under_way(self, title: str) -> None:
         """An analysis is being computed; of several the one that has been for longest."""
+        self.tell("under_way", title=title)
 
     def reached(self, done: float) -> None:
         """So much of the work is done, analyses at work included."""
+        self.tell("reached", work=done)
 
     def advance(self, done: float) -> None:
         """One more analysis of the stage is finished; so much of the work is done."""
+        self.tell("done", work=done)
 
     def fault(self, title: str, reasons: Sequence[str]) -> None:
         """An analysis, computed or taken over, could not be completed, for these reasons."""
+        self.tell("fault", title=title, reasons=list(reasons))
 
     def end(self) -> None:
         """The stage is finished."""
+        self.tell("end")
 
 
 SILENCE = Show()
 
 
 @dataclass
-class Pace:
-    """Work `done` until the time `latest`, of all the `work` of a stage that began at `began`; times in s of one clock.
+class Stage:
+    """A stage as its events tell; times in s of one clock.
 
-    The unit of work is that of the stage: analyses, or samples of records; analyses at work count with their share.
+    `work`: of all its analyses, `reached` until `latest`, those at work with their share, in a unit of its own;
+    `under_way`: the analysis that it is at `since` then; `faults`: title and reasons of those not completed.
     """
 
+    name: str
+    total: int
+    taken: int
     work: float
     began: float
-    done: float = 0.0
+    done: int = 0
+    reached: float = 0.0
     latest: float = 0.0
+    ended: bool = False
+    under_way: str | None = None
+    since: float = 0.0
+    faults: list[tuple[str, list[str]]] = field(default_factory=list)
 
-    def reached(self, done: float, now: float) -> None:
-        """Record the work done until `now`."""
-        self.done, self.latest = done, now
+    @property
+    def open(self) -> int:
+        """Analyses that are not finished."""
+        return self.total - self.taken - self.done
 
     def left(self, now: float) -> float | None:
         """Return the time that the stage still takes, negative where it is late; None where nothing is done yet."""
-        if self.done <= 0.0:
+        if self.reached <= 0.0:
             return None
-        rest = (self.latest - self.began) / self.done * max(self.work - self.done, 0.0)
+        rest = (self.latest - self.began) / self.reached * max(self.work - self.reached, 0.0)
         return self.latest + rest - now if math.isfinite(rest) else None
+
+    def time_left(self, now: float, unknown: str) -> str:
+        """Return the same as a text, that it is late, or that this is `unknown`."""
+        left = self.left(now)
+        return unknown if left is None else LATE if left < -OVER else clock(left)
+
+
+def heard(stages: list[Stage], now: float, event: str, /, **fields: Any) -> Stage:
+    """Add an event to the last of the stages and return that. One that is no event raises and changes nothing."""
+    work = float(fields["work"]) if event in {"begin", "reached", "done"} else 0.0
+    if not math.isfinite(now) or not math.isfinite(work):
+        raise ValueError(f"time: {now}, work: {work}")
+    if event == "begin":
+        stages.append(Stage(str(fields["stage"]), int(fields["total"]), int(fields["taken"]), work, now))
+    stage = stages[-1]
+    if event in {"reached", "done"}:
+        stage.reached, stage.latest = work, now
+        stage.done += event == "done"
+    elif event == "under_way":
+        stage.under_way, stage.since = str(fields["title"]), now
+    elif event == "fault":
+        stage.faults.append((str(fields["title"]), [str(reason) for reason in fields["reasons"]]))
+    elif event == "end":
+        stage.ended, stage.under_way = True, None
+    return stage
 
 
 def clock(seconds: float) -> str:
     """Return a time as h:mm:ss."""
     whole = max(0, round(seconds))
     return f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}"
-
-
-def time_left(pace: Pace, now: float, unknown: str) -> str:
-    """Return the time that a stage still takes as a text, that it is late, or that this is `unknown`."""
-    left = pace.left(now)
-    return unknown if left is None else LATE if left < -OVER else clock(left)
 
 
 @dataclass(frozen=True)
@@ -110,48 +148,32 @@ class Bars(Show):
             TextColumn("left {task.fields[left]}", markup=False),
         )
         self.progress = Progress(*columns, console=console, transient=True, expand=True)
+        self.stages: list[Stage] = []
 
-    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
-        """See Show."""
-        now = time.perf_counter()
-        self.stage, self.total, self.taken, self.finished = stage, total, taken, taken
-        self.pace, self.title, self.since = Pace(work, now), "", now
-        doing, left = _Now(self._doing), _Now(lambda: time_left(self.pace, time.perf_counter(), "-:--:--"))
-        count = f"{taken}/{total}"
-        self.task = self.progress.add_task(doing, total=work, count=count, left=left)  # type: ignore[arg-type]
+    def tell(self, event: str, **fields: Any) -> None:
+        """Draw an event."""
+        stage, lines = heard(self.stages, time.perf_counter(), event, **fields), list[str]()
+        count = f"{stage.taken + stage.done}/{stage.total}"
+        if event == "begin":
+            left = _Now(lambda: stage.time_left(time.perf_counter(), "-:--:--"))
+            doing: Any = _Now(lambda: _doing(stage))
+            self.task = self.progress.add_task(doing, total=stage.work, count=count, left=left)
+        elif event == "fault":
+            lines = [f"✗ {fields['title']}: {reason}" for reason in fields["reasons"]]
+        elif event == "end":
+            self.progress.remove_task(self.task)
+            kept = f", {stage.taken} taken over, inputs unchanged" if stage.taken else ""
+            seconds = time.perf_counter() - stage.began
+            lines = [f"· {stage.name}: {stage.total}{kept}, {seconds:.1f} s"]
+        elif event in {"reached", "done"}:
+            self.progress.update(self.task, completed=stage.reached, count=count)
+        for line in lines:
+            self.progress.console.print(line, highlight=False, markup=False)
 
-    def _doing(self) -> str:
-        elapsed = clock(time.perf_counter() - self.since)
-        return f"{self.stage}: {elapsed} on {self.title}" if self.title else self.stage
 
-    def under_way(self, title: str) -> None:
-        """See Show."""
-        self.title, self.since = title, time.perf_counter()
-
-    def reached(self, done: float) -> None:
-        """See Show."""
-        self.pace.reached(done, time.perf_counter())
-        self.progress.update(self.task, completed=done, count=f"{self.finished}/{self.total}")
-
-    def advance(self, done: float) -> None:
-        """See Show."""
-        self.finished += 1
-        self.reached(done)
-
-    def fault(self, title: str, reasons: Sequence[str]) -> None:
-        """See Show."""
-        for reason in reasons:
-            self._print(f"✗ {title}: {reason}")
-
-    def end(self) -> None:
-        """See Show."""
-        self.progress.remove_task(self.task)
-        kept = f", {self.taken} taken over, inputs unchanged" if self.taken else ""
-        seconds = time.perf_counter() - self.pace.began
-        self._print(f"· {self.stage}: {self.total}{kept}, {seconds:.1f} s")
-
-    def _print(self, line: str) -> None:
-        self.progress.console.print(line, highlight=False, markup=False)
+def _doing(stage: Stage) -> str:
+    elapsed = clock(time.perf_counter() - stage.since)
+    return f"{stage.name}: {elapsed} on {stage.under_way}" if stage.under_way else stage.name
 
 
 @contextmanager

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from assessment.runtime.cache import FOLDER
-from assessment.runtime.journal import Stage, read_journal
+from assessment.runtime.journal import read_journal
+from assessment.runtime.progress import Stage
 from tests.support.block_project import ASSESSMENT, PROJECT, run, write_block
 
 DYNAMICS = """[[history]]

@@ -26,7 +26,8 @@ from assessment.project.structure.model import build_model
 from assessment.results.numbers import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.journal import Stage, read_journal
+from assessment.runtime.journal import read_journal
+from assessment.runtime.progress import Stage
 from assessment.workflow.stages import run
 from tests import ROOT
 from tests.support.block_project import read_results, timeless

@@ -28,8 +28,8 @@ def test_stages_failures_and_the_time_left_are_told(tmp_path):
         show.advance(200.0)
         told = status(tmp_path)
         [stage] = read_journal(tmp_path).stages
-        stage.pace.began, stage.pace.latest = 0.0, 20.0
-    assert stage.open == 4 and stage.pace.left(0.0) == pytest.approx(60.0)
+        stage.began, stage.latest = 0.0, 20.0
+    assert stage.open == 4 and stage.left(0.0) == pytest.approx(60.0)
     assert told.startswith("at work: process ")
     assert "campaign: 6 of 10 done (4 taken over), 1 failed, 4 in flight or waiting" in told
     assert "  failed: wave: a step was not solved" in told
@@ -60,7 +60,7 @@ def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
         show.under_way("wave, +x")
         show.advance(100.0)
         found = told()
-        rest = read_journal(output).stages[-1].pace
+        rest = read_journal(output).stages[-1]
     assert found["running"] is True and found["pid"] == os.getpid() and found["exit_code"] is None
     assert [found[key] for key in ("stage", "done", "total", "failed", "under_way")] == [
         "campaign", 5, 10, 1, "wave, +x"
