@@ -16,7 +16,7 @@ from assessment.ntc.hazard import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import write_files
 from assessment.project.formats.toml import commented_toml
-from assessment.project.problems import attachment_problems, project_error, schema_problems
+from assessment.project.problems import project_error, schema_problems, wrong_file
 from assessment.project.project import load_project, survey_project
 from assessment.project.schema import ProjectContent
 from assessment.project.structure.model import build_model, how_to_read, with_repaired_drawing
@@ -171,8 +171,8 @@ def grid_picture(path: Path) -> dict[str, Any]:
 
 def attachment_picture(path: Path) -> dict[str, Any]:
     """Return nothing of a picture that can be printed. Raises ProjectError for others."""
-    for problem in attachment_problems(path.parent, (), path.name):
-        raise ProjectError(problem.text)
+    if wrong := wrong_file("picture", path.parent, path.name):
+        raise ProjectError(wrong)
     return {}
 
 

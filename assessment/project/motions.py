@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -74,15 +74,13 @@ def records_of(project: Project) -> list[Record]:
     Raises RecordError naming file, line and remedy for one that cannot be used.
     """
     files = [
-        (project.path(name), table.time_step_s)
-        for table in project.history
-        for name in (table.record, table.vertical_record)
+        (project.path(name), each.time_step_s)
+        for each in project.history
+        for name in (each.record, each.vertical_record)
         if name is not None
     ]
-    if project.incremental is not None:
-        files += [(path, project.incremental.time_step_s) for path in project.incremental_records()]
-    if project.campaign is not None:
-        files += [(path, project.campaign.time_step_s) for path in project.campaign_records()]
+    for table in (project.incremental, project.campaign):
+        files += [(path, table.time_step_s) for path in project.record_files(table)] if table else []
     return list({(path, (record := _read(path, step)).time_step): record for path, step in files}.values())
 
 
@@ -120,16 +118,10 @@ def history_motions(project: Project) -> list[BaseMotion]:
     return motions
 
 
-def incremental_motions(project: Project) -> list[BaseMotion]:
-    """Return the base motion, unscaled, of each record of [incremental]. Raises as history_motions."""
-    table, files = project.incremental, project.incremental_records()
-    return [_motion(project, "incremental", table, path) for path in files] if table else []
-
-
-def campaign_motions(project: Project) -> list[BaseMotion]:
-    """Return the base motion, unscaled, of each record file of [campaign]. Raises as history_motions."""
-    table, files = project.campaign, project.campaign_records()
-    return [_motion(project, "campaign", table, path) for path in files] if table else []
+def set_motions(project: Project, key: Literal["incremental", "campaign"]) -> list[BaseMotion]:
+    """Return the base motion, unscaled, of each record file of the table of that name. Raises as history_motions."""
+    table = project.incremental if key == "incremental" else project.campaign
+    return [_motion(project, key, table, path) for path in project.record_files(table)] if table else []
 
 
 def _motion(
@@ -222,11 +214,11 @@ def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
 
 
 def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
-    """Return a warning for each record whose unit or length is implausible."""
+    """Return a warning for each record of a campaign whose unit or length is implausible."""
     found = []
     for motion in motions:
         record = motion.original
-        doubts = [*_doubtful_units(record)]
+        doubts = [*doubtful_units(record)]
         if record.duration < SHORTEST:
             length = record.duration
             doubts.append(message("lasts {duration:.3g} s; check that the record is whole", duration=length))
@@ -236,12 +228,8 @@ def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
     return found
 
 
-def doubtful_units(records: Sequence[Record]) -> list[Message]:
-    """Return a warning for each unit, of accelerations or times, in which a record is implausible."""
-    return [headed(visible(record.name), doubt) for record in records for doubt in _doubtful_units(record)]
-
-
-def _doubtful_units(record: Record) -> Iterator[Message]:
+def doubtful_units(record: Record) -> Iterator[Message]:
+    """Yield a warning for each unit, of accelerations or times, in which a record is implausible."""
     if not WEAKEST < record.pga < STRONGEST:
         yield message(
             "a PGA of {pga:.3g} g, read in {unit}; check the unit of the file, and name it in its heading",

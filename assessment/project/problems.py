@@ -19,6 +19,7 @@ from pydantic import ValidationError
 
 from assessment.project.schema import ProjectContent
 from assessment.project.schema.index import keys_at, tables_of
+from assessment.project.schema.motions import GENERATED
 from assessment.project.schema.values import (
     DISTINCT,
     MOST_ENTRIES,
@@ -205,43 +206,31 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def missing_file(folder: Path, path: KeyPath, name: str | None) -> Iterator[Problem]:
-    """Yield a problem where a file is named that is not in the project folder.
+def wrong_file(kind: str, folder: Path, name: str) -> str | None:
+    """Return what is wrong with the name of a file in the project's folder, None: nothing; `kind`: see FileName.
 
-    `path`: the key that names it; `name`: None where no file is named.
+    A pattern is wrong that no file matches, a picture that cannot be printed.
     """
-    if name is not None and not _is_file(folder / name):
+    if kind in ("pattern", "records"):
+        try:
+            if (kind == "records" and name.startswith(GENERATED)) or matches(folder, name):
+                return None
+        except ValueError as error:
+            return f'"{name}": {error}'
+    if not _is_file(folder / name):
         parent = Path(name).parent
         names = islice(_names(folder / parent), MOST_ENTRIES)
         files = sorted(str(parent / each) for each in names if _is_file(folder / parent / each))
         remedy = nearest(name, files) if files else "put it there or correct the name"
-        yield Problem(path, f'no file "{name}" in the project folder; {remedy}')
-
-
-def attachment_problems(folder: Path, path: KeyPath, name: str) -> Iterator[Problem]:
-    """Yield a problem for an attachment of the report that does not exist or is no picture that can be printed."""
-    if missing := list(missing_file(folder, path, name)):
-        yield from missing
-    elif Path(name).suffix.lower() not in SUFFIXES:
-        text = f'"{name}" is no {" or ".join(SUFFIXES)} file; export it, a PDF page by page, as one'
-        yield Problem(path, text)
-    else:
+        return f'no file "{name}" in the project folder; {remedy}'
+    if kind == "picture" and Path(name).suffix.lower() not in SUFFIXES:
+        return f'"{name}" is no {" or ".join(SUFFIXES)} file; export it, a PDF page by page, as one'
+    if kind == "picture":
         try:
             read_picture(folder / name)
         except ValueError as error:
-            yield Problem(path, f'"{name}" cannot be read as a picture ({error}); export it again')
-
-
-def _record_problems(folder: Path, path: KeyPath, pattern: str) -> Iterator[Problem]:
-    """Yield a problem for a pattern that no file matches; "generate:7" is none."""
-    try:
-        if not pattern.startswith("generate:") and not matches(folder, pattern):
-            yield from missing_file(folder, path, pattern)
-    except ValueError as error:
-        yield Problem(path, f'"{pattern}": {error}')
-
-
-FILES = {"file": missing_file, "pattern": _record_problems, "picture": attachment_problems}
+            return f'"{name}" cannot be read as a picture ({error}); export it again'
+    return None
 
 
 def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
@@ -266,7 +255,8 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
                             yield Problem(place, f'no {mark.what} "{name}"; {remedy}')
                 elif isinstance(mark, FileName):
                     for place, name in _named(value, (*path, key)):
-                        yield from FILES[mark.kind](folder, place, name)
+                        if wrong := wrong_file(mark.kind, folder, name):
+                            yield Problem(place, wrong)
                 elif mark == DISTINCT:
                     yield from _repeated(value, (*path, key))
         for found in table.contradictions(project):

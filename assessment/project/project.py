@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,8 @@ from assessment.project.formats import SOURCES, is_converted
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.problems import content_problems, matches, project_error, schema_problems
-from assessment.project.schema import Contacts, ControlTable, Direction, ProjectContent
+from assessment.project.schema import CampaignTable, Contacts, ControlTable, Direction, ProjectContent
+from assessment.project.schema.motions import GENERATED, IncrementalTable
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import file_digest
 
@@ -66,17 +66,10 @@ class Project(ProjectContent):
         control = self.pushover.control if self.pushover else None
         return self.control_point(control.get(direction) if isinstance(control, dict) else control)
 
-    def incremental_records(self) -> tuple[Path, ...]:
-        """Record files of [incremental], patterns expanded, each file once, sorted within a pattern."""
-        return self._files(self.incremental.records) if self.incremental else ()
-
-    def campaign_records(self) -> tuple[Path, ...]:
-        """Record files of [campaign], likewise; none where its records are generated."""
-        table = self.campaign
-        return () if table is None or table.generated else self._files(table.records)
-
-    def _files(self, patterns: Iterable[str]) -> tuple[Path, ...]:
-        return tuple(dict.fromkeys(file for pattern in patterns for file in matches(self.folder, pattern)))
+    def record_files(self, table: IncrementalTable | CampaignTable | None) -> tuple[Path, ...]:
+        """Return the record files of a table, patterns expanded, each once; none where its records are generated."""
+        patterns = [each for each in (table.records if table else ()) if not each.startswith(GENERATED)]
+        return tuple(dict.fromkeys(file for each in patterns for file in matches(self.folder, each)))
 
     def attachments(self) -> tuple[Path, ...]:
         """Pictures that end the report."""
@@ -89,7 +82,7 @@ class Project(ProjectContent):
             names.append(self.assessment.site.grid)
         for history in self.history:
             names += [name for name in (history.record, history.vertical_record) if name]
-        for path in (*self.incremental_records(), *self.campaign_records()):
+        for path in (*self.record_files(self.incremental), *self.record_files(self.campaign)):
             names.append(path.as_posix())
             with suppress(ValueError):  # on another drive
                 names[-1] = Path(os.path.relpath(path, self.folder)).as_posix()

@@ -30,7 +30,7 @@ from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
 from assessment.runtime.cache import installed
 from mechanics.faults import visible
-from mechanics.messages import Message
+from mechanics.messages import Message, headed
 from mechanics.records import Record
 from mechanics.types import GRAVITY
 
@@ -164,9 +164,14 @@ class Motions:
         """What the user should know about the records."""
         every = (*self.history, *self.incremental, *self.campaign)
         named = {motion.name for motion in self.campaign}
-        others = [record for record in self.records if record.name not in named]
+        units = [
+            headed(visible(record.name), doubt)
+            for record in self.records
+            if record.name not in named
+            for doubt in base.doubtful_units(record)
+        ]
         notes = (note for motion in every for note in motion.notes)
-        return [*notes, *base.doubtful_records(self.campaign), *base.doubtful_units(others)]
+        return [*notes, *base.doubtful_records(self.campaign), *units]
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,12 +193,8 @@ class Checked:
 
 def read_motions(project: Project) -> Motions:
     """Read every record that the project names. Raises ProjectError or ValueError naming file, line or key."""
-    found = Motions(
-        base.history_motions(project),
-        base.incremental_motions(project),
-        base.campaign_motions(project),
-        base.records_of(project),
-    )
+    sets = base.set_motions(project, "incremental"), base.set_motions(project, "campaign")
+    found = Motions(base.history_motions(project), *sets, base.records_of(project))
     base.check_record_set(project, found.campaign)
     return found
 

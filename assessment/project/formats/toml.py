@@ -106,18 +106,6 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
     return "\n".join(lines).strip() + "\n"
 
 
-def unset_keys(path: KeyPath, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of the table at `path` that are not given, with their defaults (None: no default)."""
-    table = table_at(path)
-    fields = table.model_fields if table else {}
-    inner = tables_of(table) if table else {}
-    return {
-        key: None if fields[key].is_required() else fields[key].default
-        for key in keys_at(path)
-        if key not in given and key not in inner
-    }
-
-
 def _header(path: KeyPath, mark: str = "") -> list[str]:
     if not path:
         return []
@@ -128,9 +116,13 @@ def _header(path: KeyPath, mark: str = "") -> list[str]:
 
 
 def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
-    for key, default in unset_keys(path, given).items():
-        line = f"{key} = …" if default is None else toml_line(key, default)
-        yield _beside(f"# {line}", keys_at(path)[key])
+    """Yield the keys of the table at `path` that are not given, with their defaults."""
+    table = table_at(path) or Table
+    for key, meaning in keys_at(path).items():
+        if key not in given and key not in tables_of(table):
+            field = table.model_fields[key]
+            known = not field.is_required() and field.default is not None
+            yield _beside(f"# {toml_line(key, field.default) if known else f'{key} = …'}", meaning)
 
 
 def _table_left_out(path: KeyPath) -> Iterator[str]:

@@ -17,13 +17,12 @@ import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from io import BytesIO
-from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic_core import PydanticUndefined
 
-from assessment.project.formats.toml import MARK, unset_keys
+from assessment.project.formats.toml import MARK
 from assessment.project.formats.workbook import Rows, read_sheets
 from assessment.project.schema import KeyPath, ProjectContent
 from assessment.project.schema.index import (
@@ -45,7 +44,7 @@ _SINGLE: dict[str, KeyPath] = {
 _SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "single"}
 _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
 WIDEST = 90  # letters of a column
-_HELP = "help"  # the sheet that lists all keys; it is not read
+_HELP = "help"  # a sheet of earlier versions that listed all keys; it is not read
 ACTIVE = "active"  # the row of a sheet that says whether its table is in the project
 YES, NO = ("sì", "si", "yes", "true", "vero"), ("no", "false", "falso")  # the first ones are written
 HEADS = {"en": ("key", "value", "comment"), "it": ("chiave", "valore", "nota")}
@@ -120,8 +119,8 @@ def _is_active(rows: Rows) -> bool | str:
 def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
     """Return a project's content, as read from TOML, as a spreadsheet that explains its keys.
 
-    Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no; the sheet
-    "help" has them all. `marked`: keys of single tables whose comment begins with MARK.
+    Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no. `marked`:
+    keys of single tables whose comment begins with MARK.
     """
     from openpyxl import Workbook
     from openpyxl.comments import Comment
@@ -139,15 +138,12 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
             _offer(sheet, [(f"B{cell.row}", _path(table, cell.value)) for cell in sheet["A"][1:]])
             continue
         _fill(sheet, _list_rows(name, node or {}))
-        meanings = keys_at((name, 0), language)
-        for cell in sheet[1]:
-            if cell.value in meanings:
-                cell.comment = Comment(meanings[cell.value], "Assesto", height=80, width=260)
-        headings = [(cell.column_letter, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
-        _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in headings])
-    tables = {name: path if name in _SINGLE else (name, 0) for name, path in _SHEETS.items()}
-    every = chain(*(_help_on(name, path, "", language) for name, path in tables.items()))
-    _fill(book.create_sheet(_HELP), [["sheet", "key", "default", "meaning"], *every])
+        headings = [(cell, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
+        for cell, path in headings:
+            if meaning := keys_at(path[:-1], language).get(str(path[-1])):
+                cell.comment = Comment(meaning, "Assesto", height=80, width=260)
+        columns = ((cell.column_letter, path) for cell, path in headings)
+        _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in columns])
     file = BytesIO()
     book.save(file)
     return file.getvalue()
@@ -383,18 +379,6 @@ def _flat(table: KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
         else:
             row[key] = value
     return row
-
-
-def _help_on(sheet: str, table: KeyPath, prefix: str, language: str) -> Iterator[list[Any]]:
-    defaults = unset_keys(table, {})
-    for key, meaning in keys_at(table, language).items():
-        path = (*table, key)
-        if table_at(path) is None:
-            yield [sheet, prefix + key, _cell(defaults[key]), meaning]
-        elif path not in _SHEETS.values():
-            named = tables_of(table_at(table) or ProjectContent)[key] == "named"
-            inner, below = ((*path, "NAME"), f"{prefix}{key}.NAME.") if named else (path, f"{prefix}{key}.")
-            yield from _help_on(sheet, inner, below, language)
 
 
 def _cell(value: Any) -> Any:

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from assessment.project.schema import ProjectContent
 
 
-GENERATE = re.compile(r"generate:([1-9]\d{0,2})")
-"""In the place of record files: so many records are made."""
+GENERATED = "generate:"
+"""In the place of record files, with a number behind it: so many records are made."""
 
 VARIED = ("friction", "stiffness", "unit_weight", "depth")
 """The properties that [sensitivity] can vary."""
@@ -90,7 +90,7 @@ class IncrementalTable(StatesTable):
 class CampaignTable(MotionTable):
     """[campaign]: records x movements x shares of them x signs; fragility and loss of capacity against movement."""
 
-    records: Annotated[kinds.RecordSet, FileName("pattern")] = entry(
+    records: Annotated[kinds.RecordSet, FileName("records")] = entry(
         'record files, patterns such as "records/*.acc" are expanded; or "generate:7": so many records '
         "made to the spectrum of the site"
     )
@@ -125,12 +125,12 @@ class CampaignTable(MotionTable):
     @property
     def generated(self) -> int:
         """Number of records to generate, 0 where files are named."""
-        found = GENERATE.fullmatch(self.records[0])
+        found = re.fullmatch(rf"{GENERATED}([1-9]\d{{0,2}})", self.records[0])
         return int(found[1]) if found else 0
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield keys that do not go together, lists that are no ranges or not in order, and what is missing beside."""
-        generated = [name for name in self.records if name.startswith("generate:")]
+        generated = [name for name in self.records if name.startswith(GENERATED)]
         if generated and not self.generated:
             text = f'"{generated[0]}" is no number of records; write "generate:7" or another number from 1 to 999'
             yield "records", text

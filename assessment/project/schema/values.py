@@ -52,9 +52,9 @@ class NameOf:
 
 @dataclass(frozen=True)
 class FileName:
-    """Marks a key whose names are those of files in the project's folder; `kind`: what may stand there beside."""
+    """Marks a key whose names are those of files in the project's folder; `records`: patterns, or a number to make."""
 
-    kind: Literal["file", "pattern", "picture"] = "file"
+    kind: Literal["file", "pattern", "records", "picture"] = "file"
 
 
 SHOWN = 40  # characters of a value, or of a key in quotes, that a message shows

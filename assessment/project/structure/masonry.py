@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -26,6 +26,13 @@ if TYPE_CHECKING:
 MOST_BLOCKS = 10_000  # that a bond makes of one outline
 TOUCHING = 1e-6  # of an outline's size: an opening may end at its edge
 SLIVER = 0.2  # of a block's least size: what is thinner is joined to its neighbour
+MATERIAL = {  # keys of [material] and of layers, and what a material calls them
+    "unit_weight_kN_m3": "unit_weight",
+    "friction": "friction",
+    "normal_stiffness_kN_m3": "normal_stiffness",
+    "tangential_stiffness_kN_m3": "tangential_stiffness",
+    "compressive_strength_kN_m2": "compressive_strength",
+}
 
 
 def as_built(project: Project, drawing: Drawing) -> Drawing:
@@ -61,20 +68,13 @@ def layer_of(project: Project, table: LayerTable | None) -> Layer:
 
     Raises ProjectError where no joint has such values.
     """
-
-    def key(name: str) -> float | None:
-        own = getattr(table, name, None)
-        value: float | None = getattr(project.material, name) if own is None else own
-        return value
-
+    given = {key: getattr(table, key, None) for key in MATERIAL}
+    own: dict[str, Any] = {
+        name: getattr(project.material, key) if given[key] is None else given[key]
+        for key, name in MATERIAL.items()
+    }
     try:
-        material = Material(
-            unit_weight=key("unit_weight_kN_m3") or 0.0,
-            friction=key("friction") or 0.0,
-            normal_stiffness=key("normal_stiffness_kN_m3"),
-            tangential_stiffness=key("tangential_stiffness_kN_m3") or 0.0,
-            compressive_strength=key("compressive_strength_kN_m2") or 0.0,
-        )
+        material = Material(**own)
     except ValueError as error:
         raise ProjectError(f"{project.source}: material: {error}") from None
     if table is None:

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assessment.project.plausibility import implausible
-from assessment.project.structure.masonry import as_built, layer_of
+from assessment.project.structure.masonry import MATERIAL, as_built, layer_of
 from assessment.project.structure.places import block_at, chosen_mechanisms, gauges
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import write_atomically
@@ -24,14 +23,6 @@ from mechanics.types import Array
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.schema import StrengtheningTable, TieTable
-
-
-KEYS = {  # of a changed layer, and of the material that it is
-    "friction": "friction",
-    "normal_stiffness_kN_m3": "normal_stiffness",
-    "tangential_stiffness_kN_m3": "tangential_stiffness",
-    "compressive_strength_kN_m2": "compressive_strength",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +57,15 @@ class StateModel:
         """Return the settled state as one of the strengthened assembly: ties that are set there remember nothing."""
         if self.strengthened is None or not self.later:
             return reached
-        own = ("shear", "carrying", "forces", "lengthened")
-        longer: dict[str, Any] = {key: _longer(getattr(reached, key), self.later) for key in own}
+        longer: dict[str, Any] = {}
+        for key in (
+            "shear",
+            "carrying",
+            "forces",
+            "lengthened",
+        ):  # of contacts (n,) or (n, k): zeros at their end
+            if (values := getattr(reached, key)) is not None:
+                longer[key] = np.pad(values, [(0, self.later), *[(0, 0)] * (values.ndim - 1)])
         return replace(reached, **longer)
 
     def varied(self, settling: Assembly) -> StateModel:
@@ -79,11 +77,6 @@ class StateModel:
             for block, other in zip(self.strengthened.blocks, settling.blocks, strict=True)
         ]
         return replace(self, settling=settling, strengthened=replace(self.strengthened, blocks=blocks))
-
-
-def _longer(values: NDArray[Any] | None, count: int) -> NDArray[Any] | None:
-    """Return an array of contacts (n,) or (n, k) with zeros for `count` more at its end."""
-    return values if values is None else np.pad(values, [(0, count), *[(0, 0)] * (values.ndim - 1)])
 
 
 def tie_lengths(model: Assembly, positions: Array) -> Array:
@@ -114,7 +107,7 @@ def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
         if made := project.strengthening_of(name):
             changed = _with_changed_layers(project, known[names], made)
             strengthened = _tied(project, changed, (*there, *later))
-            found[name] = replace(found[name], strengthened=strengthened, later=len(later))
+            found[name] = StateModel(name, known[names], strengthened, len(later))
     return found
 
 
@@ -143,8 +136,10 @@ def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningT
         if layer_key(layer) not in layers:
             key = f"{project.source}: strengthening[{project.strengthening.index(made) + 1}].layers.{layer}"
             raise ProjectError(f"{key}: no block on that layer; {nearest(layer, sorted(layers.values()))}")
-        given = {own: getattr(table, key) for key, own in KEYS.items()}
-        changes[layer_key(layer)] = {key: value for key, value in given.items() if value is not None}
+        given = {key: getattr(table, key) for key in type(table).model_fields}
+        changes[layer_key(layer)] = {
+            MATERIAL[key]: value for key, value in given.items() if value is not None
+        }
     if not changes:
         return model
     changed = [

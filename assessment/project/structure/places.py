@@ -18,7 +18,7 @@ from mechanics.types import Array
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
-    from assessment.project.schema import MeasurementTable, MechanismTable
+    from assessment.project.schema import MechanismTable
 
 
 def block_at(model: Assembly, key: str, point: tuple[float, float], note: str = "") -> int:
@@ -124,9 +124,32 @@ class Gauge:
 def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
     """Return the gauge of every measurement.
 
-    Raises ProjectError for a crack or slip where no joint is, a point in no block.
+    Raises ProjectError for a crack or slip far from any joint, a point in no block, and two points in one block.
     """
-    return tuple(_gauge(project, model, each) for each in project.measurement)
+    found = []
+    for each in project.measurement:
+        key = f"{project.source}: measurement.{each.name}"
+        if each.kind in ("crack", "slip"):
+            ends, point = model.joints.ends, np.array(each.point_m)
+            distance = shapely.distance(shapely.linestrings(ends), shapely.Point(point))
+            joint = int(np.argmin(distance))
+            if (away := distance[joint]) > FAR * model.size:
+                text = f"{list(each.point_m)} is at no joint (the nearest one is {away:.4g} m away); move it there"
+                raise ProjectError(f"{key}.point_m: {text}")
+            end, block = int(np.argmin(np.hypot(*(ends[joint] - point).T))), int(model.joints.a[joint])
+            found.append(Gauge(each.kind, each.point_m, block, joint, end))
+            continue
+        gauge = Gauge(each.kind, each.point_m, block_at(model, f"{key}.point_m", each.point_m))
+        if each.kind == "relative":
+            gauge = replace(gauge, axis=0 if each.component == "x" else 1)
+        if isinstance(each.from_m, tuple):
+            other = block_at(model, f"{key}.from_m", each.from_m)
+            if other == gauge.block:
+                text = "in the same block as point_m; write a point of another one"
+                raise ProjectError(f"{key}.from_m: {text}")
+            gauge = replace(gauge, origin=each.from_m, origin_block=other)
+        found.append(gauge)
+    return tuple(found)
 
 
 def readings(model: Assembly, found: Sequence[Gauge], positions: Array) -> Array:
@@ -146,33 +169,3 @@ def readings(model: Assembly, found: Sequence[Gauge], positions: Array) -> Array
                 moved = moved - model.point_displacement(each.origin, each.origin_block, positions)
             shown.append(moved[each.axis])
     return 1000.0 * np.array(shown, dtype=float)
-
-
-def _gauge(project: Project, model: Assembly, each: MeasurementTable) -> Gauge:
-    key = f"{project.source}: measurement.{each.name}"
-    if each.kind in ("crack", "slip"):
-        joint, end = _joint_at(model, f"{key}.point_m", each.point_m)
-        block = int(model.joints.a[joint])
-        return Gauge(each.kind, each.point_m, block, joint, end)
-    block = block_at(model, f"{key}.point_m", each.point_m)
-    if each.kind == "lean" or each.from_m is None:
-        return Gauge(each.kind, each.point_m, block)
-    axis = 0 if each.component == "x" else 1
-    if each.from_m == "benchmark":
-        return Gauge("relative", each.point_m, block, axis=axis)
-    other = block_at(model, f"{key}.from_m", each.from_m)
-    if other == block:
-        raise ProjectError(f"{key}.from_m: in the same block as point_m; write a point of another one")
-    return Gauge("relative", each.point_m, block, origin=each.from_m, origin_block=other, axis=axis)
-
-
-def _joint_at(model: Assembly, key: str, point: tuple[float, float]) -> tuple[int, int]:
-    """Return the joint nearest to a point (m) and its nearer end. Raises ProjectError where it is far away."""
-    ends = model.joints.ends
-    distance = shapely.distance(shapely.linestrings(ends), shapely.Point(point))
-    joint = int(np.argmin(distance))
-    if distance[joint] > FAR * model.size:
-        raise ProjectError(
-            f"{key}: {list(point)} is at no joint (the nearest one is {distance[joint]:.4g} m away); move it there"
-        )
-    return joint, int(np.argmin(np.hypot(*(ends[joint] - np.array(point)).T)))

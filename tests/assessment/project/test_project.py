@@ -35,7 +35,7 @@ def test_the_contract_s_own_example_is_read(folder):
     assert project.settlements[0].displacement_m == (0.02, -0.02) and project.settlements[0].increments == 20
     assert project.pushover.contacts == ("rigid", "elastic") and project.pushover.directions == ("+x", "-x")
     assert project.history[0].window_s == (15.0, 22.0) and project.incremental.max_scale == 5.0
-    assert [file.name for file in project.incremental_records()] == ["aqv_ns.acc", "aqv_up.acc"]
+    assert [file.name for file in project.record_files(project.incremental)] == ["aqv_ns.acc", "aqv_up.acc"]
     assert project.assessment.site.latitude == 42.35 and project.report.engineer == "Ing. Rossi"
     assert project.path("records/b.csv").is_file()
 

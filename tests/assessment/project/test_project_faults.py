@@ -185,6 +185,7 @@ WRONG = [  # old text, new text, key, what the message must hold
     ('"geometry.dxf"', '"geometri.dxf"', "geometry.drawing", 'did you mean "geometry.dxf"?'),
     ('"records/aqv_ns.acc"', '"records/aqv_n.acc"', "history[1].record", 'mean "records/aqv_ns.acc"?'),
     ('"records/aqv_up.acc"', '"nowhere/a.acc"', "history[1].vertical_record", 'no file "nowhere/a.acc"'),
+    ('["records/*.acc"]', '["generate:7"]', "incremental.records[1]", 'no file "generate:7"'),
     (
         '["records/*.acc"]',
         '["records/b.csv", "records/*.AT2"]',
