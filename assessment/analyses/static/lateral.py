@@ -7,10 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from assessment.analyses.found import Found
 from assessment.analyses.static.paths import (
@@ -45,6 +43,7 @@ from mechanics import (
     Assembly,
     ControlError,
     ConvergenceError,
+    Limit,
     NoEquilibriumError,
     State,
     UnstableError,
@@ -52,7 +51,7 @@ from mechanics import (
     pushover,
 )
 from mechanics.messages import Message, headed, message
-from mechanics.model import Behaviour, Contacts, Direction
+from mechanics.model import Behaviour, Direction
 from mechanics.procedures import (
     Mirror,
     Pushover,
@@ -68,17 +67,13 @@ STILL = 1e-6  # of the largest virtual displacement: a control point that moves 
 DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
 
 
-def rigid_push(
-    model: Assembly, control: ControlTable, sliding: Sliding, direction: Direction, path: Pushover
-) -> RigidPush:
+def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
     """Return a rigid curve; the mechanism is that at the point of α0 (C8.7.1.2).
 
     With the multiplier by the other law of friction: of a curve by the associative one where joints slide in it.
     """
-    at, met = path.states[path.formed], Met(model)
-    point = path.formed
-    moving = _AtPoint(point, float(path.multiplier[point]), at, path.mechanism, path.contacts, path.forces)
-    mechanism = _mechanism(model, control, met, moving)
+    model, direction, at, met = path.model, path.direction, path.states[path.formed], Met(path.model)
+    mechanism = _mechanism(control, met, path.formed, float(path.multiplier[path.formed]), at, path)
     delta = np.array(mechanism.displacements)
     by_work = virtual_work_multiplier(model, delta, direction)
     if model.ties:  # those that yield do work too
@@ -93,10 +88,10 @@ def rigid_push(
         reached_zero=path.reached_zero,
         lost=path.lost,
         end=path.end,
-        sliding=sliding,
+        sliding=path.sliding,
         local_loss=local_loss(model, path.states, path.displacement, path.forces, path.lost),
-        curve=_curve(path, direction),
-        d_star_m=_way_of_blocks(model, direction, path, mechanism),
+        curve=_curve(path),
+        d_star_m=_way_of_blocks(path, mechanism),
         mechanism=mechanism,
         virtual_work_alpha=finite(by_work),
         mechanism_configuration=configuration(model, at),
@@ -104,10 +99,9 @@ def rigid_push(
         frames=pushover_frames(model, path, met),
     )
     if path.formed:
-        first = limit_in(model, direction, path.states[0], sliding)
-        begins = float(path.multiplier[0])
-        moving = _AtPoint(0, begins, path.states[0], first.mechanism, first.contacts, first.forces)
-        found = found.replace(onset=_mechanism(model, control, met, moving))
+        first = limit_in(model, direction, path.states[0], path.sliding)
+        onset = _mechanism(control, met, 0, float(path.multiplier[0]), path.states[0], first)
+        found = found.replace(onset=onset)
     carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
     carried[path.formed] = path.forces
     moved = list(np.diff([state.positions for state in path.states], axis=0))
@@ -117,18 +111,17 @@ def rigid_push(
         found = found.replace(ties=ties)
     # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
     slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
-    if (slides or sliding == "coulomb") and (
-        other := _other_law(found, model, control, direction, path, met)
-    ):
+    if (slides or path.sliding == "coulomb") and (other := _other_law(found, control, path, met)):
         found = found.replace(other_law=other)
     return found
 
 
-def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: Pushover) -> ElasticPush:
+def elastic_push(path: Pushover) -> ElasticPush:
     """Return an elastic curve: its peak (α_u at d_u, m), its yield point and its end.
 
     A check against the standard replaces the yield point by that of the capacity curve that it fits.
     """
+    model = path.model
     yields = None  # where the control point does not advance as the load grows
     with suppress(CapacityError):
         yields = yield_point((path.displacement, path.multiplier))
@@ -141,8 +134,8 @@ def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: 
         end=path.end,
         reached_zero=path.reached_zero,
         lost=path.lost,
-        sliding=sliding,
-        curve=_curve(path, direction),
+        sliding=path.sliding,
+        curve=_curve(path),
         rest_configuration=configuration(model, path.states[0]),
         peak_configuration=configuration(model, path.states[path.peak]),
         frames=pushover_frames(model, path, Met(model)),
@@ -152,20 +145,14 @@ def elastic_push(model: Assembly, sliding: Sliding, direction: Direction, path: 
     return found.replace(ties=ties) if ties else found
 
 
-class _AtPoint(NamedTuple):
-    """What moves at a point of a curve: virtual displacements (b, 3), contacts and the forces (j, 3) in them."""
+def _mechanism(
+    control: ControlTable, met: Met, point: int, alpha: float, at: State, moving: Pushover | Limit
+) -> Mechanism:
+    """Return what is `moving` at a point of a curve, of multiplier `alpha` and state `at`.
 
-    point: int
-    alpha: float
-    at: State
-    displacements: NDArray[np.float64]
-    contacts: Contacts
-    forces: NDArray[np.float64]
-
-
-def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _AtPoint) -> Mechanism:
-    """Return a mechanism; pairs of faces that slide in it although they did not touch as drawn are added to `met`."""
-    point, alpha, at, moved, contacts, forces = moving
+    Pairs of faces that slide in it although they did not touch as drawn are added to `met`.
+    """
+    model, moved, contacts = moving.model, moving.mechanism, moving.contacts
     block, fastest = model.block_at(control.point_m), float(abs(moved[:, :2]).max())
     small = 1e-6 * model.size / fastest
     shift = model.point_displacement(control.point_m, block, at.positions + small * moved)
@@ -173,7 +160,7 @@ def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _AtPoin
     # 1 m of the control point along ±x; if that takes no part, the largest displacement is 1 m
     size = abs(rate) if abs(rate) > STILL * fastest else fastest
     displacements, control_dx = moved / size, rate / size
-    found = hinges(model, contacts, at, displacements, forces)
+    found = hinges(model, contacts, at, displacements, moving.forces)
     slides = np.isin(np.arange(len(contacts)), found.sliding)
     e_star = gamma_star = None  # where they are not defined the capacity is refused later, with its reason
     with suppress(CapacityError):
@@ -193,9 +180,7 @@ def _mechanism(model: Assembly, control: ControlTable, met: Met, moving: _AtPoin
     )
 
 
-def _way_of_blocks(
-    model: Assembly, direction: Direction, path: Pushover, mechanism: Mechanism
-) -> list[float] | None:
+def _way_of_blocks(path: Pushover, mechanism: Mechanism) -> list[float] | None:
     """Return d* (k,) m of the blocks that move: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed.
 
     Of a mechanism that goes on as it begins u = δ d_C, and that is Γ* d_C (C8.7.1.2), as it is taken to be before. None
@@ -203,9 +188,9 @@ def _way_of_blocks(
     """
     if mechanism.gamma_star is None:
         return None
-    weighed = model.lateral_load(direction)[:, 0] * np.array(mechanism.displacements)[:, 0]
+    weighed = path.model.lateral_load(path.direction)[:, 0] * np.array(mechanism.displacements)[:, 0]
     x = np.array([state.positions[:, 0] for state in path.states])
-    gone = sense(direction) * ((x - x[path.formed]) @ weighed) / float(weighed.sum())
+    gone = sense(path.direction) * ((x - x[path.formed]) @ weighed) / float(weighed.sum())
     gone[: path.formed] = mechanism.gamma_star * (
         path.displacement[: path.formed] - path.displacement[path.formed]
     )
@@ -213,36 +198,29 @@ def _way_of_blocks(
     return way
 
 
-def _other_law(
-    found: RigidPush, model: Assembly, control: ControlTable, direction: Direction, path: Pushover, met: Met
-) -> OtherLaw | None:
+def _other_law(found: RigidPush, control: ControlTable, path: Pushover, met: Met) -> OtherLaw | None:
     """Return limit analysis by the other law of friction where the mechanism forms, and at the onset.
 
     None where the two multipliers differ by less than DIFFERS, or where the other law has no flow.
     """
     law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
-    moving = {}
-    for point in sorted({path.formed, 0}):
-        try:
-            limit = limit_in(model, direction, path.states[point], law)
-        except (NoEquilibriumError, ConvergenceError):  # the curve has its own multiplier
-            return None
-        moving[point] = _AtPoint(
-            point, limit.alpha, path.states[point], limit.mechanism, limit.contacts, limit.forces
-        )
     own = {0: found.alpha_onset, path.formed: found.mechanism.alpha}
-    if all(abs(moving[point].alpha - alpha) <= DIFFERS * abs(alpha) for point, alpha in own.items()):
+    try:
+        limits = {k: limit_in(path.model, path.direction, path.states[k], law) for k in own}
+    except (NoEquilibriumError, ConvergenceError):  # the curve has its own multiplier
         return None
-    at_peak = moving[path.formed]
-    other = OtherLaw(sliding=law, alpha_0=at_peak.alpha, mechanism=_mechanism(model, control, met, at_peak))
-    if not path.formed:
-        return other
-    return other.replace(alpha_onset=moving[0].alpha, onset=_mechanism(model, control, met, moving[0]))
+    if all(abs(limits[k].alpha - alpha) <= DIFFERS * abs(alpha) for k, alpha in own.items()):
+        return None
+    moving = {
+        k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k]) for k in [*own][::-1]
+    }
+    other = OtherLaw(sliding=law, alpha_0=limits[path.formed].alpha, mechanism=moving[path.formed])
+    return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
 
 
-def _curve(path: Pushover, direction: Direction) -> Curve:
+def _curve(path: Pushover) -> Curve:
     """Return the points of a curve; displacements (m) are along x: towards −x they are negative."""
-    along_x = sense(direction) * path.displacement + 0.0  # + 0.0: no −0.0
+    along_x = sense(path.direction) * path.displacement + 0.0  # + 0.0: no −0.0
     return Curve(displacement_m=along_x.tolist(), multiplier=path.multiplier.tolist())
 
 
@@ -313,7 +291,7 @@ def push(
             followed = _path(title, control, follow, found)
         if followed is not None:
             try:
-                add_curve(title, model, setting, direction, *followed, found)
+                add_curve(title, setting, *followed, found)
             except (NoEquilibriumError, ConvergenceError) as error:
                 # checks are of the first motion: no curve without it
                 reason = message(
@@ -363,25 +341,19 @@ def _path(
 
 
 def add_curve(
-    title: str,
-    model: Assembly,
-    setting: PushSetting,
-    direction: Direction,
-    control: ControlTable,
-    path: Pushover,
-    found: Found[Pushed],
+    title: str, setting: PushSetting, control: ControlTable, path: Pushover, found: Found[Pushed]
 ) -> None:
     """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
     found.warnings += crossings(title, path.crossed, setting.increment) + lifts(title, path)
-    found.scatters = turns_on_rounding(model, path)
+    found.scatters = turns_on_rounding(path)
     rigid = setting.behaviour == "rigid"
     curves = Pushovers(control=control.name, control_m=list(control.point_m))
     if rigid:
-        curve = rigid_push(model, control, setting.sliding, direction, path)
+        curve = rigid_push(control, path)
         found.value = Pushed(curves.replace(rigid=curve), path.states[path.peak])
-        found.warnings += [headed(title, note) for note in _rigid_notes(model, curve, path)]
+        found.warnings += [headed(title, note) for note in _rigid_notes(curve, path)]
     else:
-        found.value = Pushed(curves.replace(elastic=elastic_push(model, setting.sliding, direction, path)))
+        found.value = Pushed(curves.replace(elastic=elastic_push(path)))
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
         end = message(
@@ -393,9 +365,9 @@ def add_curve(
         found.warnings.append(headed(title, end))
 
 
-def _rigid_notes(model: Assembly, curve: RigidPush, path: Pushover) -> Iterator[Message]:
+def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
     """Yield what to know about a rigid curve: its onset, the other law of friction, local losses, its mechanism."""
-    drawn = np.array_equal(path.states[0].positions, model.initial.positions)
+    drawn = np.array_equal(path.states[0].positions, path.model.initial.positions)
     if drawn and curve.alpha_onset < (1.0 - MEETS) * curve.alpha_0:
         yield message(
             "blocks move from α = {onset:.4g} on; by d = {displacement:.3g} m they have met others or slide in another "
@@ -483,11 +455,8 @@ def with_control(project: Project, model: Assembly) -> tuple[Project, list[Messa
     points, notes = [], []
     for direction in directions:
         begun = model.initial.positions
-        moved = begun + model.movable[:, None] * [
-            1.0,
-            0.0,
-            0.0,
-        ]  # that of the highest corner where nothing moves
+        # that of the highest corner where nothing moves
+        moved = begun + np.where(model.movable[:, None], (1.0, 0.0, 0.0), 0.0)
         with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
             limit = limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism

@@ -92,11 +92,11 @@ def pressed_in(model: Assembly) -> list[Message]:
     ]
 
 
-def turns_on_rounding(model: Assembly, path: Pushdown | Pushover) -> bool:
+def turns_on_rounding(path: Pushdown | Pushover) -> bool:
     """Whether a path amplifies the last digits of its input: a joint that carries slides, or a part jumps."""
     if len(path.crossed):
         return True
-    least = SLIDING_CARRIES * model.weight
+    least = SLIDING_CARRIES * path.model.weight
     for step in path.steps:
         carries = (step.forces[:, 0] > least) & ~step.contacts.ties
         N, T = step.forces[carries, 0], step.forces[carries, 2]
@@ -207,14 +207,17 @@ def settle(
     """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
     found = Found[Settled]()
-    title, whole = path_title(settlement.name, behaviour), _whole(model, settlement)
+    title, moves = (
+        path_title(settlement.name, behaviour),
+        (settlement.displacement_m, settlement.rotation_rad),
+    )
+    whole = whole_movement(model, settlement.support, *moves)
     increment, reached, path = whole / settlement.increments, None, None
     try:
         path = pushdown(
             model,
             settlement.support,
-            settlement.displacement_m,
-            settlement.rotation_rad,
+            *moves,
             increment,
             behaviour,
             settlement.to_collapse,
@@ -229,7 +232,7 @@ def settle(
     except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
         found.failures.append(headed(title, error.message))
     if path is not None:
-        moved = _pushdown_path(model, settlement, behaviour, sliding, control, path)
+        moved = _pushdown_path(path, whole, behaviour, control)
         found.value = Settled(moved, reached)
         if settlement.to_collapse and path.ultimate is None:
             none = message(
@@ -239,7 +242,7 @@ def settle(
             )
             found.warnings.append(headed(title, none))
         found.warnings += crossings(title, path.crossed, increment) + lifts(title, path)
-        found.scatters = turns_on_rounding(model, path)
+        found.scatters = turns_on_rounding(path)
         found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))
         if moved.local_loss is not None:
             found.warnings.append(headed(title, loss_sentence(moved.local_loss)))
@@ -282,22 +285,11 @@ def path_title(state: str, behaviour: Behaviour) -> Message:
     return message("{state}, {contacts} contacts", state=state, contacts=behaviour)
 
 
-def _whole(model: Assembly, settlement: SettlementTable) -> float:
-    """Return the largest component of the whole movement, m."""
-    return whole_movement(model, settlement.support, settlement.displacement_m, settlement.rotation_rad)
-
-
 def _pushdown_path(
-    model: Assembly,
-    settlement: SettlementTable,
-    behaviour: Behaviour,
-    sliding: Sliding,
-    control: ControlTable | None,
-    path: Pushdown,
+    path: Pushdown, whole: float, behaviour: Behaviour, control: ControlTable | None
 ) -> PushdownPath:
-    """Return reactions, configurations and the movement at collapse."""
-    whole = _whole(model, settlement)
-    falls = path.ultimate is not None
+    """Return reactions, configurations and the movement at collapse; `whole` (m): the movement that was asked for."""
+    model, falls = path.model, path.ultimate is not None
     lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
     along = None
     if control:  # displacements (k, 2) of the control point from the beginning of the path, m
@@ -305,7 +297,7 @@ def _pushdown_path(
         moved_to = [model.point_displacement(point, block, state.positions) for state in path.states]
         along = [(each - moved_to[0]).tolist() for each in moved_to]
     found = PushdownPath(
-        sliding=sliding,
+        sliding=path.sliding,
         movement_m=path.movement.tolist(),
         reaction_x_kN=path.reaction[:, 0].tolist(),
         reaction_z_kN=path.reaction[:, 1].tolist(),

@@ -81,7 +81,7 @@ class Request:
     @property
     def title(self) -> str:
         """What is analysed, for people."""
-        return f"{self.what}{self.state}, {self.behaviour} contacts"
+        return f"{self.what}{path_title(self.state, self.behaviour)}"
 
     @property
     def sliding(self) -> Sliding:
@@ -104,11 +104,6 @@ class Settling:
     settlement: SettlementTable
     behaviour: Behaviour
     before: Settling | None = None
-
-    @property
-    def title(self) -> str:
-        """What is analysed, for people."""
-        return f"{self.settlement.name}, {self.behaviour} contacts"
 
 
 Pushing = tuple[Request, tuple["Direction", ...]]
@@ -195,47 +190,46 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     prefix = f"{study}: " if study else ""
     settled = _settled(requests, workers, prefix)
     begun, restless = _beginnings(requests, settled, workers, prefix)
-    standing = [request for request in requests if id(request) in begun]
-    pushing = [(each, together) for each in standing for together in _together(each, begun[id(each)])]
+    pushing = [(each, together) for each in begun for together in _together(each, begun[each])]
     pushing.sort(key=lambda each: each[0].behaviour, reverse=True)  # rigid first: they take longest
     pushed = _pushed(pushing, begun, workers, prefix)
-    again = _of_other_points(standing, pushed)
+    again = _of_other_points(begun, pushed)
     pushed |= _pushed(again, begun, workers, prefix, again)
-    for request, (way,) in _of_other_points(standing, pushed):
+    for request, (way,) in _of_other_points(begun, pushed):
         title = pushover_title(request.state, way, request.behaviour)
         nothing = message(
             "the control point of the rigid curve takes no part; give one that moves with elastic joints"
         )
-        pushed[id(request), way] = Found(failures=[headed(title, nothing)])
+        pushed[request, way] = Found(failures=[headed(title, nothing)])
     results = []
     for request in requests:
         movement = settled.get(request.settling) if request.settling else None
-        result = _result(request, movement, begun.get(id(request)))
-        for way in request.directions:
-            if (found := pushed.get((id(request), way))) is None:
-                continue
+        result = _result(request, movement, begun.get(request))
+        for way in (way for way in request.directions if (request, way) in pushed):
+            found = pushed[request, way]
             if found.value is not None:
                 run = Run(increment_m=known(request.project.pushover).increment_m, member=request.member)
                 found = replace(found, value=replace(found.value, curves=found.value.curves.replace(run=run)))
             result.pushed[way] = found
             result.scatters |= found.scatters
-        if (reason := restless.get(id(request))) is not None:
-            result.own_failures.append(headed(path_title(request.state, request.behaviour), reason))
+        if request in restless:
+            title = path_title(request.state, request.behaviour)
+            result.own_failures.append(headed(title, restless[request]))
         results.append(result)
     return results
 
 
 def _pushed(
     pushing: Iterable[Pushing],
-    begun: Mapping[int, Beginning],
+    begun: Mapping[Request, Beginning],
     workers: Workers,
     prefix: str,
     points: Mapping[Pushing, ControlTable] | None = None,
-) -> dict[tuple[int, Direction], Found[Pushed]]:
-    """Return the curves of requests by their ids and direction; `points`: where not that of the project is followed."""
+) -> dict[tuple[Request, Direction], Found[Pushed]]:
+    """Return the curves of requests by direction; `points`: where not that of the project is followed."""
     tasks, arguments = list(pushing), []
     for request, together in tasks:
-        project, point, own = request.project, (points or {}).get((request, together)), begun[id(request)]
+        project, point, own = request.project, (points or {}).get((request, together)), begun[request]
         controls = tuple(point or project.pushover_control(direction) for direction in together)
         # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
         whole = request.behaviour == "rigid" or (
@@ -245,38 +239,37 @@ def _pushed(
         setting = PushSetting(request.behaviour, request.sliding, increment, until)
         arguments.append((own.model, request.state, own.state, setting, together, controls))
     titles = [f"{request.title}, {' and '.join(together)}" for request, together in tasks]
-    models = (begun[id(request)].model for request, _ in tasks)
+    models = (begun[request].model for request, _ in tasks)
     found = workers.each(f"{prefix}pushover", push, arguments, titles, large(*models))
     return {
-        (id(request), direction): part
+        (request, direction): part
         for (request, together), parts in zip(tasks, found, strict=True)
         for direction, part in zip(together, parts, strict=True)
     }
 
 
 def _of_other_points(
-    requests: Iterable[Request], pushed: Mapping[tuple[int, Direction], Found[Pushed]]
+    requests: Iterable[Request], pushed: Mapping[tuple[Request, Direction], Found[Pushed]]
 ) -> dict[Pushing, ControlTable]:
     """Return the elastic curves that are of another control point than the rigid ones beside them, with these points.
 
     A point that takes no part in the rigid mechanism may move with elastic joints, and a capacity is of one point.
     """
-    found = {
-        (request.what, request.state, request.member, request.behaviour, way): value.curves
+    followed = [
+        (request, way, value.curves)
         for request in requests
         for way in request.directions
-        if (value := pushed[id(request), way].value) is not None
+        if (value := pushed[request, way].value) is not None
+    ]
+    rigid = {
+        (r.what, r.state, r.member, way): curves for r, way, curves in followed if r.behaviour == "rigid"
     }
     other: dict[Pushing, ControlTable] = {}
-    for request in requests:
-        for way in request.directions:
-            own, rigid = (
-                found.get((request.what, request.state, request.member, behaviour, way))
-                for behaviour in (request.behaviour, "rigid")
-            )
-            if own and rigid and own.control != rigid.control:
-                x, z = known(rigid.control_m)
-                other[request, (way,)] = ControlTable(name=rigid.control, point_m=(x, z))
+    for request, way, own in followed:
+        beside = rigid.get((request.what, request.state, request.member, way), own)
+        if own.control != beside.control:
+            x, z = known(beside.control_m)
+            other[request, (way,)] = ControlTable(name=beside.control, point_m=(x, z))
     return other
 
 
@@ -298,18 +291,15 @@ def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict
                 title = path_title(each.settlement.name, each.behaviour)
                 found[each] = Found(failures=[headed(title, missing)])
         followed = [each for each in ready if each not in found]
-        tasks = [
-            (
-                each.model,
-                each.settlement.model_copy(update={"steps": None}),  # the whole movement knows no sweep
-                each.behaviour,
-                waiting[each].sliding,
-                next(iter(each.project.control), None),
-                _reached(found[each.before]) if each.before else None,
-            )
-            for each in followed
+        tasks = []
+        for each in followed:
+            whole = each.settlement.model_copy(update={"steps": None})  # it knows no sweep
+            control = next(iter(each.project.control), None)
+            start = _reached(found[each.before]) if each.before else None
+            tasks.append((each.model, whole, each.behaviour, waiting[each].sliding, control, start))
+        titles = [
+            f"{waiting[each].what}{path_title(each.settlement.name, each.behaviour)}" for each in followed
         ]
-        titles = [f"{waiting[each].what}{each.title}" for each in followed]
         moved = workers.each(
             f"{prefix}pushdown", settle, tasks, titles, large(*(each.model for each in followed))
         )
@@ -343,8 +333,8 @@ def _beginnings(
     settled: Mapping[Settling, Found[Settled]],
     workers: Workers,
     prefix: str,
-) -> tuple[dict[int, Beginning], dict[int, Message]]:
-    """Return where each request is pushed from, by its id, and why others find no rest to be strengthened in.
+) -> tuple[dict[Request, Beginning], dict[Request, Message]]:
+    """Return where each request is pushed from, and why others find no rest to be strengthened in.
 
     Those whose structure collapses before are left out. What strengthens the structure as drawn finds it at rest, which
     elastic joints are not as drawn.
@@ -354,17 +344,17 @@ def _beginnings(
     titles = [f"{request.title}, at rest" for request in resting]
     models = (request.model.settling for request in resting)
     rests = workers.each(f"{prefix}rest", rest_as_drawn, tasks, titles, large(*models))
-    at_rest = dict(zip(map(id, resting), rests, strict=True))
+    at_rest = dict(zip(resting, rests, strict=True))
     found, restless = {}, {}
     for request in requests:
         moved = settled[request.settling] if request.settling else None
-        reached = _reached(moved) if moved else at_rest.get(id(request))
+        reached = _reached(moved) if moved else at_rest.get(request)
         if isinstance(reached, Message):
-            restless[id(request)] = reached
+            restless[request] = reached
         elif reached is not None:
-            found[id(request)] = Beginning(request.model.tied_at(reached), request.model.taken_over(reached))
+            found[request] = Beginning(request.model.tied_at(reached), request.model.taken_over(reached))
         elif moved is None:
-            found[id(request)] = Beginning(request.model.assembly, None)
+            found[request] = Beginning(request.model.assembly, None)
     return found, restless
 
 

@@ -224,7 +224,7 @@ def test_what_strengthens_the_structure_as_drawn_finds_it_at_rest_on_elastic_joi
     elastic, rigid = (Request(project, model, None, behaviour) for behaviour in ("elastic", "rigid"))
     with Workers(1) as workers:
         found, restless = _beginnings([elastic, rigid], {}, workers, "")
-    begun = found[id(elastic)]
+    begun = found[elastic]
     assert not restless
     assert (
         begun.state is not None
@@ -235,7 +235,7 @@ def test_what_strengthens_the_structure_as_drawn_finds_it_at_rest_on_elastic_joi
         tie_lengths(model.assembly, begun.state.positions)[0], rel=1e-12
     )
     assert chain.taut_length > 8.4 + 1e-5
-    assert found[id(rigid)].state is None and found[id(rigid)].model is model.assembly
+    assert found[rigid].state is None and found[rigid].model is model.assembly
 
 
 def test_results_have_ties_in_the_order_of_the_assembly(tmp_path):

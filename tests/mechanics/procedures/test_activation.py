@@ -121,7 +121,7 @@ def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_th
     control = ControlTable(name="top", point_m=(0.6, 4.2))
     later = replace(path, formed=path.peak + 2)
     setting = PushSetting("rigid", "associative", increment=0.05)
-    add_curve("original, pushover +x, rigid contacts", model, setting, "+x", control, later, result)
+    add_curve("original, pushover +x, rigid contacts", setting, control, later, result)
     alpha = later.multiplier[later.formed]
     [warning] = result.warnings
     assert f"d = {later.displacement[later.formed]:.4g} m, α = {alpha:.4g}" in warning

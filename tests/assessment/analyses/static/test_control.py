@@ -91,10 +91,10 @@ def test_a_curve_whose_first_motion_is_not_found_is_told_and_the_others_go_on(mo
     """Checks are of the first motion: without it there is no capacity, and none that is too large."""
     model, made = block_on_base(), lateral.rigid_push
 
-    def lost(model, control, sliding, direction, path):
-        if direction == "-x":
+    def lost(control, path):
+        if path.direction == "-x":
             raise NoEquilibriumError(message("no equilibrium: some block would start to move"))
-        return made(model, control, sliding, direction, path)
+        return made(control, path)
 
     monkeypatch.setattr(lateral, "rigid_push", lost)
     setting = lateral.PushSetting("rigid", "coulomb", 0.02)

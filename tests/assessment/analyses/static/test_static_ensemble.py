@@ -125,7 +125,7 @@ def test_a_corner_of_a_straight_face_parts_no_joint_of_a_member():
 @pytest.mark.parametrize(("friction", "slides"), [(0.1, True), (0.7, False)])
 def test_a_joint_that_slides_is_what_a_path_turns_on(friction, slides):
     model = block_on_base(friction=friction)
-    assert turns_on_rounding(model, pushover(model, (0.0, 1.0), increment=0.02, until=0.9)) is slides
+    assert turns_on_rounding(pushover(model, (0.0, 1.0), increment=0.02, until=0.9)) is slides
 
 
 def curve(alpha: float, d: float | None) -> Pushovers:
