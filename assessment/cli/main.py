@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 from assessment.cli import commands
 from assessment.cli.arguments import options_of
 from assessment.cli.commands import INCOMPLETE, WRONG_INPUT, incomplete, tell_error
-from assessment.runtime.console import prepare, tell
+from assessment.runtime.console import collect_rarely, interrupted, leave, prepare, tell, watch
 from assessment.runtime.errors import is_input_error
 from assessment.runtime.journal import BusyError, record_exit
-from assessment.runtime.process import collect_rarely, interrupted, leave, watch
 
 if TYPE_CHECKING:
     import argparse

@@ -90,20 +90,18 @@ def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> lis
 
 def _sizes(project: Project, size: float) -> Iterator[Told]:
     if not SIZES[0] <= size <= SIZES[1]:
-        told = message(
+        yield "geometry.unit", message(
             'with "{own}" the structure is {size:.3g} m large; write the unit of the drawing',
             own=project.geometry.unit, size=size,
         )  # fmt: skip
-        yield "geometry.unit", told
     depths = {"geometry": project.geometry.depth_m}
     depths |= {name: part.depth_m for name, part in project.parts.items() if part.depth_m}
     for table, depth in depths.items():
         if depth > DEEPEST:
-            told = message(
+            yield f"{table}.depth_m", message(
                 "{size:g} m out of plane; write {meant} if mm were meant",
                 size=depth, meant=f"{1e-3 * depth:g}",
             )  # fmt: skip
-            yield f"{table}.depth_m", told
 
 
 def _materials(project: Project) -> Iterator[Told]:
@@ -124,11 +122,10 @@ def _materials(project: Project) -> Iterator[Told]:
                     "write {meant} if an angle of {angle:g}° was meant", meant=tangent, angle=friction
                 )
                 hint = text
-            steep = message(
+            yield f"{table}.friction", message(
                 "{friction:g} is the tangent of {angle:.3g}°; {hint}",
                 friction=friction, angle=math.degrees(math.atan(friction)), hint=hint,
             )  # fmt: skip
-            yield f"{table}.friction", steep
 
 
 def _if_meant(*meant: tuple[str, str]) -> Message | None:
@@ -158,39 +155,35 @@ def _soft(project: Project, model: Assembly) -> Iterator[Told]:
         if share > max(SUNK, worst.get(table, (0.0,))[0]):
             worst[table] = (share, block, stiffness or 0.0)
     for table, (share, block, stiffness) in worst.items():
-        told = message(
+        yield f"{table}.normal_stiffness_kN_m3", message(
             "with {stiffness:g} kN/m³ the weight alone presses block {block} into its bed by {share:.2g} of its "
             "height, more than a hundredth; 1 N/mm³ is 1e6 kN/m³",
             stiffness=stiffness, block=block, share=share,
         )  # fmt: skip
-        yield f"{table}.normal_stiffness_kN_m3", told
 
 
 def _movement(key: str, settlement: SettlementTable, size: float) -> Iterator[Told]:
     largest, turn = max(map(abs, settlement.displacement_m)), abs(settlement.rotation_rad)
     if largest > size:
-        told = message(
+        yield f"{key}.displacement_m", message(
             "{movement:g} m is more than the whole structure ({size:.3g} m); write {meant} if mm were meant",
             movement=largest, size=size, meant=f"{1e-3 * largest:g}",
         )  # fmt: skip
-        yield f"{key}.displacement_m", told
     if turn > TURN:
-        told = message(
+        yield f"{key}.rotation_rad", message(
             "{turn:g} rad are {angle:.3g}°; write {degrees} if degrees were meant, {mrad} if mrad",
             turn=turn, angle=math.degrees(turn), degrees=f"{math.radians(turn):.3g}", mrad=f"{1e-3 * turn:g}",
         )  # fmt: skip
-        yield f"{key}.rotation_rad", told
 
 
 def _tie(key: str, tie: TieTable) -> Iterator[Told]:
     """Warn of a yield force, and of a stiffness E A/L, that no bar has: A from the yield force where it is known."""
     strength, stiffness = tie.yield_force_kN, tie.stiffness_kN_m
     if HEAVIEST_TIE < strength < math.inf:
-        strong = message(
+        yield f"{key}.yield_force_kN", message(
             "{force:g} kN is more than anchorages in masonry bear; write {meant} if N were meant",
             force=strength, meant=f"{1e-3 * strength:g}",
         )  # fmt: skip
-        yield f"{key}.yield_force_kN", strong
     if stiffness is None:
         return
     length = math.dist(tie.from_m, tie.to_m)
@@ -202,12 +195,11 @@ def _tie(key: str, tie: TieTable) -> Iterator[Told]:
     if strength < math.inf:
         bar = message("{length:.3g} m that yields at {force:g} kN", length=length, force=strength)
     meant = [("N/m", f"{1e-3 * stiffness:g}")] if least <= 1e-3 * stiffness <= most else []
-    odd = message(
+    yield f"{key}.stiffness_kN_m", message(
         "{stiffness:g} kN/m is not E A/L of a steel bar of {bar}, {least:.2g} to {most:.2g}; {hint}",
         stiffness=stiffness, bar=bar, least=least, most=most,
         hint=_if_meant(*meant) or message("write that of bar and anchorages"),
     )  # fmt: skip
-    yield f"{key}.stiffness_kN_m", odd
 
 
 def _place(latitude: float | None, longitude: float | None) -> Iterator[Told]:
@@ -215,12 +207,11 @@ def _place(latitude: float | None, longitude: float | None) -> Iterator[Told]:
         return
     (south, north), (west, east) = ITALY
     if west <= latitude <= east and south <= longitude <= north:
-        swapped = message(
+        yield "assessment.site.latitude", message(
             "{latitude:g}, with longitude {longitude:g}, is not in Italy; "
             "if they are swapped write latitude = {north}, longitude = {east}",
             latitude=latitude, longitude=longitude, north=f"{longitude:g}", east=f"{latitude:g}",
         )  # fmt: skip
-        yield "assessment.site.latitude", swapped
 
 
 def _hazards(values: Mapping[str, tuple[str, Hazard]]) -> Iterator[Told]:
@@ -230,33 +221,29 @@ def _hazards(values: Mapping[str, tuple[str, Hazard]]) -> Iterator[Told]:
         least, most = hazard_range(hazard.return_period)
         if not (1.0 - ROUNDED) * least.ag <= hazard.ag <= (1.0 + ROUNDED) * most.ag:
             units = (("m/s²", hazard.ag / GRAVITY), ("g/10", hazard.ag / 10.0))
-            odd = message(
+            yield f"{key}.ag_g", message(
                 "{ag:g} g at {limit} is outside {least:.3g} to {most:.3g} g, which Italian sites have at {period:.0f} "
                 "years (Allegato B); {hint}",
                 ag=hazard.ag, limit=limit_state, least=least.ag, most=most.ag, period=hazard.return_period,
                 hint=_if_meant(*((u, f"{g:.3g}") for u, g in units if least.ag <= g <= most.ag)) or compare,
             )  # fmt: skip
-            yield f"{key}.ag_g", odd
         if not F0_RANGE[0] <= hazard.F0 <= F0_RANGE[1]:
-            odd = message(
+            yield f"{key}.F0", message(
                 "{value:g} is outside {least:g} to {most:g}, which Italian sites have (Allegato B); correct it",
                 value=hazard.F0, least=F0_RANGE[0], most=F0_RANGE[1],
             )  # fmt: skip
-            yield f"{key}.F0", odd
         if not TC_RANGE[0] <= hazard.Tc_star <= TC_RANGE[1]:
             shorter = 1e-3 * hazard.Tc_star
             meant = [("ms", f"{shorter:g}")] if TC_RANGE[0] <= shorter <= TC_RANGE[1] else []
-            odd = message(
+            yield f"{key}.Tc_star_s", message(
                 "{value:g} s is outside {least:g} to {most:g} s, which Italian sites have (Allegato B); {hint}",
                 value=hazard.Tc_star, least=TC_RANGE[0], most=TC_RANGE[1], hint=_if_meant(*meant) or compare,
             )  # fmt: skip
-            yield f"{key}.Tc_star_s", odd
     order = [(name, *values[name]) for name in ("SLD", "SLV", "SLC") if name in values]
     for (often, _, more), (seldom, key, hazard) in pairwise(order):
         if hazard.ag < more.ag:
-            exchanged = message(
+            yield f"{key}.ag_g", message(
                 "{ag:g} g at {limit} is below the {most:g} g of {often}, which comes more often; "
                 "if they are exchanged exchange them, or correct one",
                 ag=hazard.ag, limit=seldom, most=more.ag, often=often,
             )  # fmt: skip
-            yield f"{key}.ag_g", exchanged

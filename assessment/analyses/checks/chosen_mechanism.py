@@ -23,6 +23,7 @@ from assessment.analyses.checks.kinematics import (
     hinges_of,
     virtual_displacements,
     virtual_work,
+    works,
 )
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
@@ -31,7 +32,6 @@ from assessment.ntc.verification import Method, verify
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.places import chosen_mechanisms
 from assessment.results.configurations.faces import Met
-from assessment.results.configurations.ties import lengthenings
 from assessment.results.numbers import finite
 from assessment.results.quality import lines
 from assessment.results.schema import checks as parts
@@ -157,8 +157,8 @@ def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, Joi
                 share=100.0 * motion.penetration,
             )
         )
-    for tie, more in zip(model.ties, lengthenings(model, positions, delta), strict=True):
-        if more > 0.0 and np.isinf(tie.yield_force):
+    for tie, _ in works(model, positions, delta)[2]:
+        if np.isinf(tie.yield_force):
             raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
                                          "mechanism that it allows", name=tie.name))  # fmt: skip
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
@@ -224,10 +224,8 @@ def evaluate(
             fit = _fit(model, positions, chosen, motion.closed(positions), control)
         except (KinematicsError, CapacityError) as refusal:
             notes.append(message("no nonlinear check: {reason}", reason=refusal.message))
-    *others, participation = work.participation_steps(control.delta_x)
-    capacity = capacity_curve(fit, work.e_star, participation.result, confidence_factor, confidence_source)
-
-    by_hand = [*work.steps, *work.result_steps(), *others, participation]
+    by_hand = work.by_hand(control.delta_x)
+    capacity = capacity_curve(fit, work.e_star, by_hand[-1].result, confidence_factor, confidence_source)
     steps = [*by_hand, *(line for line in capacity.steps() if line.symbol in CURVE)]
     checks = verify(capacity, demands, method)
     if capacity.d_0_star is None:  # the finite motion is not known

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from assessment.ntc.calculation import Step, Trace, datum, names, step
 from assessment.project.structure.places import Chosen, MacroBlock
 from assessment.results.configurations.ties import lengthenings
-from mechanics import Assembly
+from mechanics import Assembly, Tie
 from mechanics.messages import SaidError, message
 from mechanics.types import GRAVITY, Array
 
@@ -53,20 +53,16 @@ class VirtualWork:
         """e* = (Σ P δ_x)²/(Σ P Σ P δ_x²)."""
         return self.lateral**2 / (self.moving * self.second)
 
-    def result_steps(self) -> Trace:
-        """Return α0 and e* by hand, where the lateral load does work."""
+    def by_hand(self, delta_C: float) -> Trace:
+        """Return the steps to α0, e* and last Γ*, of a control point that moves by δ_C along x."""
         by_weights = step("alpha_0", "L_W/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead, L_P=self.lateral)
         with_ties = step("alpha_0", "(L_W + L_F)/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead,
                          L_F=self.ties, L_P=self.lateral)  # fmt: skip
         return (
+            *self.steps,
             with_ties if self.ties else by_weights,
             step("e_star", "L_P**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", "Circolare 7/2019, C8.7.1.2",
                  L_P=self.lateral, Sigma_P=self.moving, Sigma_P_delta_2=self.second),
-        )  # fmt: skip
-
-    def participation_steps(self, delta_C: float) -> tuple[Step, ...]:
-        """Return Γ* by hand, of a control point that moves by δ_C along x."""
-        return (
             datum("delta_C", delta_C, "m", "control point: virtual displacement"),
             step("Gamma_star", "Sigma_P_delta_2/(delta_C*L_P)", self.second / (delta_C * self.lateral), "",
                  "Circolare 7/2019, C8.7.1.2", Sigma_P_delta_2=self.second, delta_C=delta_C, L_P=self.lateral),
@@ -82,42 +78,42 @@ def virtual_displacements(model: Assembly, positions: Array, chosen: Chosen) -> 
     return delta
 
 
-def works(model: Assembly, positions: Array, delta: Array) -> tuple[float, float, list[float]]:
-    """Return Σ W δ_z, Σ P δ_x and the work F e of each tie that lengthens, kN·m, of virtual displacements δ (b, 3).
-
-    That of a tie that never yields is infinite.
-    """
+def works(model: Assembly, positions: Array, delta: Array) -> tuple[float, float, list[tuple[Tie, float]]]:
+    """Return Σ W δ_z and Σ P δ_x, kN·m, of virtual displacements δ (b, 3), and the ties that lengthen, by e (m)."""
     weight, seismic = _weights(model)
-    longer = lengthenings(model, positions, delta)
-    ties = [tie.yield_force * float(e) if e > 0.0 else 0.0 for tie, e in zip(model.ties, longer, strict=True)]
-    return float(weight @ delta[:, 1]), float(seismic @ delta[:, 0]), ties
+    longer = zip(model.ties, lengthenings(model, positions, delta).tolist(), strict=True)
+    return (
+        float(weight @ delta[:, 1]),
+        float(seismic @ delta[:, 0]),
+        [(tie, e) for tie, e in longer if e > 0.0],
+    )
 
 
 def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWork:
     """Return the works of a chosen mechanism at `positions` (b, 3), and how they add up over the macro-blocks."""
     delta = virtual_displacements(model, positions, chosen)
-    dead, lateral, ties = works(model, positions, delta)
+    dead, lateral, stretched = works(model, positions, delta)
     _, seismic = _weights(model)
     moving = np.concatenate([part.blocks for part in chosen.parts])
     total, second = float(seismic[moving].sum()), float(seismic @ delta[:, 0] ** 2)
     lines: list[Step] = []
     for k, part in enumerate(chosen.parts, 1):
         lines += _macro_block(k, part, model, positions)
-    known = {line.symbol: line.result for line in lines}
-    for (symbol, unit, term), value in zip(_SUMS, (dead, lateral, total, second), strict=True):
-        formula = " + ".join(term.format(k=k) for k in range(1, len(chosen.parts) + 1))
-        lines.append(step(symbol, formula, value, unit, _WORK, **{n: known[n] for n in names(formula)}))
-    stretched = lengthenings(model, positions, delta)
-    yielding = [(tie.yield_force, float(e)) for tie, e in zip(model.ties, stretched, strict=True) if e > 0.0]
-    for k, (force, more) in enumerate(yielding, 1):
-        lines.append(datum(f"F_{k}", force, "kN", _TIE))
-        lines.append(datum(f"e_{k}", more, "m", "virtual lengthening of the tie"))
-    if yielding:
-        formula = " + ".join(f"F_{k}*e_{k}" for k in range(1, len(yielding) + 1))
+
+    def add(symbol: str, unit: str, term: str, value: float, count: int) -> None:
         known = {line.symbol: line.result for line in lines}
-        total_ties = sum(force * more for force, more in yielding)
-        lines.append(step("L_F", formula, total_ties, "kN·m", _WORK, **{n: known[n] for n in names(formula)}))
-    return VirtualWork(dead, lateral, total, second, tuple(lines), sum(ties))
+        formula = " + ".join(term.format(k=k) for k in range(1, count + 1))
+        lines.append(step(symbol, formula, value, unit, _WORK, **{n: known[n] for n in names(formula)}))
+
+    for each, value in zip(_SUMS, (dead, lateral, total, second), strict=True):
+        add(*each, value, len(chosen.parts))
+    for k, (tie, more) in enumerate(stretched, 1):
+        lines.append(datum(f"F_{k}", tie.yield_force, "kN", _TIE))
+        lines.append(datum(f"e_{k}", more, "m", "virtual lengthening of the tie"))
+    by_ties = sum(tie.yield_force * more for tie, more in stretched)
+    if stretched:
+        add("L_F", "kN·m", "F_{k}*e_{k}", by_ties, len(stretched))
+    return VirtualWork(dead, lateral, total, second, tuple(lines), by_ties)
 
 
 def _macro_block(k: int, part: MacroBlock, model: Assembly, positions: Array) -> list[Step]:
@@ -346,11 +342,11 @@ class _Parts:
 
 def _multiplier(model: Assembly, at: Array, delta: Array) -> float:
     """Return α = (Σ W δ_z + Σ F e)/|Σ P δ_x| at `at` (b, 3). Raises KinematicsError where a tie stops the motion."""
-    dead, lateral, ties = works(model, at, delta)
-    for tie, more in zip(model.ties, ties, strict=True):
-        if np.isinf(more):
+    dead, lateral, stretched = works(model, at, delta)
+    for tie, _ in stretched:
+        if np.isinf(tie.yield_force):
             raise KinematicsError(message('tie "{name}" stops it before α = 0', name=tie.name))
-    return (dead + sum(ties)) / abs(lateral)
+    return (dead + sum(tie.yield_force * more for tie, more in stretched)) / abs(lateral)
 
 
 def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.intp]]) -> None:

@@ -9,15 +9,18 @@ import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.content import TWO_SUPPORTS, Made, outward, project
 from assessment.project.catalogue.geometry import (
     THINNEST,
+    TWO_SUPPORTS,
     Array,
+    Made,
     Ring,
     base_below,
     courses,
     fitted,
     mirrored,
+    outward,
+    project,
     rectangle,
     running_bond,
     stack,

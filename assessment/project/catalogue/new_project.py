@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from assessment.project.catalogue import arches, walls
-from assessment.project.catalogue.content import DRAWING, Made
-from assessment.project.catalogue.geometry import Layout
+from assessment.project.catalogue.geometry import DRAWING, Layout, Made
 from assessment.project.formats import TOML, convert, source_bytes
 from assessment.project.project import CONTROL, load_project
 from assessment.runtime.errors import ProjectError, nearest

@@ -8,14 +8,17 @@ import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.content import TWO_SUPPORTS, Made, project, sinking
 from assessment.project.catalogue.geometry import (
+    TWO_SUPPORTS,
     Array,
+    Made,
     course,
     courses,
     fitted,
+    project,
     rectangle,
     running_bond,
+    sinking,
     stack,
     tidied,
 )

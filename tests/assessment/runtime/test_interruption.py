@@ -173,7 +173,7 @@ def test_memory_that_runs_out_is_told(project, capsys, monkeypatch):
 def test_nohup_keeps_a_run_alive():
     code = (
         "import os, signal, time\n"
-        "from assessment.runtime.process import watch\n"
+        "from assessment.runtime.console import watch\n"
         "signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "watch('ended', 3)\n"
         "os.kill(os.getpid(), signal.SIGHUP)\n"
