@@ -96,13 +96,10 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
     that are valid each give no structure; OSError, with the name of the file, if it cannot be written.
     """
     layout, content = made(template, options)
-    with new_folder(folder) as fresh:
+    files = {source: source_bytes(source, content), RECORD: artificial_record()}
+    with new_folder(folder, files) as fresh:
         with naming(folder / DRAWING):
             write_drawing(fresh / DRAWING, layout)
-        with naming(folder / source):
-            (fresh / source).write_bytes(source_bytes(source, content))
-        with naming(folder / RECORD):
-            write_record(fresh)
         if options:
             from assessment.project.structure.model import build_model  # late: the mechanics take their time
             from mechanics.errors import DrawingError
@@ -116,11 +113,11 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 
 
 @contextmanager
-def new_folder(folder: Path) -> Iterator[Path]:
-    """Yield a temporary folder that becomes `folder` when the block ends, and is removed where it fails.
+def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
+    """Yield a temporary folder of files that becomes `folder` when the block ends, and is removed where it fails.
 
-    Raises ProjectError if the folder exists and is not empty, or has a name that no command takes; OSError, with its
-    name, if it cannot be written.
+    Raises ProjectError if the folder exists and is not empty, or has a name that no command takes; OSError, naming it
+    or the file, if it cannot be written.
     """
     if CONTROL.search(str(folder.absolute())):
         from mechanics.faults import visible  # late: the mechanics take their time
@@ -136,6 +133,10 @@ def new_folder(folder: Path) -> Iterator[Path]:
             for killed in left_over(folder.parent, folder.name):
                 shutil.rmtree(killed, ignore_errors=True)
             temporary.mkdir()
+        for name, data in files.items():
+            with naming(folder / name):
+                (temporary / name).parent.mkdir(parents=True, exist_ok=True)
+                (temporary / name).write_bytes(data)
         yield temporary
         if folder.is_dir():
             folder.rmdir()  # Windows renames nothing over a folder, not even over an empty one
@@ -145,20 +146,17 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files into a new folder, all or none. Raises as `new_folder`, OSError naming the file."""
-    with new_folder(folder) as fresh:
-        for name, data in files.items():
-            with naming(folder / name):
-                (fresh / name).write_bytes(data)
+    """Write files into a new folder, all or none. Raises as `new_folder`."""
+    with new_folder(folder, files):
+        pass
 
 
-def write_record(folder: Path) -> None:
-    """Write the artificial record of the example of a triumphal arch into a project folder: 15 s at 0.01 s.
+def artificial_record() -> bytes:
+    """Return the artificial record of the example of a triumphal arch: 15 s at 0.01 s.
 
     It is within 10 % of the SLC spectrum of L'Aquila (soil B, T1, class II, 50 years) between 0.15 and 2 s.
     """
-    (folder / RECORD).parent.mkdir()
-    shutil.copyfile(examples()["triumphal_arch"] / RECORD, folder / RECORD)
+    return (examples()["triumphal_arch"] / RECORD).read_bytes()
 
 
 def write_drawing(path: Path, layout: Layout) -> None:
@@ -199,12 +197,13 @@ def new_example(folder: Path, name: str, source: str = TOML) -> None:
     name = name.lower().replace("-", "_")
     if name not in known:
         raise ProjectError(f"--example: {name}: no such example; {nearest(name, known)}")
-    with new_folder(folder) as fresh:
-        for path in sorted(known[name].rglob("*")):
-            within = path.relative_to(known[name])
-            if path.is_file() and within.parts[0] != "output":
-                (fresh / within).parent.mkdir(exist_ok=True)
-                shutil.copyfile(path, fresh / within)
+    within = {
+        path.relative_to(known[name]): path for path in sorted(known[name].rglob("*")) if path.is_file()
+    }
+    files = {
+        place.as_posix(): path.read_bytes() for place, path in within.items() if place.parts[0] != "output"
+    }
+    with new_folder(folder, files) as fresh:
         if source != TOML:
             _, kept = convert(fresh / TOML, load_project(fresh).content(defaults=False))
             kept.unlink()

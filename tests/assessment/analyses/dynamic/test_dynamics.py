@@ -16,7 +16,7 @@ from assessment.analyses.dynamic.time_history import (
     thinned,
 )
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.project.catalogue.new_project import new_project, write_record
+from assessment.project.catalogue.new_project import artificial_record, new_project
 from assessment.project.motions import BaseMotion, history_motions
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
@@ -427,8 +427,8 @@ def test_the_records_own_spectrum_as_demand(tmp_path):
 
 def test_an_artificial_record_follows_its_spectrum(tmp_path):
     spectrum = ElasticSpectrum(0.334, 2.40, 0.36, "B")
-    write_record(tmp_path)
-    record = read_record(tmp_path / "records" / "artificial.csv")
+    (tmp_path / "artificial.csv").write_bytes(artificial_record())
+    record = read_record(tmp_path / "artificial.csv")
     assert (record.time_step, record.duration) == (pytest.approx(0.01), pytest.approx(15.0))
     periods = np.linspace(0.15, 2.0, 60)
     ratio = response_spectrum(record.acceleration, record.time_step, periods)[0] / spectrum.acceleration(
