@@ -6,11 +6,9 @@ Every message is one line `FILE: KEY: what is wrong; what to do`. List entries a
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
-from fnmatch import fnmatch
+from glob import has_magic, iglob
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -158,45 +156,24 @@ def _pruned(value: Any, levels: int = 3) -> Any:
     return [_pruned(each, levels - 1) for each in value[:SHOWN]]
 
 
-MOST_LOOKED_AT = 20_000  # names in folders that the search for a pattern reads at most
-_WILD = re.compile(r"[*?[]")
-
-
 def matches(folder: Path, pattern: str) -> list[Path]:
     """Return the files in `folder` that match a name, or a pattern such as "records/*.acc", sorted.
 
-    Raises ValueError for `**`, for a pattern that would search more than MOST_LOOKED_AT names, and for more than
+    Raises ValueError for `**`, for patterns in more than two parts, whose search may take for ever, and for more than
     MOST_ENTRIES files.
     """
     if _is_file(folder / pattern):
         return [folder / pattern]
     if "**" in pattern:
         raise ValueError("** is not understood; name the folders, * for each")
-    found, looked_at = [folder], 0
-    for part in Path(pattern).parts:
-        if not _WILD.search(part):
-            found = [path / part for path in found]
-            continue
-        within: list[Path] = []
-        for path in found:
-            for name in _names(path):
-                looked_at += 1
-                if looked_at > MOST_LOOKED_AT:
-                    raise ValueError(f"more than {MOST_LOOKED_AT} names to look at; name the folders")
-                if fnmatch(name, part) and (part.startswith(".") or not name.startswith(".")):
-                    within.append(path / name)
-        found = within
-    files = sorted(path for path in found if _is_file(path))
+    if sum(map(has_magic, Path(pattern).parts)) > 2:
+        raise ValueError("patterns in more than two parts; name the folders")
+    named = iglob(pattern, root_dir=folder)  # noqa: PTH207 - of an absolute pattern too
+    found = filter(_is_file, map(folder.joinpath, named))
+    files = sorted(islice(found, MOST_ENTRIES + 1))
     if len(files) > MOST_ENTRIES:
-        raise ValueError(f"{len(files)} files, at most {MOST_ENTRIES}; choose among them")
+        raise ValueError(f"more than {MOST_ENTRIES} files; choose among them")
     return files
-
-
-def _names(folder: Path) -> Iterator[str]:
-    """Yield the names in a folder; nothing where the folder does not exist or must not be read."""
-    with suppress(OSError), os.scandir(folder) as entries:
-        for entry in entries:
-            yield entry.name
 
 
 def _is_file(path: Path) -> bool:
@@ -219,8 +196,9 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
             return f'"{name}": {error}'
     if not _is_file(folder / name):
         parent = Path(name).parent
-        names = islice(_names(folder / parent), MOST_ENTRIES)
-        files = sorted(str(parent / each) for each in names if _is_file(folder / parent / each))
+        names = iglob("*", root_dir=folder / parent)  # noqa: PTH207 - of a folder that cannot be read none
+        beside = islice(names, MOST_ENTRIES)
+        files = sorted(str(parent / each) for each in beside if _is_file(folder / parent / each))
         remedy = nearest(name, files) if files else "put it there or correct the name"
         return f'no file "{name}" in the project folder; {remedy}'
     if kind == "picture" and Path(name).suffix.lower() not in SUFFIXES:

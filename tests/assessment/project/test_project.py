@@ -184,8 +184,8 @@ def test_patterns_of_records(folder, pattern, found):
 @pytest.mark.parametrize(
     ("limit", "pattern", "said"),
     [
-        ("MOST_LOOKED_AT", "*/*", "more than 2 names to look at; name the folders"),
-        ("MOST_ENTRIES", "records/*", "3 files, at most 2; choose among them"),
+        ("", "*/*/*.acc", "patterns in more than two parts; name the folders"),
+        ("MOST_ENTRIES", "records/*", "more than 2 files; choose among them"),
         ("", "/**/*", "is not understood; name the folders"),
     ],
 )
