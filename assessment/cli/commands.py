@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
-MOST_CHANGES = 40  # of a repaired drawing that the terminal lists; a file has all
 EXIT_CODES = f"""exit codes:
   {DONE}  done
   {WRONG_INPUT}  the input is wrong: nothing was overwritten
@@ -80,7 +79,6 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.model import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words
-    from assessment.runtime.files import write_atomically
     from assessment.workflow.checking import checked
     from assessment.workflow.duration import expected_line
     from mechanics.faults import FaultyDrawingError
@@ -91,12 +89,8 @@ def check(options: argparse.Namespace) -> int:
     drawing, words = folder / "model.svg", Words.of("en")  # as all that the terminal says
     if options.repair:
         project, changes = with_repaired_drawing(project)
-        for change in changes[:MOST_CHANGES]:
+        for change in changes:
             say(change)
-        if len(changes) > MOST_CHANGES:
-            listed = folder / "repair.txt"
-            write_atomically(listed, "".join(f"{change}\n" for change in changes).encode())
-            say(f"and {len(changes) - MOST_CHANGES} more changes: {listed} has all of them")
         name = project.geometry.drawing
         count = "1 change" if len(changes) == 1 else f"{len(changes)} changes"
         wrote = f'{count}: {project.path(name)}; to use it write geometry.drawing = "{name}"'

@@ -36,7 +36,6 @@ from mechanics.messages import layer_key
 _COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
 
 _MOST_TOLD = 24  # problems of a file: one screen
-_MOST_UNKNOWN = 3  # unknown keys of a table that are told one by one
 
 _EXPECTED = {
     "float_type": "a number",
@@ -76,7 +75,6 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
     """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
     expected: dict[KeyPath, list[str]] = {}
     problems: dict[KeyPath, str] = {}
-    unknown: dict[KeyPath, dict[KeyPath, None]] = {}
     for detail in error.errors(include_url=False):
         kind, context = detail["type"], detail.get("ctx", {})
         path, node = _walk(detail["loc"], content)
@@ -84,7 +82,6 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
         at_outline = path[-1:] == ("region_m",) and isinstance(value, list)
         if kind == "extra_forbidden":
             problems[path] = f"unknown key; {nearest(str(path[-1]), keys_at(path[:-1]))}"
-            unknown.setdefault(path[:-1], {})[path] = None
         elif kind == "missing" and isinstance(node, dict):
             key = str(detail["loc"][-1])
             problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
@@ -98,11 +95,6 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
         else:
             expected.setdefault(path, []).append(_phrase(path, detail).replace("'", '"'))
             problems[path] = f"{_shown(value)} is wrong; write {' or '.join(expected[path])}"
-    for table, paths in unknown.items():
-        if len(paths) > _MOST_UNKNOWN:
-            named = ", ".join(_shown(path[-1]) for path in islice(paths, _MOST_UNKNOWN))
-            text = f"{len(paths)} unknown keys: {named}, …; {nearest('', keys_at(table))}"
-            problems = {table: text} | {path: told for path, told in problems.items() if path not in paths}
     # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
     return [Problem(path, text) for path, text in problems.items() if path not in shallow]

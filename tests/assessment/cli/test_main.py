@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from ezdxf.filemanagement import readfile
 
-from assessment.cli import commands
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import examples
 from assessment.project.project import load_project
@@ -209,19 +208,6 @@ def test_check_draws_the_model_and_runs_nothing(project, capsys):
     assert "own weight: yes" in out
     assert (project / "output" / "model.svg").read_text(encoding="utf-8").lstrip().startswith("<?xml")
     assert not (project / "output" / "results.json").exists()
-
-
-def test_of_many_changes_of_a_drawing_a_file_has_all(project, capsys, monkeypatch):
-    monkeypatch.setattr(commands, "MOST_CHANGES", 1)
-    document = readfile(project / "geometry.dxf")
-    stone = document.modelspace().query('LWPOLYLINE[layer!="BASE"]')[0]
-    stone.set_points([(x, y + 0.002, *rest) for x, y, *rest in stone.get_points("xyseb")], "xyseb")
-    document.saveas(project / "geometry.dxf")
-    assert main(["check", str(project), "--repair"]) == 0
-    out = capsys.readouterr().out
-    listed = (project / "output" / "repair.txt").read_text(encoding="utf-8").splitlines()
-    assert len(listed) == 2 and listed[0] in out and listed[1] not in out
-    assert f"and 1 more changes: {project / 'output' / 'repair.txt'} has all of them" in out
 
 
 def test_check_repairs_a_drawing_beside_the_original_and_tells_every_change(project, capsys):
