@@ -22,10 +22,7 @@ STEP_FIELDS = "case blocks joints contacts way step_ms ratio programs_per_step i
 
 @dataclass(frozen=True)
 class Benchmark:
-    """What is measured, `about` in a sentence, and how its `rows` are shown: see table.
-
-    `series`: field by which plots have lines; empty: no plots.
-    """
+    """What is measured, `about` in a sentence, its `rows`, and how table shows them; `series`: lines of plots."""
 
     about: str
     rows: Callable[[bool], Iterator[Row]]
@@ -66,9 +63,9 @@ BENCHMARKS = {
 
 
 def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
-    """Measure what is named (nothing: everything), print each table as soon as it is there, and write the files.
+    """Measure what is named (nothing: everything), print each table, write the files.
 
-    Raises ValueError for a name that there is none of.
+    Raises ValueError for another name.
     """
     for name in names:
         if name not in BENCHMARKS:

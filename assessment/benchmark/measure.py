@@ -69,10 +69,7 @@ def seconds_of(work: Callable[[], Answer]) -> tuple[float, Answer]:
 
 
 def in_turn(*works: Callable[[], object]) -> Array:
-    """The least processor time (s) of each of some calls (k,), which take turns.
-
-    A machine may be slow for seconds at a time: all of them are so then, and their ratios stay.
-    """
+    """The least processor time (s) of calls (k,) in turn: a machine that is slow for seconds is so for all."""
     rounds: list[list[float]] = []
     while len(rounds) < ROUNDS or np.sum(rounds) < ENOUGH:
         rounds.append([seconds_of(work)[0] for work in works])

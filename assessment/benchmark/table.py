@@ -42,10 +42,7 @@ def as_csv(rows: Sequence[Row]) -> bytes:
 
 
 def table(rows: Sequence[Row], index: Sequence[str] = (), across: str = "", cells: Sequence[str] = ()) -> str:
-    """A Markdown table: a line for each row, or for each value of `index`, a column for each value of `across`.
-
-    Without `index` the `parameter` of rows is left to the title.
-    """
+    """A Markdown table: a line for each row or value of `index`, a column for each value of `across`."""
     if not across:
         names = [name for name in fields(rows) if name in index or (not index and name != "parameter")]
         return _markdown(names, [[written(name, row.get(name)) for name in names] for row in rows])
@@ -95,10 +92,7 @@ def percent(share: float) -> str:
 
 
 def work_precision(rows: Sequence[Row], series: str) -> Figure:
-    """Error over processor time: a panel for each case, a line for each value of the field `series`.
-
-    What the program takes by itself is a filled mark, the others are open; rows without an error have no place in it.
-    """
+    """Error over processor time: a panel for each case, a line for each value of `series`; filled: defaults."""
     rows = [row for row in rows if row.get("failed") is None and known(row.get("error"))]
     cases, names = (list(dict.fromkeys(row[name] for row in rows)) for name in ("case", series))
     looks = dict(zip(names, zip(cycle(DASHES), cycle(MARKS), strict=False), strict=False))

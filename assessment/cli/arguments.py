@@ -28,10 +28,7 @@ Argument = tuple[str, dict[str, Any]]
 
 
 def options_of(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the options of a command.
-
-    Raises ValueError, with the nearest name that there is, for a command or an option that there is not.
-    """
+    """Return the options of a command. Raises ValueError, with the nearest name, for one that there is not."""
     name = next((text for text in arguments if not text.startswith("-")), None)
     if name is not None and name not in COMMANDS:
         raise ValueError(f"assesto {name}: no such command; {nearest(name, COMMANDS)}")

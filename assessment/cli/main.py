@@ -76,9 +76,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _carry_out(options: argparse.Namespace) -> int:
-    """Return the exit code of a command. Raises KeyboardInterrupt for whatever a library makes of an interruption.
+    """Return the exit code of a command. Raises KeyboardInterrupt where a library made an error of an interruption.
 
-    Raises ValueError where the folder that the command is given in is gone: no relative path means anything there.
+    Raises ValueError where the folder that the command is given in is gone: relative paths mean nothing.
     """
     try:
         Path.cwd()

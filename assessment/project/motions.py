@@ -69,9 +69,9 @@ class BaseMotion:
 
 
 def records_of(project: Project) -> list[Record]:
-    """Return the records of all files that the project names, each once and as it was read.
+    """Return the records of all files of the project, each once, as read.
 
-    Raises RecordError naming file, line and remedy for one that cannot be used.
+    Raises RecordError naming file, line and remedy.
     """
     files = [
         (project.path(name), each.time_step_s)
@@ -102,10 +102,7 @@ _read_once = lru_cache(maxsize=64)(lambda path, time_step, changed: read_record(
 
 
 def history_motions(project: Project) -> list[BaseMotion]:
-    """Return the base motion of each [[history]].
-
-    Raises ProjectError or ValueError naming key or file for a record that cannot be used.
-    """
+    """Return the base motion of each [[history]]. Raises ProjectError or ValueError naming key or file."""
     motions = [
         _motion(project, f"history[{n}]", table, project.path(table.record), table)
         for n, table in enumerate(project.history, 1)
@@ -141,9 +138,9 @@ def _motion(
 def motion_of(
     project: Project, key: str, table: MotionTable, original: Record, source: str = ""
 ) -> BaseMotion:
-    """Return the base motion of a record in the window of a table, at its time step.
+    """Return the base motion of a record of the file `source` in a table's window, at its time step.
 
-    `source`: file of the record, for messages. Raises ProjectError or ValueError naming key or file.
+    Raises the same.
     """
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'

@@ -151,8 +151,7 @@ def _pruned(value: Any, levels: int = 3) -> Any:
 def matches(folder: Path, pattern: str) -> list[Path]:
     """Return the files in `folder` that match a name, or a pattern such as "records/*.acc", sorted.
 
-    Raises ValueError for `**`, for patterns in more than two parts, whose search may take for ever, and for more than
-    MOST_ENTRIES files.
+    Raises ValueError for `**`, patterns in more than two parts, whose search may never end, and too many files.
     """
     if _is_file(folder / pattern):
         return [folder / pattern]
@@ -176,10 +175,7 @@ def _is_file(path: Path) -> bool:
 
 
 def wrong_file(kind: str, folder: Path, name: str) -> str | None:
-    """Return what is wrong with the name of a file in the project's folder, None: nothing; `kind`: see FileName.
-
-    A pattern is wrong that no file matches, a picture that cannot be printed.
-    """
+    """Return what is wrong with the name of a file, pattern or picture, None: nothing; `kind`: see FileName."""
     if kind in ("pattern", "records"):
         try:
             if (kind == "records" and name.startswith(GENERATED)) or matches(folder, name):
@@ -204,10 +200,7 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
 
 
 def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
-    """Yield every problem between the tables of a project, and of the files that they name, in the order of the tables.
-
-    `folder`: of the project. Files that cannot be read are problems too, no errors.
-    """
+    """Yield every problem between the tables of a project in `folder`, and of files that they name, in order."""
     valid = {
         "control point": [each.name for each in project.control],
         "support": [*project.supports],

@@ -1,8 +1,6 @@
-"""The project file: read as TOML or spreadsheet, checked as a whole, handed on frozen.
+"""The project file: read as TOML or spreadsheet, checked as a whole but for drawing and records, handed on frozen.
 
-What `load_project` returns has passed every check that needs no drawing and no record. Wrong keys, types and ranges
-are all reported at once; where there are none, all that does not fit together (names, files, stages that need each
-other) is.
+Wrong keys, types and ranges are all told at once; where there are none, all that does not fit together is.
 """
 
 from __future__ import annotations
@@ -100,10 +98,7 @@ class Project(ProjectContent):
 
 
 def load_project(folder: Path | str) -> Project:
-    """Read and check the project in `folder` (or the project file itself).
-
-    Raises ProjectError with one line `FILE: KEY: what is wrong; what to do` per problem.
-    """
+    """Read and check the project in `folder` (or its file). Raises ProjectError with a line per problem."""
     project, contradictions = survey_project(folder)
     if contradictions is not None:
         raise contradictions
@@ -111,9 +106,9 @@ def load_project(folder: Path | str) -> Project:
 
 
 def survey_project(folder: Path | str) -> tuple[Project, ProjectError | None]:
-    """Return the project in `folder` and what does not fit together in it, None where all does.
+    """Return a project and what does not fit together in it, None: nothing.
 
-    Raises ProjectError, as `load_project`, where its keys, types and ranges are wrong already.
+    Raises ProjectError for keys, types, ranges.
     """
     try:
         file = project_file(folder)

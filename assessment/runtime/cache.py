@@ -1,9 +1,7 @@
 """Results of finished analyses in the output folder, found again by the fingerprint of their inputs.
 
-A fingerprint is one digest of the program that computes and of its arguments, bit for bit. An entry is a file of two
-lines: the digest of the second, and the result as JSON. It is written whole or not at all, and read as a value of the
-type that the analysis returns: one that is damaged, or of another type, counts as absent. Nothing in it is executed, as
-what libraries for such stores (diskcache, joblib) pickle would be.
+An entry is a file of two lines: the digest of the second, and the result as JSON, read as the type that the analysis
+returns; one that is damaged, or of another type, counts as absent. JSON executes nothing, as pickled stores would.
 """
 
 from __future__ import annotations
@@ -127,7 +125,7 @@ def packed(result: Any) -> str:
 
 
 def unpacked(text: str, kind: Any) -> Any:
-    """Return what `packed` was given, of the type `kind` as annotations name it.
+    """Return what `packed` was given, of the annotated type `kind`.
 
     Raises ValueError, TypeError, KeyError or RecursionError where the text is no such value.
     """

@@ -1,8 +1,4 @@
-"""A running Dask cluster that computes: what `Pool` is on this machine.
-
-Workers need the same program as this process; every task checks it. A worker that is lost costs what it was at: the
-scheduler gives it to another one.
-"""
+"""A running Dask cluster that computes, of workers of the same program: what `Pool` is on this machine."""
 
 from __future__ import annotations
 
@@ -52,8 +48,7 @@ PATIENCE = Patience()
 class Cluster(Pool):
     """Computes functions on the workers of the scheduler at an address such as tcp://host:8786.
 
-    Progress within a task is not reported. Raises ProjectError where dask.distributed
-    is not installed or no scheduler is at the address, KilledError where what is there says nothing.
+    Raises ProjectError without dask.distributed or a scheduler, KilledError where what is there says nothing.
     """
 
     def __init__(self, address: str, patience: Patience = PATIENCE) -> None:

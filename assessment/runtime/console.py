@@ -38,10 +38,7 @@ def prepare() -> None:
 
 
 def say(text: str = "", end: str = "\n") -> None:
-    """Print a text, its lines as they are shown; a reader that has gone away, `head` for one, has seen enough.
-
-    Raises OSError that names standard output where it cannot be written for another reason.
-    """
+    """Print a text as it is; that its reader has gone away is no error. Raises OSError that names standard output."""
     with _written():
         print("\n".join(map(visible, text.split("\n"))), end=end, flush=True)
 
@@ -60,10 +57,7 @@ def tell(line: str) -> None:
 
 
 def visible(line: str) -> str:
-    """Return a line of unknown origin as a terminal shows it, and does nothing else: control characters as escapes.
-
-    `mechanics.faults` has the same for messages; to import it takes longer than a run in which nothing has changed.
-    """
+    """Return a line with control characters as escapes, without the time that it takes to import `mechanics.faults`."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
 
 
@@ -113,12 +107,9 @@ _came = threading.Event()
 
 
 def watch(message: str, code: int, last: Callable[[], object] = lambda: None) -> None:
-    """From now on an interruption ends the process, soon after it came if KeyboardInterrupt has not yet.
+    """From now on an interruption ends the process, after GRACE if KeyboardInterrupt has not; `last` is called first.
 
-    `last`: is called before the process ends.
-
-    A callback from C swallows that exception, and a library at work in C does not see it before it comes back: the
-    interpreter's own signal handler, which is in C too, wakes a thread.
+    A callback from C swallows that exception, and a library in C does not see it: the signal handler wakes a thread.
     """
     for name in ASKED:
         number = getattr(signal, name, None)

@@ -16,11 +16,7 @@ class ProjectError(ValueError):
 
 
 def is_input_error(error: Exception) -> bool:
-    """Whether an exception is the user's to mend: those that name what is wrong; any other one is a bug.
-
-    A plain ValueError names it where a `raise` of our own code made it; one out of a library, or out of Python itself
-    (int of a NaN), is a bug of ours.
-    """
+    """Whether an exception is the user's to mend: one that a `raise` of our own code made, and no bug."""
     if isinstance(error, OSError | ProjectError):
         return True
     from mechanics import ArgumentError, DrawingError, RecordError

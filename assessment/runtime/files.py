@@ -36,10 +36,7 @@ def naming(path: Path) -> Iterator[None]:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write to a temporary file in the same folder (made if missing), then rename it over `path`.
-
-    Raises OSError that names `path`.
-    """
+    """Write to a temporary file beside `path`, then rename it. Raises OSError that names `path`."""
     temporary = temporary_of(path)
     try:
         with naming(path):
@@ -101,12 +98,10 @@ def clear(folder: Path) -> None:
 
 
 def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collection[str]) -> None:
-    """Put files made in `new`, a folder within `folder`, in the place of those `gone`; all else in `folder` stays.
+    """Put files `made` in `new`, a folder within `folder`, in the place of those `gone`; all names are relative.
 
-    Names are relative, with slashes. Every file is on the disk before it is renamed to its place. LAST goes first and
-    comes last: after a kill in between there are no results, and the next run writes them. Raises ProjectError that
-    names a file which cannot be replaced (on Windows one that is open elsewhere), OSError otherwise; the folder is then
-    unchanged.
+    LAST goes first and comes last: after a kill in between there are no results, and the next run writes them. Raises
+    ProjectError for a file that cannot be replaced (on Windows one that is open), else OSError; all is then as before.
     """
     for name in made:
         with (new / name).open("rb+") as file:
@@ -144,11 +139,9 @@ SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
 def read_picture(path: Path) -> Image.Image:
-    """Return a picture, whole.
+    """Return a whole PNG or JPEG. Raises ValueError that says why it is none.
 
-    By itself Pillow guesses a format from the content, and runs Ghostscript on PostScript that is called photo.png; and
-    once WeasyPrint is imported it takes truncated pictures. Raises ValueError, saying why, for what is no whole picture
-    of these formats.
+    Pillow by itself guesses the format, runs Ghostscript on PostScript, and takes truncated pictures beside WeasyPrint.
     """
     from PIL import Image, ImageFile, UnidentifiedImageError
 

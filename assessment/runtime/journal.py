@@ -33,10 +33,7 @@ class BusyError(ProjectError):
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder; it is created if missing, and removed again if it stays empty.
-
-    Raises BusyError if another run writes into it, OSError if it cannot be written.
-    """
+    """Keep other runs out of a folder, which is made, and removed if it stays empty. Raises BusyError, OSError."""
     from filelock import FileLock, Timeout  # late: most commands need none
 
     made, path = not folder.exists(), folder / LOCK
@@ -103,10 +100,9 @@ def record_exit(folder: Path, code: int) -> None:
 
 
 class Journal(Show):
-    """Writes each event as a line of JSON, so that a kill leaves all lines before it; passes it on to `show`.
+    """Writes events as lines of JSON, titles once a second and work reached at SELDOM, and passes them to `show`.
 
-    It takes the place of the journal of an earlier run in the folder. Of what is under way and reached only some is
-    written: a title a second, and a share of the work at SELDOM.
+    It takes the place of the journal of an earlier run in the folder.
     """
 
     def __init__(self, folder: Path, show: Show) -> None:
@@ -153,10 +149,7 @@ class Recorded:
 
 
 def read_journal(folder: Path) -> Recorded:
-    """Return what the journal in a folder holds; nothing where there is none.
-
-    An incomplete line is left out, and so is one that is no event: the file is what a kill or a full disk left.
-    """
+    """Return what the journal in a folder holds; a line that a kill cut short, or that is no event, is left out."""
     recorded = Recorded()
     try:
         with (folder / NAME).open("rb") as file:
@@ -200,10 +193,7 @@ def status_json(folder: Path) -> str:
 
 
 def progress_of(recorded: Recorded, running: Holder | None) -> dict[str, Any]:
-    """Return where a run is, as its journal and its lock say: plain values.
-
-    `stage`, `done`, `total` (analyses), `under_way` and `seconds_left` are of the last stage, `failed` of all stages.
-    """
+    """Return where a run is as plain values: its last stage, the faults of all, and every stage by itself."""
     stage = recorded.stages[-1] if recorded.stages else None
     at_work = running is not None and stage is not None and not stage.ended
     left = stage.left(time.time()) if stage and at_work else None

@@ -1,7 +1,4 @@
-"""Processes that compute side by side: functions and their arguments are sent, results returned as they are finished.
-
-They end with the process that started them, however it ends; if one of them is killed, the others are ended too.
-"""
+"""Processes that compute side by side. They end with the process that started them, and all if one is killed."""
 
 from __future__ import annotations
 
@@ -45,9 +42,7 @@ def processes(jobs: int) -> int:
 class Pool:
     """Computes functions in a number of processes, started when first needed; 0: at once in this one.
 
-    `held`: what each process is given once, however many functions are applied to it; `ended`: is given each of these
-    functions when it has ended, in any thread. Functions are found by their names and arguments are pickled: nothing of
-    this process is assumed to be there in another.
+    `held`: what each process is given once; `ended`: is given each function applied to it as it ends, in any thread.
     """
 
     def __init__(
@@ -63,10 +58,7 @@ class Pool:
             self._executor = ProcessPoolExecutor(processes, initializer=_begin, initargs=own)
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
-        """Start function(*arguments) and return its future; without processes it is computed at once.
-
-        Raises KilledError if a process was ended from outside.
-        """
+        """Start function(*arguments), at once without processes. Raises KilledError where a process was killed."""
         if self._executor is None:
             done: Future[Result] = Future()
             done.set_result(function(*arguments))
@@ -112,10 +104,7 @@ class Pool:
 
 
 def _tell(number: int, share: float | None) -> None:
-    """Report, in a process of a pool, the share that is done of a task, by its number; None: it has ended.
-
-    Number and share are one value, which is written at once.
-    """
+    """Report, in a process of a pool, the share that is done of a task, in one cell with its number; None: ended."""
     for board in _board:
         board[number % CELLS] = NOTHING if share is None else number + min(share, 0.999)
 
@@ -125,8 +114,7 @@ def finished(
 ) -> Iterator[tuple[Key, Result]]:
     """Yield key and result of every future as it is finished; `meanwhile`: done every LOOK in which none is.
 
-    `futures` may grow while results are taken. Of those that are finished at one time the failed ones come last:
-    nothing that was computed is lost. Raises what they raised, KilledError where a process was ended from outside.
+    `futures` may grow. Of those finished together failed ones come last. Raises what they raised, or KilledError.
     """
     ended: queue.SimpleQueue[Future[Result]] = queue.SimpleQueue()
     heard: set[Future[Result]] = set()
@@ -151,10 +139,7 @@ def finished(
 
 
 def result_of(future: Future[Result]) -> Result:
-    """Wait for a future and return its result.
-
-    Raises what its function raised, KilledError if a process was ended from outside.
-    """
+    """Return the result of a future. Raises what its function raised, or KilledError."""
     try:
         return future.result()
     except BrokenProcessPool as error:

@@ -1,8 +1,4 @@
-"""The analyses of a run: stored results are used if nothing they depend on has changed, others are computed.
-
-Several processes are used where that is faster. An analysis is a function of its arguments alone; its result is stored
-as soon as it is finished, even if others fail.
-"""
+"""The analyses of a run, functions of their arguments alone: stored results are used, others computed and stored."""
 
 from __future__ import annotations
 
@@ -112,11 +108,7 @@ class _Stage:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a run: its results, whether every requested analysis was completed, and how many were computed.
-
-    `computed`: number of analyses of this run; `taken`: number of stored results of earlier runs that were used, as
-    their inputs have not changed.
-    """
+    """The `results` of a run, whether it is `complete`, and how many analyses were `computed` and `taken` over."""
 
     results: Results
     complete: bool
@@ -128,10 +120,9 @@ class Outcome:
 class Workers:
     """How analyses are computed, and how many were.
 
-    `jobs`: processes, 0: one per core if the work is worth starting them; `scheduler`: address of a Dask cluster that
-    computes in their place. `store`: where finished analyses are kept and looked for, None: nowhere; `fresh`: they are
-    kept, but not looked for. `meanwhile`: what this process does, once, while others compute. `computed`, and `taken`
-    over from what earlier runs `kept`: what this one computed and needs again is neither.
+    `jobs`: processes, 0: one per core if worth it; `scheduler`: address of a Dask cluster instead; `store`: where
+    results are kept and, unless `fresh`, looked for; `meanwhile`: what this process does, once, while others compute.
+    `taken`: from earlier runs; what this one `kept` itself and needs again does not count.
     """
 
     jobs: int = 0
@@ -156,9 +147,8 @@ class Workers:
     ) -> list[Result]:
         """Return function(*task) for every task, in their order; `weights`: about how long each takes, in any unit.
 
-        An argument that is `From` an earlier task is what its result gives: the task begins when that is known.
-        Computed results pass through JSON as stored ones do, so that both are equal to the last bit.
-        Raises KilledError where a process was ended from outside.
+        A task with an argument `From` an earlier one begins when that is known. Results pass through JSON, computed and
+        stored ones: both are equal to the last bit. Raises KilledError where a process was ended from outside.
         """
         every = range(len(tasks))
         shares = dict(zip(every, weights or repeat(1.0), strict=False))
@@ -197,10 +187,7 @@ class Workers:
         return False
 
     def _compute(self, stage: _Stage, worthwhile: bool) -> Iterator[tuple[int, str]]:
-        """Yield the number of each task that is left and its packed result, as they are finished.
-
-        Long work runs in another process even if there is one task: a solver in C does not react to an interruption.
-        """
+        """Yield number and packed result of each task that is left, long ones of another process: it can be stopped."""
         waiting = list(stage.weights)
         several = len(waiting) > 1 and (self.jobs > 1 or self.scheduler is not None)
         if not waiting or not (worthwhile or several):

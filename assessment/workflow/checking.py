@@ -44,10 +44,7 @@ PACKAGES = (
 
 
 def describe(project: Project, model: ProjectModel) -> Results:
-    """Return the results before any analysis: every state is present, and empty.
-
-    Raises OSError for a file of the project that cannot be read.
-    """
+    """Return the results before any analysis, every state empty. Raises OSError for a file that cannot be read."""
     moving = (project.pushover, project.history, project.incremental, project.campaign, project.mechanism)
     states = project.states if any(moving) else project.unstrengthened[1:]
     return Results(
@@ -176,10 +173,9 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """A project that a run would accept: its model, records and demand, and the results before any analysis.
+    """A project that a run would accept, with model, records, demand, empty results, and `notes` on the files.
 
-    `results.model.self_weight_stable`: whether the structure as drawn stands; `notes`: remarks on the files;
-    `warnings`: of all that was checked.
+    `results.model.self_weight_stable`: whether it stands as drawn; `warnings`: of all that was checked.
     """
 
     project: Project
@@ -212,10 +208,9 @@ def read_inputs(project: Project, model: ProjectModel) -> Checked:
 
 
 def checked(project: Project, model: ProjectModel | None = None) -> Checked:
-    """Read every file that a run of the project reads, and refuse what it would refuse.
+    """Read every file that a run reads, and refuse what it would refuse; `model`: where it is built already.
 
-    `model`: that of the project where it is built already. Raises as `read_inputs`, and FaultyDrawingError with all
-    faults of a drawing that is no assembly.
+    Raises as `read_inputs`, and FaultyDrawingError with all faults of a drawing that is no assembly.
     """
     found = read_inputs(project, model := model or build_model(project))
     results, refused = found.results, refused_as_drawn(project, model.states[ORIGINAL])

@@ -139,10 +139,9 @@ def write(
 ) -> list[str]:
     """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
 
-    A judgement.md that was edited is kept and printed; one that is written meanwhile is kept. Return warnings (a PDF
-    that could not be made). `jobs`: processes, 0: one per core; `attachments`: pictures that end the report;
-    `reached`: is given the share that is made, about. Raises KilledError if one of them was ended from outside, OSError
-    that names a file; the folder is then unchanged.
+    A judgement.md that was edited is kept. Return warnings. `jobs`: processes, 0: one per core; `attachments`: pictures
+    that end the report; `reached`: is given the share that is made. Raises KilledError, or OSError that names a file;
+    the folder is then unchanged.
     """
     from assessment.report.chapters.judgement import NAME
     from mechanics.messages import message

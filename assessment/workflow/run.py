@@ -37,12 +37,9 @@ HAVE_IT = "add it, or name a stage that it has"
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:
-    """Return the project with only some of its stages.
+    """Return the project with only some of its stages, and what these need.
 
-    Raises ProjectError for a stage that does not exist, and where the project has none of them.
-
-    Settlements stay if a stage other than the assessment needs the settled states; the stage pushdown moves supports
-    under all contacts that the project asks for.
+    Raises ProjectError for a stage that does not exist, or where the project has none of them.
     """
     if only is None:
         return project
@@ -87,12 +84,10 @@ def carry_out(
     show: Show,
     scheduler: str | None = None,
 ) -> tuple[Outcome, list[str]]:
-    """Carry out every stage that the project asks for and write all that is made of the results into `folder`.
+    """Carry out what the project asks for and write `folder`, unless an earlier run left the same; return warnings too.
 
-    If an earlier run wrote the same, nothing is computed or written; otherwise stored analyses are used where their
-    inputs have not changed, and everything is written anew. `jobs`: processes, 0: as many as help; `scheduler`: address
-    of a Dask cluster in their place; `fresh`: nothing stored is used. Return the outcome of the run, and warnings of
-    the writing. Raises BusyError while another run writes into the folder.
+    `jobs`: processes, 0: as many as help; `scheduler`: address of a Dask cluster instead; `fresh`: nothing stored is
+    used. Raises BusyError while another run writes into the folder.
     """
     keys = keys_of(project)
     last = None if fresh else recall(folder)
@@ -119,10 +114,9 @@ def carry_out(
 
 
 def print_again(project: Project, folder: Path) -> list[str]:
-    """Render the report, figures and tables again from the results in `folder`, without any analysis.
+    """Render everything again from the results in `folder`, with the title page of the project; return warnings.
 
-    Title page and language are those of the project. Return warnings. Raises ValueError for results that are missing
-    or cannot be printed (damaged, edited, of another version), BusyError as `carry_out`.
+    Raises ValueError for results that are missing or cannot be printed (damaged, of another version), BusyError.
     """
     from assessment.results.file import read_results
     from mechanics.messages import message

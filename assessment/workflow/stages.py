@@ -71,14 +71,10 @@ def run(
     meanwhile: Callable[[], object] | None = None,
     scheduler: str | None = None,
 ) -> Outcome:
-    """Carry out every stage that the project asks for.
+    """Carry out every stage that the project asks for; for the other arguments see Workers.
 
-    `jobs`: number of processes, 0: as many as help; `scheduler`: address of a Dask cluster used in their place;
-    `store`: where finished analyses are kept, and taken from unless `fresh`; `show`: receives the progress;
-    `meanwhile`: what this process does, once, while others compute.
-
-    Raises ProjectError or ValueError for records and hazard that cannot be read, KilledError where a process was ended
-    from outside, and pydantic's ValidationError for results that are not as the schema says (a fault of the program).
+    Raises ProjectError or ValueError for records and hazard that cannot be read, KilledError for a killed process,
+    and pydantic's ValidationError for results that are not as the schema says (a fault of the program).
     """
     with Workers(jobs, store, fresh, show, meanwhile=meanwhile, scheduler=scheduler) as workers:
         read = read_inputs(project, model)
@@ -94,10 +90,8 @@ def run(
 class Draft:
     """The results of a run while its stages add to them; `finished` returns them.
 
-    `results`: what needs no analysis, then the parts that were found; `warnings`: what the reader has to know;
-    `quality`: certificates of the analyses; `seconds`: their computing time by stage; `errors` and `search_errors`:
-    estimated errors of pushovers and histories, and of the PGA at collapse; `complete`: whether every analysis that was
-    asked for was completed.
+    `seconds`: computing time by stage; `errors`, `search_errors`: estimated errors of paths and of the PGA at collapse;
+    `complete`: whether every analysis that was asked for was completed.
     """
 
     read: Checked
@@ -305,9 +299,9 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
 
 
 def _add_studies(draft: Draft, statics: Statics, scans: Scans) -> None:
-    """Fit movements, compare scenarios, vary properties and run the campaign, each where asked for; add the results.
+    """Fit, compare, vary and run the campaign, each where asked for.
 
-    Raises ProjectError for a property that gives no model.
+    Raises ProjectError for a property without a model.
     """
     project, workers, settling = draft.project, scans.workers, draft.models[ORIGINAL].settling
     made: dict[str, Callable[[Study], Scenarios | Sensitivity | Identification | Campaign]] = {}

@@ -140,10 +140,9 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
 
 
 def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, JointMotion, VirtualWork]:
-    """Return the virtual displacements (b, 3) of a chosen mechanism, its motion in the joints and its virtual work.
+    """Return virtual displacements (b, 3), motion in the joints and virtual work.
 
-    Raises MechanismError as `evaluate`, for a mechanism that cannot move, that no horizontal load starts, or that needs
-    none: what refuses a mechanism needs no analysis.
+    Raises MechanismError as `evaluate`.
     """
     delta = virtual_displacements(model, positions, chosen)
     motion, work = joint_motion(model, positions, delta), virtual_work(model, positions, chosen)
@@ -263,10 +262,7 @@ def evaluate(
 def followed(
     model: Assembly, positions: Array, delta: Array, control: ControlPoint | None, sense: float
 ) -> ControlPoint:
-    """Return the control point that is given, if it moves along the push, or the centroid that moves farthest along it.
-
-    Its virtual displacement is that of the configuration at `positions` (b, 3).
-    """
+    """Return the given control point, if it moves along the push, or the centroid that moves farthest, with its δ."""
     along = sense * delta[:, 0]
     if control is not None:
         arm = np.subtract(control.point, positions[control.block, :2])

@@ -38,10 +38,7 @@ PERIODS = np.concatenate([np.arange(400) / 100.0, np.arange(80, 201) / 20.0])  #
 
 @dataclass(frozen=True)
 class Demands:
-    """What capacities are assessed against: the spectrum of each limit state, and the site's hazard curve.
-
-    Without an assessment there is no spectrum; without a grid there is no hazard curve.
-    """
+    """The spectrum of each limit state, none without an assessment; the site's hazard curve, None without a grid."""
 
     spectra: Mapping[str, Spectrum] = field(default_factory=dict)
     hazard: HazardCurve | None = None
@@ -50,9 +47,8 @@ class Demands:
 def demand_spectra(project: Project, shaking: Sequence[BaseMotion] = ()) -> Demands:
     """Return the demand spectrum of each limit state, and the site's hazard curve where a grid gives it.
 
-    `shaking`: the base motions of [[history]]; with spectrum = "record" the first one's own spectrum is the demand at
-    every limit state. Raises ProjectError for a site outside the grid, and for method = "grid" with
-    a record.
+    With spectrum = "record" that of the first base motion of [[history]] (`shaking`). Raises ProjectError for a site
+    outside the grid, and for method = "grid" with a record.
     """
     assessment = project.assessment
     assert assessment is not None
@@ -67,10 +63,7 @@ def demand_spectra(project: Project, shaking: Sequence[BaseMotion] = ()) -> Dema
 
 
 def site_acceleration(project: Project) -> dict[str, float]:
-    """Return a_g S (g) of the site by limit state, if the demand is a record's spectrum and a site is given.
-
-    The capacity from the shape of the record is compared with it; without a site it is compared with the record's PGA.
-    """
+    """Return a_g S (g) by limit state of a site beside a record, which capacities from its shape are compared with."""
     assessment = project.assessment
     if assessment is None or assessment.spectrum != "record" or assessment.site is None:
         return {}
@@ -81,10 +74,7 @@ def site_acceleration(project: Project) -> dict[str, float]:
 
 
 def demand_return_periods(project: Project) -> dict[str, float]:
-    """Return T_R (years) of the demand by limit state: from V_N and C_U with a grid, otherwise as typed in.
-
-    A limit state without an entry has a typed hazard without return period, which V_N and C_U do not give.
-    """
+    """Return T_R (years) of the demand by limit state: of V_N and C_U with a grid, as typed where it was."""
     assessment = project.assessment
     if assessment is None or assessment.spectrum == "record" or assessment.site is None:
         return {}
@@ -136,10 +126,7 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
 
 
 def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum]:
-    """Return the demand spectra by limit state: ordinates at 5 % and at the damping of the check, and parameters.
-
-    With the calculation of the parameters; a record has none. NTC 2018, §3.2.3; at height Circolare 7/2019, C7.2.3.
-    """
+    """Return the demand spectra by limit state and how their parameters follow (NTC 2018, §3.2.3; Circolare C7.2.3)."""
     assert project.assessment is not None
     found, periods = {}, demand_return_periods(project)
     for name, spectrum in demands.spectra.items():
@@ -252,10 +239,7 @@ def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:
 
 
 def confidence_source(assessment: AssessmentTable | None) -> str:
-    """Return what F_C follows from: the paragraph of its components, or of the level of knowledge.
-
-    Without an assessment F_C is 1, by no paragraph.
-    """
+    """Return the paragraph of F_C: of its components or its level; without an assessment it is 1, by none."""
     if assessment is None:
         return "no assessment asked for"
     knowledge = assessment.knowledge

@@ -57,12 +57,7 @@ def members(
     workers: Workers,
     tolerances: EnsembleTolerances = ENSEMBLE,
 ) -> Members:
-    """Return the further members of each state's ensemble, each with its results under every behaviour.
-
-    A state whose paths do not scatter has none.
-
-    `requests` and the results `found`, in the same order.
-    """
+    """Return the further members of the ensembles of states that scatter, results under every behaviour by state."""
     own = {(result.state, result.behaviour): result for result in found}
     suspected = {result.state for result in found if result.scatters}
     together = [request for request in requests if request.project.scatter > 1 and request.state in suspected]
@@ -132,11 +127,7 @@ def _follow(
 
 
 def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:
-    """Return the assembly with every corner of its movable blocks moved by `noise` of the block, each at random.
-
-    Its joints are those of the model: blocks of others, such as the halves of a joint at a corner of a straight face,
-    stay as drawn.
-    """
+    """Return the assembly with corners of movable blocks moved by `noise` of the block at random; its joints stay."""
     drawn, still = _faces(model), set[int]()
     while True:
         random, blocks = np.random.default_rng(seed), []

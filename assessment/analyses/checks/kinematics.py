@@ -225,9 +225,9 @@ def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], clos
 
 
 def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> FiniteMotion:
-    """Follow a mechanism from `positions` (b, 3) until its multiplier is zero.
+    """Follow a mechanism until α = 0.
 
-    Raises KinematicsError if the hinges allow no motion or more than one, and if other blocks stop the motion.
+    Raises KinematicsError unless the hinges allow one motion, and where it is stopped.
     """
     parts = _Parts.of(positions, chosen, hinges)
     q = np.zeros((len(chosen.parts), 3))
@@ -350,10 +350,7 @@ def _multiplier(model: Assembly, at: Array, delta: Array) -> float:
 
 
 def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.intp]]) -> None:
-    """Raise KinematicsError if blocks overlap in a motion that do not overlap at its start.
-
-    The blocks of one macro-block, and those that do not move, keep their places to each other.
-    """
+    """Raise KinematicsError if blocks of different macro-blocks overlap in a motion that do not at its start."""
     owner = np.full(len(model.blocks), -1)
     for k, blocks in enumerate(parts):
         owner[blocks] = k
@@ -371,10 +368,7 @@ def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.int
 
 
 def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:
-    """Return the area (m²) that two blocks share, by an overlay on a grid about the first one.
-
-    In plain floating-point numbers that of two blocks that touch along a joint may come out as the whole block.
-    """
+    """Return the area (m²) that two blocks share, on a grid about the first: plain overlays may give a whole block."""
     near = positions - np.append(positions[i, :2], 0.0)
     one, other = (_outline(model.blocks[k].polygon - model.blocks[k].centroid, *near[k]) for k in (i, j))
     return float(shapely.intersection(one, other, grid_size=MOTION.grid * model.size).area)

@@ -148,10 +148,7 @@ def elastic_push(path: Pushover) -> ElasticPush:
 def _mechanism(
     control: ControlTable, met: Met, point: int, alpha: float, at: State, moving: Pushover | Limit
 ) -> Mechanism:
-    """Return what is `moving` at a point of a curve, of multiplier `alpha` and state `at`.
-
-    Pairs of faces that slide in it although they did not touch as drawn are added to `met`.
-    """
+    """Return what is `moving` at a point of a curve of `alpha` and state `at`; new faces that slide go to `met`."""
     model, moved, contacts = moving.model, moving.mechanism, moving.contacts
     block, fastest = model.block_at(control.point_m), float(abs(moved[:, :2]).max())
     small = 1e-6 * model.size / fastest
@@ -199,10 +196,7 @@ def _way_of_blocks(path: Pushover, mechanism: Mechanism) -> list[float] | None:
 
 
 def _other_law(found: RigidPush, control: ControlTable, path: Pushover, met: Met) -> OtherLaw | None:
-    """Return limit analysis by the other law of friction where the mechanism forms, and at the onset.
-
-    None where the two multipliers differ by less than DIFFERS, or where the other law has no flow.
-    """
+    """Return limit analysis by the other law of friction, if its multipliers differ by DIFFERS; None without a flow."""
     law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
     own = {0: found.alpha_onset, path.formed: found.mechanism.alpha}
     try:
@@ -398,11 +392,9 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
 def second_solver(
     model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float
 ) -> Found[SecondSolver]:
-    """Compare the associative multipliers of two programs in the state `activated` of the state of that name.
+    """Compare the associative multipliers of two programs in the state `activated`; `alpha_0`: of the curve there.
 
-    `alpha_0`: multiplier of the curve that has its peak there, a third number beside them.
-    The law is associative whatever that of the curve: with Coulomb's the multiplier is not unique, and no linear
-    program has it. Nothing is `found` where joints crush.
+    With Coulomb's law no linear program has the multiplier. Nothing is `found` where joints crush.
     """
     began = time.perf_counter()
     found = Found[SecondSolver]()

@@ -259,10 +259,7 @@ def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | Message:
 
 
 def not_back(model: Assembly, reached: State, where: Message, before: State) -> Message | None:
-    """Return what does not come back though all supports do; None where a support is elsewhere.
-
-    `before`: the state that was `where` said, and `reached` the one at the end of the movements.
-    """
+    """Return what does not come back to `before`, the state `where` says, though all supports do; else None."""
     moved = reached.positions - before.positions
     if abs(moved[~model.movable]).max() > BACK * model.size:
         return None

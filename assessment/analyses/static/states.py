@@ -182,11 +182,7 @@ class StateResult:
 
 
 def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "") -> list[StateResult]:
-    """Settle the structure as each request asks, then push over the states at rest; return the results in order.
-
-    An analysis has only the arguments that it depends on: a stored result is used again while these are unchanged.
-    `study`: name of the study that the requests are for, "" for the states themselves.
-    """
+    """Settle the structure as each request asks, then push over the states at rest; `study`: for titles."""
     prefix = f"{study}: " if study else ""
     settled = _settled(requests, workers, prefix)
     begun, restless = _beginnings(requests, settled, workers, prefix)
@@ -251,10 +247,7 @@ def _pushed(
 def _of_other_points(
     requests: Iterable[Request], pushed: Mapping[tuple[Request, Direction], Found[Pushed]]
 ) -> dict[Pushing, ControlTable]:
-    """Return the elastic curves that are of another control point than the rigid ones beside them, with these points.
-
-    A point that takes no part in the rigid mechanism may move with elastic joints, and a capacity is of one point.
-    """
+    """Return elastic curves of another control point than the rigid ones beside them, with the points of these."""
     followed = [
         (request, way, value.curves)
         for request in requests
@@ -334,11 +327,7 @@ def _beginnings(
     workers: Workers,
     prefix: str,
 ) -> tuple[dict[Request, Beginning], dict[Request, Message]]:
-    """Return where each request is pushed from, and why others find no rest to be strengthened in.
-
-    Those whose structure collapses before are left out. What strengthens the structure as drawn finds it at rest, which
-    elastic joints are not as drawn.
-    """
+    """Return where each request is pushed from, and why others find no rest; not those that collapse before."""
     resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
     tasks = [(request.model.settling, request.sliding) for request in resting]
     titles = [f"{request.title}, at rest" for request in resting]

@@ -177,10 +177,7 @@ def counted(motions: Sequence[TimeHistory]) -> Row:
 
 
 def steps(quick: bool) -> Iterator[Row]:
-    """A step of 5 ms of every structure, contact behaviour and integrator under a strong motion of unit peak.
-
-    Then implicit Euler's of ever larger walls, and the exponent of its time over the number of blocks.
-    """
+    """A step of 5 ms of every structure, contact behaviour and integrator; implicit Euler's of ever larger walls."""
     strong, length = strong_record(), 1.0 if quick else 7.0
     structures = [
         ("2 blocks", block_on_base(0.6, 4.2, stiffness=1e6), 0.3, length),
@@ -212,10 +209,7 @@ def steps(quick: bool) -> Iterator[Row]:
 
 
 def ensembles(quick: bool) -> Iterator[Row]:
-    """Motions of many impacts: members at amplitudes within 1 %, at every time step; quick: one structure, few members.
-
-    The first row of a structure is the resolved median, with its bounds, that errors are relative to.
-    """
+    """Motions of many impacts: members within 1 % of amplitude by time step; first the resolved median, its bounds."""
     arch = shaken_arch("rigid", 0.12)
     name = "Ferris and Tin-Loi's wall 1, shaken, rigid"
     wall = Motion(name, running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0, shaking(0.5))
@@ -225,10 +219,7 @@ def ensembles(quick: bool) -> Iterator[Row]:
 
 
 def ensemble(motion: Motion, steps: Sequence[float], count: int, fine: float, many: int) -> Iterator[Row]:
-    """Least, median and largest displacement (mm) of `count` members by integrator and time step (s).
-
-    Relative to the median of `many` members at the time step `fine`.
-    """
+    """Displacements (mm) of `count` members by integrator and time step (s), and of `many` at the step `fine`."""
     resolved = sizes(motion, members(motion, "moreau-jean", many, fine))
     low, high = median_between(resolved)
     exact = float(np.median(resolved))
@@ -275,10 +266,9 @@ def sizes(motion: Motion, found: Sequence[TimeHistory]) -> Array:
 
 
 def median_between(values: Array) -> tuple[float, float]:
-    """Two of the values (k,) between which the median of all that might be drawn lies, with 95 % CONFIDENCE.
+    """Two of the values (k,) between which the true median lies with 95 % CONFIDENCE.
 
-    The number of values below it is distributed as the heads of k tosses of a coin. Raises ValueError for fewer than
-    six values.
+    Raises ValueError for fewer than six.
     """
     count, ordered = len(values), np.sort(values)
     below = int(binom.ppf(0.5 * (1.0 - CONFIDENCE), count, 0.5))  # fewer of them are hardly ever below

@@ -1,8 +1,4 @@
-"""What is not computed because a scene does not need it: the same answer with and without, and what it saves.
-
-Each skip is done twice, as the program does it and as it would without: the difference of the answers is zero where
-the skip is exact, and otherwise of the size that the skip is held to.
-"""
+"""What is not computed because a scene does not need it: the answer with and without the skip, and what it saves."""
 
 from __future__ import annotations
 

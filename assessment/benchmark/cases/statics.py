@@ -119,10 +119,7 @@ def pushing(name: str, contacts: Behaviour, values: Values = INCREMENTS, moved: 
 
 
 def beds(name: str, moved: Direction | None = None) -> Case:
-    """The peak of the elastic curve, of beds of points and of the exact one in a quarter of the increments.
-
-    As drawn towards +x; or towards a direction after its movement, which every bed goes through by itself.
-    """
+    """The elastic peak of beds of points and of the exact one, as drawn towards +x or settled towards `moved`."""
     at_rest = cache(lambda segments: settled(name, "elastic", 1.0, segments).final)
 
     def run(number: float) -> Pushover:
@@ -135,11 +132,7 @@ def beds(name: str, moved: Direction | None = None) -> Case:
 
 
 def sliding(quick: bool) -> Iterator[Row]:
-    """A row for each structure and law of sliding: α_0, where the curve ends over its variants, and time a curve.
-
-    Then one for each coarseness of the increment, whose variants are corners moved by rounding. Walls that slide, an
-    arch that only turns, and one that does both; quick: two walls.
-    """
+    """α_0 and where the curve ends over variants, by structure and law of sliding, then by increment."""
     small = running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
     x, z = map(float, small.blocks[-1].centroid)
     cases = [
@@ -162,10 +155,7 @@ def ends(
     model: Assembly, at: tuple[float, float], increment: float, law: Sliding, factors: Sequence[float] = (1.0,),
     frames: bool = False,
 ) -> Row:  # fmt: skip
-    """Least, median and largest end (m) of curves that must not differ, and how many are not solved.
-
-    Of several increments, of corners moved by rounding, and of other units of length, origins and units of weight.
-    """
+    """Range (m) of ends that must not differ: of other increments, corners moved by rounding, units, origins."""
     tried = [(model, factor, 1.0, (0.0, 0.0), 1.0) for factor in factors]
     tried += [(shaken_corners(model, seed), 1.0, 1.0, (0.0, 0.0), 1.0) for seed in range(3)]
     if frames:

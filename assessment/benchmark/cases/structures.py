@@ -38,10 +38,7 @@ def running_bond(
     columns: int = 5, courses: int = 6, length: float = 0.4, height: float = 0.175, friction: float = 0.65,
     stiffness: float = 1e6, full_on_top: bool = True,
 ) -> Assembly:  # fmt: skip
-    """Courses of whole bricks alternating with courses that begin and end with a half brick.
-
-    The default is wall 1 of Ferris and Tin-Loi.
-    """
+    """Courses of whole bricks alternating with half-brick-ended ones; by default wall 1 of Ferris and Tin-Loi."""
     stone = Material(18.0, friction, stiffness)
     width = columns * length
     blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]

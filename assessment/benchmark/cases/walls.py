@@ -40,10 +40,7 @@ def apart(columns: int, courses: int) -> Row:
 
 
 def measured(columns: int, courses: int) -> Row:
-    """Time (s) of building a wall and of its limit analysis, self-weight check included; memory (MB), α_0, residual.
-
-    HiGHS is the reference of walls that it solves in seconds.
-    """
+    """Times (s) of building a wall and of its limit analysis; memory (MB), α_0, residual, error against HiGHS."""
     limit_analysis(running_bond(8, 8), sliding="associative")  # what is imported and compiled once
     building, model = seconds_of(lambda: running_bond(columns, courses))
     seconds, found = seconds_of(lambda: limit_analysis(model, sliding="associative"))

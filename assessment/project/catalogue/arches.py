@@ -214,9 +214,9 @@ def _pier(ring: Ring, width: float, blocks: int) -> list[Array]:
 
 
 def _beams(masonry: list[Array], outer: float, height: float, beams: int, side: float) -> list[Array]:
-    """Return square beams (4, 2), m, at about equal distances, each over the middle of a block of the top course.
+    """Return square beams (4, 2), m, over the middles of blocks of the top course, which is 2 `outer` m long.
 
-    `outer`: half the length of that course, m. Raises ValueError if they do not fit side by side.
+    Raises ValueError if they do not fit side by side.
     """
     top = [block for block in masonry if block[:, 1].max() > height - 1e-9]
     middles = np.array([0.5 * (block[:, 0].min() + block[:, 0].max()) for block in top])

@@ -39,10 +39,9 @@ TO_FILL_IN: tuple[KeyPath, ...] = (
 
 
 def new_from_drawing(folder: Path, drawing: Path, source: str = TOML) -> tuple[str, ...]:
-    """Write a project of a drawing, a copy of which goes with it, into a new folder, whole or not at all.
+    """Write a project of a drawing, with a copy of it, into a new folder, whole or not at all; return what tells of it.
 
-    Returns what tells of the proposal. Raises ProjectError where the folder holds something already, DrawingError where
-    the drawing cannot be read or has no closed outline, OSError where something cannot be read or written.
+    Raises ProjectError as `new_folder`, DrawingError where the drawing has no closed outline, OSError.
     """
     content, told = proposal(drawing)
     source_data = source_bytes(source, content, TO_FILL_IN)
@@ -164,10 +163,7 @@ def _is_meant(outline: PlacedOutline) -> bool:
 
 
 def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], Mask]:
-    """Return the layers, sorted, of outlines around others of their layer, and which outlines (b,) are these others.
-
-    What touches such an outline from within, as a door does, is around it too.
-    """
+    """Return the layers, sorted, of outlines around others of their layer, and which (b,) these openings are."""
     tree = shapely.STRtree(rings)
     outer, inner = tree.query(rings, predicate="covers")
     same = np.array(layers)[outer] == np.array(layers)[inner]

@@ -1,7 +1,6 @@
 """What templates are made of: masonry as closed polygons (n, 2) in m by drawing layer, and the project file.
 
-z = 0 is at the foot of the masonry. Edges are straight: a ring is bounded by chords between its radial joints, so
-neighbours share their boundaries exactly.
+z = 0 is at the foot of the masonry. Rings have chords between radial joints: neighbours share their edges exactly.
 """
 
 from __future__ import annotations
@@ -84,9 +83,9 @@ class Ring:
         return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
 
     def foot(self, width: float) -> tuple[Array, Array]:
-        """Return the inner and the outer end (2,) m of the right-hand springing joint.
+        """Return inner and outer end (2,) m of the right-hand springing joint.
 
-        Raises ValueError where it is wider than `width`, m.
+        Raises ValueError if wider than `width`, m.
         """
         inner, outer = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
         if outer[0] - inner[0] > width + 1e-9:
@@ -95,9 +94,9 @@ class Ring:
         return inner, outer
 
     def springer(self, width: float, bottom: float) -> Array:
-        """Return the right-hand block (5, 2), m, below the ring; its inner face is flush with the intrados.
+        """Return the right-hand block (5, 2), m, of a `width` from `bottom` up to the ring.
 
-        `width` (m); `bottom` (m): level of its foot. Raises ValueError for a ring whose foot is wider than the block.
+        Raises ValueError as `foot`.
         """
         (xi, zi), (xe, ze) = self.foot(width)
         return np.array([(xi, bottom), (xi + width, bottom), (xi + width, ze), (xe, ze), (xi, zi)])
@@ -165,10 +164,7 @@ def mirrored(blocks: Iterable[Array]) -> list[Array]:
 
 
 def base_below(inner: float, outer: float, nearest: float = np.inf) -> Array:
-    """Return a base block (4, 2), m, a quarter of the pier wider on either side: a toe that slides stays on it.
-
-    `nearest` (m): room beside the pier, of which the base takes no more than 0.4.
-    """
+    """Return a base (4, 2), m, wider than the pier by a quarter on either side, by 0.4 of `nearest` at most."""
     margin = min(0.25 * (outer - inner), 0.4 * nearest)
     return rectangle(inner - margin, outer + margin, -0.5 * (outer - inner), 0.0)
 
@@ -229,10 +225,9 @@ def project(
     settlements: Sequence[Mapping[str, Any]] = (),
     **tables: Any,
 ) -> dict[str, Any]:
-    """Return the content of a project file; `depth` (m), `stone`: kN/m³, tangent of friction, kN/m³ of the joints.
+    """Return a project file; `stone`: kN/m³, tangent of friction, kN/m³ of joints; `increment` (m) of the pushover.
 
-    `control`: points (m) by name, of two each followed where it goes ahead; `increment` (m) of the pushover. What
-    [assessment] has of its own in `tables` is added to what all templates have.
+    `control`: points (m) by name, of two each followed where it goes ahead; `tables`: others, [assessment] adds.
     """
     ahead = sorted(control, key=lambda name: -control[name][0])
     pushover: dict[str, Any] = {"contacts": ["rigid", "elastic"], "directions": ["+x", "-x"]}
@@ -256,10 +251,7 @@ def project(
 
 
 def outward(movement: float, increment: float = 0.0) -> dict[str, Any]:
-    """Return the paper's [[settlements]]: the right support goes outward and down by a `movement` (m) each.
-
-    `increment` (m): 0: a twentieth.
-    """
+    """Return the paper's [[settlements]]: outward and down by `movement` (m), in steps `increment` (0: a twentieth)."""
     step = increment or round(0.05 * movement, 7)
     way = {"displacement_m": [movement, -movement], "increment_m": step, "to_collapse": True}
     return sinking(movement) | way

@@ -58,10 +58,7 @@ def template_options(template: str) -> dict[str, Option]:
 
 
 def made(template: str, options: Mapping[str, float]) -> Made:
-    """Return polygons by layer, m, and the content of the project file of a template with some dimensions of its own.
-
-    Raises ProjectError where the template or a dimension is unknown or does not fit.
-    """
+    """Return polygons by layer, m, and project file of a template. Raises ProjectError for options that do not fit."""
     known, values = template_options(template), {}
     for name, value in options.items():
         if name not in known:
@@ -89,11 +86,9 @@ def template_layout(template: str, options: Mapping[str, float] | None = None) -
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
-    """Write drawing, artificial record and project file of a template into a new folder, whole or not at all.
+    """Write drawing, record and project file (`source`) of a template into a new folder, whole or not at all.
 
-    `options` change the template's dimensions (see template_options), `source` is the name of the project file, which
-    tells its form. Raises ProjectError as `new_folder`, and where the template or an option is unknown, or dimensions
-    that are valid each give no structure; OSError, with the name of the file, if it cannot be written.
+    Raises ProjectError as `new_folder` and `made`, and for dimensions that give no structure together; OSError.
     """
     layout, content = made(template, options)
     files = {source: source_bytes(source, content), RECORD: artificial_record()}
@@ -116,8 +111,7 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
     """Yield a temporary folder of files that becomes `folder` when the block ends, and is removed where it fails.
 
-    Raises ProjectError if the folder exists and is not empty, or has a name that no command takes; OSError, naming it
-    or the file, if it cannot be written.
+    Raises ProjectError if the folder is not empty, or has a name that no command takes; OSError that names it.
     """
     if CONTROL.search(str(folder.absolute())):
         from mechanics.faults import visible  # late: the mechanics take their time
@@ -188,10 +182,9 @@ def example_title(folder: Path) -> str:
 
 
 def new_example(folder: Path, name: str, source: str = TOML) -> None:
-    """Copy an example into a new folder, whole or not at all; `source`: name of the project file, which tells its form.
+    """Copy an example into a new folder, whole or not at all, with a project file called `source`.
 
-    Raises ProjectError where there is no such example, or the folder holds something already; OSError where it cannot
-    be written.
+    Raises ProjectError where there is no such example, or as `new_folder`.
     """
     known = examples()
     name = name.lower().replace("-", "_")

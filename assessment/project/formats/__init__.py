@@ -16,18 +16,14 @@ TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 
 
 def source_bytes(source: str, content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
-    """Return the project file called `source` with the `content` and an explanation of every key.
-
-    `marked`: keys of which the explanation says that they are to be filled in.
-    """
+    """Return the project file called `source` that explains every key, and which are to be filled in (`marked`)."""
     return to_xlsx(content, marked) if source == XLSX else commented_toml(content, marked).encode()
 
 
 def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
-    """Write a project's file in the other form; return it, and where the earlier one is kept.
+    """Write the keys of the `old` project file in the other form; return that, and where `old` is kept.
 
-    `content`: the keys of the `old` file, which alone are written: comments stay in the file that is kept. Raises
-    ProjectError where an earlier file is kept already, OSError where the folder cannot be written.
+    Raises ProjectError where an earlier file is kept already, OSError where the folder cannot be written.
     """
     new = old.with_name(XLSX if old.name == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")

@@ -48,9 +48,9 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def updated_toml(text: str, content: Mapping[str, Any]) -> str:
-    """Return a TOML text with its values changed to `content`, its comments and its order kept where they agree.
+    """Return a TOML text with its values changed to `content`, its comments and order kept.
 
-    Entries of a list are known by their place in it. Raises ValueError where the text is no TOML.
+    Raises ValueError for no TOML.
     """
     import tomlkit
 

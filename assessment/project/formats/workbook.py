@@ -34,9 +34,9 @@ class _Oversized(Exception):  # noqa: N818 - not an error of the file's form
 
 
 def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
-    """Return the rows of every sheet twice: with the stored values of formulas, and with the formulas themselves.
+    """Return the rows of every sheet with values of formulas, and with formulas.
 
-    Raises ProjectError for a workbook that is damaged or too large.
+    Raises ProjectError if damaged or too large.
     """
     from openpyxl import load_workbook
 
@@ -59,10 +59,7 @@ def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
 
 
 def _archive(path: Path) -> BytesIO:
-    """Return the bytes of a workbook.
-
-    Raises ProjectError where they are damaged, or unpacked more than any project; OSError where there are none.
-    """
+    """Return the bytes of a workbook. Raises ProjectError if damaged or too large, OSError if there are none."""
     with path.open("rb") as file:
         packed = BytesIO(file.read(MOST_BYTES + 1))
     try:

@@ -1,13 +1,9 @@
 """A project's content as a spreadsheet, read and written: one sheet per table.
 
-Single tables (project, geometry, material, pushover, incremental, campaign, assessment, site, report) are sheets of
-key | value | comment; "project" holds the title, and a table within a table is written with a point
-(`control.+x`, `SLV.ag_g`). Lists of tables (layers, control, settlements, tie, strengthening, history, mechanism) have
-a header of keys and one row per entry; the first column of "layers" is the layer's name, and what a strengthening
-changes of a layer stands in columns `layers.NAME.friction` and so on. Of a list of tables within a single table
-(`hypotheses` of identification) every entry has rows of its own, `hypotheses.1.NAME`. A list stands in one cell,
-"0.020; -0.020"; numbers in a text may have a decimal comma. An empty cell is an absent key; a missing sheet, or one
-whose row ACTIVE says no, an absent table. Choices have a drop-down list; comments are in the report's language.
+Single tables are sheets of key | value | comment, a table within one with a point (`control.+x`, `SLV.ag_g`). Lists of
+tables, and layers by name, have a header of keys and a row per entry, with columns such as `layers.NAME.friction`; the
+entries of a list within a single table have rows of their own, `hypotheses.1.NAME`. A list stands in one cell, "0.020;
+-0.020". An empty cell is an absent key; a missing sheet, or one whose row ACTIVE says no, an absent table.
 """
 
 from __future__ import annotations
@@ -64,9 +60,9 @@ class _Entry(NamedTuple):
 
 
 def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]]:
-    """Return the content of a project spreadsheet, where each value stands (sheet and cell), and what is wrong there.
+    """Return the unchecked content of a spreadsheet, where each value stands, and what is wrong.
 
-    Values are not checked here. Raises ProjectError where it cannot be read as one.
+    Raises ProjectError.
     """
     rows, formulas = read_sheets(path)
     faults: list[str] = []
@@ -117,10 +113,9 @@ def _is_active(rows: Rows) -> bool | str:
 
 
 def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
-    """Return a project's content, as read from TOML, as a spreadsheet that explains its keys.
+    """Return a project's content as a spreadsheet that explains its keys, those `marked` as to be filled in.
 
-    Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no. `marked`:
-    keys of single tables whose comment begins with MARK.
+    Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no.
     """
     from openpyxl import Workbook
     from openpyxl.comments import Comment

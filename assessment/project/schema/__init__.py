@@ -1,8 +1,4 @@
-"""The tables of a project file: every key with its type, unit, default and meaning.
-
-Units as everywhere: kN, m, s, Mg, accelerations in g. The descriptions are written for the user: they
-become the comments of a new project file and the texts of the JSON schema.
-"""
+"""The tables of a project file: every key with its type, unit (kN, m, s, Mg, g), default and meaning for the user."""
 
 from __future__ import annotations
 

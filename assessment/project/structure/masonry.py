@@ -38,8 +38,7 @@ MATERIAL = {  # keys of [material] and of layers, and what a material calls them
 def as_built(project: Project, drawing: Drawing) -> Drawing:
     """Return the drawing with its bonds cut and with what regions say of the blocks whose centroids lie in them.
 
-    Raises ProjectError for a region that is no outline or holds no block, a bond of too many blocks, or a block that
-    would enclose an opening.
+    Raises ProjectError for a region that is no outline or holds no block, and for a bond as `running`.
     """
     tables = (*project.layers.values(), *project.region)
     if not project.region and not any(each.bond for each in tables):
@@ -64,10 +63,7 @@ def as_built(project: Project, drawing: Drawing) -> Drawing:
 
 
 def layer_of(project: Project, table: LayerTable | None) -> Layer:
-    """What the blocks of a table are: its own keys before the defaults of [material] and [geometry].
-
-    Raises ProjectError where no joint has such values.
-    """
+    """What blocks are: a table's keys before [material] and [geometry]. Raises ProjectError where no joint is such."""
     given = {key: getattr(table, key, None) for key in MATERIAL}
     own: dict[str, Any] = {
         name: getattr(project.material, key) if given[key] is None else given[key]

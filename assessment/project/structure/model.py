@@ -92,9 +92,9 @@ def tie_lengths(model: Assembly, positions: Array) -> Array:
 
 
 def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
-    """Return the assembly of every state by its name; `drawn`: blocks and joints without ties.
+    """Return the assembly of every state by name, of blocks `drawn` without ties.
 
-    Raises ProjectError naming the key for a tie that joins no two blocks, or a layer that has none.
+    Raises ProjectError for a wrong tie, layer.
     """
     known: dict[tuple[str, ...], Assembly] = {(): drawn}
     found = {}

@@ -122,9 +122,9 @@ class Gauge:
 
 
 def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
-    """Return the gauge of every measurement.
+    """Return the gauges of all measurements.
 
-    Raises ProjectError for a crack or slip far from any joint, a point in no block, and two points in one block.
+    Raises ProjectError far from any joint, in no block, twice in one block.
     """
     found = []
     for each in project.measurement:
