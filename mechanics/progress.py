@@ -1,6 +1,8 @@
 """Progress of a procedure as a share of its expected work, reported to the listener of the current context.
 
 There is no listener outside `listening`, and no result depends on one.
+
+The loops are compiled where no compiled ones are kept: about a minute in which no procedure reports anything.
 """
 
 from __future__ import annotations
@@ -41,3 +43,17 @@ def stretch(begin: float, end: float) -> Iterator[None]:
         return
     with listening(lambda share: outer(min(max(begin + (end - begin) * share, 0.0), 1.0))):
         yield
+
+
+_before_compiling: list[Callable[[], None]] = []
+
+
+def before_compiling(call: Callable[[], None]) -> None:
+    """Call a function once, before the first loop of this process is compiled."""
+    _before_compiling.append(call)
+
+
+def compiles() -> None:
+    """Say that a loop is about to be compiled."""
+    while _before_compiling:
+        _before_compiling.pop()()

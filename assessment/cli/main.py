@@ -15,6 +15,7 @@ from assessment.cli.commands import INCOMPLETE, WRONG_INPUT, incomplete, tell_er
 from assessment.runtime.console import collect_rarely, interrupted, leave, prepare, tell, watch
 from assessment.runtime.errors import is_input_error
 from assessment.runtime.journal import BusyError, record_exit
+from mechanics.progress import before_compiling
 
 if TYPE_CHECKING:
     import argparse
@@ -45,6 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if whole:
         watch(f"interrupted: {unchanged}", INCOMPLETE, lambda: record(INCOMPLETE))
         collect_rarely()
+        before_compiling(lambda: tell("compiling, once for this version: about a minute"))
         # what libraries warn of and log, with the user's names in it, stays off the terminal, of other processes too
         logging.getLogger().addHandler(logging.NullHandler())
         if not sys.warnoptions:

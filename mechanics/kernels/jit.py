@@ -19,6 +19,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLoca
 from numba.core.types import float64
 from numba.extending import intrinsic
 
+from mechanics.progress import compiles
+
 SOURCES = sorted(Path(__file__).parent.rglob("*.py"))  # whichever of them compiled code may use
 
 
@@ -82,12 +84,15 @@ class _Cache(_FunctionCache):  # type: ignore[misc]
     _impl_class = _Kept
 
     def load_overload(self, signature: Any, context: Any) -> Any:
+        found = None
         try:
-            return super().load_overload(signature, context)
+            found = super().load_overload(signature, context)
         except Exception:  # whatever a damaged pickle raises
             with suppress(OSError):
                 self.flush()
-            return None
+        if found is None:
+            compiles()
+        return found
 
     def save_overload(self, signature: Any, code: Any) -> None:
         with suppress(OSError):

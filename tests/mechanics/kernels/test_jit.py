@@ -16,6 +16,7 @@ import pytest
 from numba.core.caching import IndexDataCacheFile
 
 from mechanics.kernels import jit
+from mechanics.progress import before_compiling
 from tests import ROOT
 
 KERNELS = Path(jit.__file__).parent
@@ -31,7 +32,7 @@ def test_the_digest_is_that_of_every_source_that_compiled_code_comes_from() -> N
     ]
     assert len(compiling) >= 8
     assert all(path.is_relative_to(KERNELS) for path in compiling) and set(compiling) <= set(jit.SOURCES)
-    types = {"Array", "Index", "Mask"}
+    types = {"Array", "Index", "Mask", "compiles"}  # and what is called beside the loops
     for path in jit.SOURCES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and not str(node.module).startswith("mechanics.kernels"):
@@ -182,3 +183,15 @@ def test_code_is_kept_where_the_package_is_read_only_and_there_is_no_home(tmp_pa
         hits.append(int(count))
     assert hits == [0, 1]
     assert not list(here.iterdir())
+
+
+def double(x: float) -> float:
+    return x + x
+
+
+def test_what_is_not_kept_is_told_once_before_it_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit._FunctionCache, "load_overload", lambda *_: None)
+    told: list[str] = []
+    before_compiling(lambda: told.append("compiling"))
+    loop = jit.compiler()(double)
+    assert (loop(2.0), loop(2), told) == (4.0, 4, ["compiling"])
