@@ -25,7 +25,7 @@ from assessment.project.project import project_file, spelt, survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files import write_atomically
 from assessment.runtime.journal import NAME as JOURNAL
-from assessment.runtime.journal import Recorded, holder, progress_of, read_journal
+from assessment.runtime.journal import RunRecord, holder, progress_of, read_journal
 
 SAID = 2000  # letters of what a command that failed has said
 
@@ -39,7 +39,7 @@ class Runs:
     def __init__(self, folder: Path, log: Path) -> None:
         self.folder, self.output, self.log = folder, folder / "output", log
         self.process: subprocess.Popen[Any] | None = None
-        self.seen: tuple[tuple[int, int] | None, Recorded] = (None, Recorded())
+        self.seen: tuple[tuple[int, int] | None, RunRecord] = (None, RunRecord())
 
     def start(self, command: str, *options: str) -> None:
         """Start `assesto COMMAND` on the project. Raises ProjectError where one is at work, OSError where none can."""
@@ -78,11 +78,11 @@ class Runs:
             found["exit_code"] = code  # of a command that has left no journal
         return found | {"running": found["running"] or own, "own": own, "said": said.strip()}
 
-    def _recorded(self) -> Recorded:
+    def _recorded(self) -> RunRecord:
         try:
             status = (self.output / JOURNAL).stat()
         except OSError:
-            return Recorded()
+            return RunRecord()
         key = (status.st_mtime_ns, status.st_size)
         if self.seen[0] != key:
             self.seen = (key, read_journal(self.output))

@@ -84,12 +84,6 @@ def piqp(program: Program) -> Callable[[], object]:
     return partial(qp_piqp.solve, replace(program, law=law), TOLERANCE)
 
 
-def beside_piqp(work: Callable[[], object], programs: Sequence[Program], steps: int) -> tuple[float, float]:
-    """Least processor time (s) of a call of so many steps, and its ratio to PIQP called once a step: in turn."""
-    seconds, *solves = in_turn(work, *map(piqp, programs))
-    return float(seconds), float(seconds / steps / np.mean(solves))
-
-
 def rows_of(case: Case) -> Iterator[Row]:
     """A row for each value and each number that is measured: time, ratio to PIQP, error; a failure is a row too."""
     exact, values = case.exact, list(case.values)
@@ -113,7 +107,8 @@ def rows_of(case: Case) -> Iterator[Row]:
         row |= case.more(result)
         if case.baseline is not None:
             programs, row["steps"] = case.baseline(result)
-            seconds, row["ratio"] = beside_piqp(run, programs, row["steps"])
+            seconds, *solves = in_turn(run, *map(piqp, programs)).tolist()
+            row["ratio"] = seconds / row["steps"] / float(np.mean(solves))
         row["seconds"] = seconds
         if row.get("steps"):
             row["step_ms"] = 1e3 * seconds / row["steps"]

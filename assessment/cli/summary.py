@@ -14,7 +14,7 @@ from assessment.results.asked import turns, undetermined
 from assessment.results.identified import best_of, fits, movement_text, settlement_lines
 from assessment.results.numbers import plain
 from assessment.results.schema import Results
-from assessment.results.schema.dynamic import Campaign, History
+from assessment.results.schema.dynamic import Campaign
 from assessment.results.table import among_known, gains_by, quoted_limit_state
 
 if TYPE_CHECKING:
@@ -185,7 +185,13 @@ def _studies(results: Results) -> Iterator[str]:
 def dynamic_lines(results: Results) -> Iterator[str]:
     """Yield a line for each history and incremental analysis of a state, and for each movement of the campaign."""
     for name, state in results.states.items():
-        yield from (f"history {entry.record}, {name}: {_came_to(entry)}" for entry in state.history)
+        for entry in state.history:
+            came_to = f"peak {Words.of('en').millimetres(entry.peak_displacement_m)}"
+            if entry.collapsed is None:
+                came_to = "not computed"
+            elif entry.collapsed:
+                came_to = f"collapse at {_value(entry.time_of_collapse_s, '{:.3g} s')}"
+            yield f"history {entry.record}, {name}: {came_to}"
     for name, state in results.states.items():
         if state.incremental.records is not None:
             rule = state.incremental.rule or "lowest; NTC 2018 §7.3.5 needs three records"
@@ -193,14 +199,6 @@ def dynamic_lines(results: Results) -> Iterator[str]:
             yield f"incremental analysis, {name}: PGA at collapse {borne} ({rule})"
     if results.campaign:
         yield from _campaign_lines(results.campaign)
-
-
-def _came_to(entry: History) -> str:
-    if entry.collapsed is None:
-        return "not computed"
-    if entry.collapsed:
-        return f"collapse at {_value(entry.time_of_collapse_s, '{:.3g} s')}"
-    return f"peak {Words.of('en').millimetres(entry.peak_displacement_m)}"
 
 
 def _campaign_lines(found: Campaign) -> Iterator[str]:

@@ -141,16 +141,16 @@ def _append(path: Path, **event: Any) -> float:
 
 
 @dataclass
-class Recorded:
+class RunRecord:
     """What a journal holds: the stages of the last run that began any, and the exit code of the last that ended."""
 
     stages: list[Stage] = field(default_factory=list)
     exit_code: int | None = None
 
 
-def read_journal(folder: Path) -> Recorded:
+def read_journal(folder: Path) -> RunRecord:
     """Return what the journal in a folder holds; a line that a kill cut short, or that is no event, is left out."""
-    recorded = Recorded()
+    recorded = RunRecord()
     try:
         with (folder / NAME).open("rb") as file:
             lines = file.read(MOST_BYTES).decode(errors="replace").splitlines()
@@ -192,7 +192,7 @@ def status_json(folder: Path) -> str:
     return json.dumps(progress_of(read_journal(folder), holder(folder)), indent=2)
 
 
-def progress_of(recorded: Recorded, running: Holder | None) -> dict[str, Any]:
+def progress_of(recorded: RunRecord, running: Holder | None) -> dict[str, Any]:
     """Return where a run is as plain values: its last stage, the faults of all, and every stage by itself."""
     stage = recorded.stages[-1] if recorded.stages else None
     at_work = running is not None and stage is not None and not stage.ended

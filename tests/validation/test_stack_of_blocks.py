@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases.motions import Motion
+from assessment.benchmark.cases.motions import ShakenCase
 from mechanics import Assembly, Block, Material
 from tests.support.contact_dynamics import motion
 from tests.support.structures import rectangle
@@ -25,12 +25,12 @@ def sine(amplitude: float, period: float = 0.5) -> Callable[[np.ndarray], np.nda
     return lambda times: amplitude * np.sin(2.0 * np.pi * times / period) * (times < period)
 
 
-def stack() -> Motion:
+def stack() -> ShakenCase:
     """Two blocks of 0.5 × 1.5 m upon each other under one sine, followed for 6 s."""
     stone = Material(18.0, 0.7, 1e6)
     base = Block(rectangle(-2.0, -0.2, 2.5, 0.0), 1.0, stone, support="base")
     two = [Block(rectangle(0.0, z, 0.5, z + 1.5), 1.0, stone) for z in (0.0, 1.5)]
-    return Motion("stack of two", Assembly([base, *two]), "rigid", (0.5, 3.0), 6.0, sine(0.5))
+    return ShakenCase("stack of two", Assembly([base, *two]), "rigid", (0.5, 3.0), 6.0, sine(0.5))
 
 
 @pytest.mark.parametrize(("period", "levels"), FALLS.items())

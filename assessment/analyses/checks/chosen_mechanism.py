@@ -74,7 +74,7 @@ GIVEN = GivenTolerances()
 
 
 @dataclass(frozen=True)
-class ControlPoint:
+class FollowedPoint:
     """A point (x, z) m, from the origin, of a block, and its horizontal displacement `delta_x` in a mechanism."""
 
     point: tuple[float, float]
@@ -180,7 +180,7 @@ def evaluate(
     confidence_factor: float,
     demands: Mapping[str, Spectrum],
     method: Method,
-    controls: Mapping[str, ControlPoint] | None = None,
+    controls: Mapping[str, FollowedPoint] | None = None,
     confidence_source: str = CONFIDENCE_FACTOR,
 ) -> parts.GivenMechanism:
     """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
@@ -260,8 +260,8 @@ def evaluate(
 
 
 def followed(
-    model: Assembly, positions: Array, delta: Array, control: ControlPoint | None, sense: float
-) -> ControlPoint:
+    model: Assembly, positions: Array, delta: Array, control: FollowedPoint | None, sense: float
+) -> FollowedPoint:
     """Return the given control point, if it moves along the push, or the centroid that moves farthest, with its δ."""
     along = sense * delta[:, 0]
     if control is not None:
@@ -271,11 +271,11 @@ def followed(
             return replace(control, delta_x=float(sense * own))
     block = int(np.argmax(along))
     x, z = positions[block, :2].tolist()
-    return ControlPoint((x, z), block, float(delta[block, 0]))
+    return FollowedPoint((x, z), block, float(delta[block, 0]))
 
 
 def _fit(
-    model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: ControlPoint
+    model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: FollowedPoint
 ) -> CurveFit:
     """Return α over the displacement of the control point, m, along the finite motion (C8.7.1.2.1.2)."""
     path = finite_motion(model, positions, chosen, hinges_of(chosen, closed))
@@ -364,12 +364,12 @@ def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
                 yield _of_mechanism(chosen.name, refusal)
 
 
-def _controls(project: Project, model: Assembly, positions: Array) -> dict[str, ControlPoint]:
+def _controls(project: Project, model: Assembly, positions: Array) -> dict[str, FollowedPoint]:
     """Return the control point of each pushover direction at its place in a configuration (b, 3)."""
-    found: dict[str, ControlPoint] = {}
+    found: dict[str, FollowedPoint] = {}
     for direction in project.pushover.directions if project.pushover else ():
         point = project.pushover_control(direction).point_m
         block = model.block_at(point)
         x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
-        found[direction] = ControlPoint((x, z), block)
+        found[direction] = FollowedPoint((x, z), block)
     return found

@@ -36,7 +36,7 @@ CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class ShakenCase:
     """A motion to be computed at several steps.
 
     `damping`: ratio; `displaced` (m): where the control point begins; `after` (s): from when on its largest
@@ -79,7 +79,7 @@ class Motion:
         a, b, c = d[k - 1 : k + 2]
         return float(b - 0.125 * (a - c) ** 2 / min(a - 2.0 * b + c, -1e-300))
 
-    def scaled(self, factor: float) -> Motion:
+    def scaled(self, factor: float) -> ShakenCase:
         """The same with its base motion multiplied by a factor."""
         return replace(self, record=lambda times: factor * self.record(times))
 
@@ -110,19 +110,13 @@ def pulse(amplitude: float, duration: float) -> Wave:
     return lambda times: amplitude * np.sin(np.pi * times / duration) * (times < duration)
 
 
-def strong_record(first: float = 4.0, last: float = 11.0) -> Wave:
-    """A part (s) of the artificial record of the templates, at STEP, of unit peak."""
-    record = read_record(template(TRIUMPHAL).folder / RECORD).resampled(STEP).windowed(first, last)
-    return lambda times: np.interp(times, record.time, record.acceleration / record.pga)
-
-
-def shaken_arch(contacts: Behaviour = "elastic", amplitude: float = 0.03) -> Motion:
+def shaken_arch(contacts: Behaviour = "elastic", amplitude: float = 0.03) -> ShakenCase:
     """The buttressed arch, shaken so that some of its joints open."""
     name, damping = f"buttressed arch, shaken, {contacts}", DAMPING if contacts == "elastic" else 0.0
-    return Motion(name, assembly(ARCH), contacts, control(ARCH)[0], 3.0, shaking(amplitude), damping)
+    return ShakenCase(name, assembly(ARCH), contacts, control(ARCH)[0], 3.0, shaking(amplitude), damping)
 
 
-def rocking_freely() -> Motion:
+def rocking_freely() -> ShakenCase:
     """A rigid block of 0.6 × 4.2 m released at half its slenderness α: the third peak, after impacts at 2.02 s.
 
     Housner (1963): θ'' = −p² sin(α − θ), and an impact leaves e² of the energy, e = 1 − 1.5 sin² α.
@@ -130,7 +124,7 @@ def rocking_freely() -> Motion:
     model, alpha = block_on_base(0.6, 4.2, stiffness=1e6), float(np.arctan(0.6 / 4.2))
     e, left = 1.0 - 1.5 * np.sin(alpha) ** 2, np.cos(0.5 * alpha) - np.cos(alpha)  # of the energy over W R
     third = alpha - float(np.arccos(np.cos(alpha) + left * e**4))
-    return Motion(
+    return ShakenCase(
         "rocking block, free, rigid", model, "rigid", (0.6, 4.2), 3.0, np.zeros_like,
         state=model.rotated(1, (0.6, 0.0), -0.5 * alpha), displaced=4.2 * float(np.sin(0.5 * alpha)), after=2.1,
         exact=4.2 * float(np.sin(third)),
@@ -141,12 +135,12 @@ def dynamics(quick: bool) -> Iterator[Row]:
     """Error of the largest displacement against processor time, of every motion, integrator and step or tolerance."""
     soft, stiff = (block_on_base(0.6, 4.2, stiffness=stiffness) for stiffness in (1e5, 1e6))
     at, name = (0.6, 4.2), "rocking block, pulse"
-    rigid = Motion(f"{name}, rigid", stiff, "rigid", at, 3.0, pulse(0.3, 0.5))
-    elastic = Motion(f"{name}, elastic", soft, "elastic", at, 3.0, pulse(0.2, 0.5), DAMPING)
+    rigid = ShakenCase(f"{name}, rigid", stiff, "rigid", at, 3.0, pulse(0.3, 0.5))
+    elastic = ShakenCase(f"{name}, elastic", soft, "elastic", at, 3.0, pulse(0.2, 0.5), DAMPING)
     fine, steps = (4.0 * FINE, (0.02, STEP)) if quick else (FINE, STEPS)
     arch = shaken_arch()
 
-    def measure(motion: Motion, found: TimeHistory) -> dict[str, float]:
+    def measure(motion: ShakenCase, found: TimeHistory) -> dict[str, float]:
         return {"peak, m": motion.peak(found)}
 
     for motion in (rocking_freely(), rigid, elastic, arch):
@@ -178,7 +172,8 @@ def counted(motions: Sequence[TimeHistory]) -> Row:
 
 def steps(quick: bool) -> Iterator[Row]:
     """A step of 5 ms of every structure, contact behaviour and integrator; implicit Euler's of ever larger walls."""
-    strong, length = strong_record(), 1.0 if quick else 7.0
+    record = read_record(template(TRIUMPHAL).folder / RECORD).resampled(STEP).windowed(4.0, 11.0)
+    length = 1.0 if quick else 7.0
     structures = [
         ("2 blocks", block_on_base(0.6, 4.2, stiffness=1e6), 0.3, length),
         ("buttressed arch", assembly(ARCH), 0.03, length),
@@ -186,7 +181,10 @@ def steps(quick: bool) -> Iterator[Row]:
         ("triumphal arch", assembly(TRIUMPHAL), 0.2, SHORT),
     ]
 
-    def sized(motion: Motion, integrator: Integrator) -> Iterator[Row]:
+    def strong(times: Array) -> Array:
+        return np.interp(times, record.time, record.acceleration / record.pga)
+
+    def sized(motion: ShakenCase, integrator: Integrator) -> Iterator[Row]:
         model, contacts = motion.model, motion.contacts
         for row in rows_of(motion.case(integrator)):
             size = {"blocks": int(model.movable.sum()), "joints": len(model.contacts), "contacts": contacts}
@@ -194,14 +192,14 @@ def steps(quick: bool) -> Iterator[Row]:
 
     for name, model, pga, duration in structures[: 2 if quick else None]:
         for contacts, integrators in INTEGRATORS.items():
-            motion = Motion(name, model, contacts, None, duration, strong).scaled(pga)
+            motion = ShakenCase(name, model, contacts, None, duration, strong).scaled(pga)
             for integrator in integrators:
                 yield from sized(motion, integrator)
     for contacts in INTEGRATORS:
         rows: list[Row] = []
         for columns, courses in QUICK_WALLS if quick else WALLS:
             model, name = running_bond(columns, courses, stiffness=1e7), f"growth, wall {columns} × {courses}"
-            motion = Motion(name, model, contacts, None, SHORT, strong).scaled(0.55)
+            motion = ShakenCase(name, model, contacts, None, SHORT, strong).scaled(0.55)
             rows += sized(motion, "implicit-euler")
             yield rows[-1]
         solved = [row for row in rows if row.get("failed") is None]
@@ -212,13 +210,13 @@ def ensembles(quick: bool) -> Iterator[Row]:
     """Motions of many impacts: members within 1 % of amplitude by time step; first the resolved median, its bounds."""
     arch = shaken_arch("rigid", 0.12)
     name = "Ferris and Tin-Loi's wall 1, shaken, rigid"
-    wall = Motion(name, running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0, shaking(0.5))
+    wall = ShakenCase(name, running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0, shaking(0.5))
     few, many = (3, 9) if quick else (9, 45)
     for motion in (arch,) if quick else (arch, wall):
         yield from ensemble(motion, (STEP,) if quick else STEPS, few, (4.0 if quick else 1.0) * FINE, many)
 
 
-def ensemble(motion: Motion, steps: Sequence[float], count: int, fine: float, many: int) -> Iterator[Row]:
+def ensemble(motion: ShakenCase, steps: Sequence[float], count: int, fine: float, many: int) -> Iterator[Row]:
     """Displacements (mm) of `count` members by integrator and time step (s), and of `many` at the step `fine`."""
     resolved = sizes(motion, members(motion, "moreau-jean", many, fine))
     low, high = median_between(resolved)
@@ -251,7 +249,7 @@ def ensemble(motion: Motion, steps: Sequence[float], count: int, fine: float, ma
         )
 
 
-def members(motion: Motion, integrator: Integrator, count: int, step: float) -> list[TimeHistory]:
+def members(motion: ShakenCase, integrator: Integrator, count: int, step: float) -> list[TimeHistory]:
     """The motions at so many amplitudes within 1 %, those that are solved."""
     found = []
     for factor in np.linspace(0.99, 1.01, count).tolist():
@@ -260,7 +258,7 @@ def members(motion: Motion, integrator: Integrator, count: int, step: float) -> 
     return found
 
 
-def sizes(motion: Motion, found: Sequence[TimeHistory]) -> Array:
+def sizes(motion: ShakenCase, found: Sequence[TimeHistory]) -> Array:
     """Largest displacements (k,), mm."""
     return np.array([1e3 * motion.peak(each) for each in found])
 

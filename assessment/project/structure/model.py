@@ -17,7 +17,7 @@ from assessment.runtime.files import write_atomically
 from mechanics import Assembly, DrawingError, State, Tie
 from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.messages import Message, headed, layer_key, message
-from mechanics.model import Drawing, Layer, default_tolerance, repair_drawing, survey_drawing, survey_layout
+from mechanics.model import Layer, default_tolerance, repair_drawing, survey_drawing, survey_layout
 from mechanics.types import Array
 
 if TYPE_CHECKING:
@@ -174,8 +174,20 @@ def build_model(project: Project) -> ProjectModel:
     """
     geometry = project.geometry
     drawing = as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))
-    tolerance, warnings = _laid_out(project, drawing)
-    unset = sorted({block.layer for block in drawing.blocks if block.material.normal_stiffness is None})
+    name, blocks, faults = geometry.drawing, drawing.blocks, drawing.faults
+    if not blocks:
+        raise FaultyDrawingError(name, faults, drawing.outlines)
+    if not faults and all(block.support is not None for block in blocks):
+        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
+        text = f"every block is a support; put the movable ones on other layers{noticed}"
+        raise FaultyDrawingError(name, [Fault("layer", text)], drawing.outlines)
+    tolerance = geometry.tolerance_m or default_tolerance(blocks)
+    layout = survey_layout(blocks, tolerance, whole=not faults)
+    if faults or layout.faults:
+        remedy = layout.hint if not faults else UNSEEN
+        raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
+    warnings = drawing.warnings + layout.warnings
+    unset = sorted({block.layer for block in blocks if block.material.normal_stiffness is None})
     if unset and project.elastic:
         raise ProjectError(
             f"{project.source}: layers.{unset[0]}.normal_stiffness_kN_m3: missing ({', '.join(unset)}), "
@@ -183,9 +195,9 @@ def build_model(project: Project) -> ProjectModel:
         )
     collisions = project.contacts.collisions
     try:
-        assembly = Assembly(drawing.blocks, geometry.segments_per_joint, tolerance, collisions)
+        assembly = Assembly(blocks, geometry.segments_per_joint, tolerance, collisions)
     except ValueError as error:  # a block too light beside the others
-        raise DrawingError(f"{geometry.drawing}: {error}") from None
+        raise DrawingError(f"{name}: {error}") from None
     unit = "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
     for point in project.control:
         key = f"{project.source}: control.{point.name}.point_m"
@@ -202,7 +214,7 @@ def build_model(project: Project) -> ProjectModel:
             "drawn far from (0, 0): in hand checks and in the steps of given mechanisms x and z count from ({x:.0f}, "
             "{z:.0f}) m", x=far[0], z=far[1],
         )  # fmt: skip
-        warnings += (headed(geometry.drawing, told),)
+        warnings += (headed(name, told),)
     return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)), drawing.cracks)
 
 
@@ -216,23 +228,6 @@ def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], f
         {name: layer_of(project, table) for name, table in project.layers.items()},
         geometry.sagitta_m,
     )
-
-
-def _laid_out(project: Project, drawing: Drawing) -> tuple[float, tuple[Message, ...]]:
-    """Return the tolerance (m) of the joints and all warnings; raise FaultyDrawingError with all faults."""
-    name, blocks, faults = project.geometry.drawing, drawing.blocks, drawing.faults
-    if not blocks:
-        raise FaultyDrawingError(name, faults, drawing.outlines)
-    if not faults and all(block.support is not None for block in blocks):
-        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
-        text = f"every block is a support; put the movable ones on other layers{noticed}"
-        raise FaultyDrawingError(name, [Fault("layer", text)], drawing.outlines)
-    tolerance = project.geometry.tolerance_m or default_tolerance(blocks)
-    layout = survey_layout(blocks, tolerance, whole=not faults)
-    if faults or layout.faults:
-        remedy = layout.hint if not faults else UNSEEN
-        raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
-    return tolerance, drawing.warnings + layout.warnings
 
 
 def with_repaired_drawing(project: Project) -> tuple[Project, tuple[str, ...]]:

@@ -11,7 +11,7 @@ import pytest
 
 from assessment.benchmark import command, table
 from assessment.benchmark.cases import motions, skips, statics, walls
-from assessment.benchmark.cases.motions import Motion, pulse, rocking_freely
+from assessment.benchmark.cases.motions import ShakenCase, pulse, rocking_freely
 from assessment.benchmark.command import BENCHMARKS, Benchmark
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
 from assessment.cli import arguments, commands
@@ -26,7 +26,7 @@ from tests.support.structures import block_on_base
 @pytest.fixture
 def overturning():
     """A block that overturns where its pulse is a little stronger."""
-    return Motion("block", block_on_base(), "rigid", (0.2, 1.0), 1.0, pulse(0.3, 0.5))
+    return ShakenCase("block", block_on_base(), "rigid", (0.2, 1.0), 1.0, pulse(0.3, 0.5))
 
 
 @pytest.mark.parametrize("skip", skips.all_skips(), ids=lambda skip: skip.name)

@@ -69,10 +69,7 @@ def test_bars_on_a_terminal(project, capsys, monkeypatch):
     assert re.search(r"· pushover: 2, \d", second.err)
 
 
-def test_the_bar_moves_with_the_analyses():
-    from rich.console import Console
-
-    bars = Bars(Console(file=StringIO(), force_terminal=True))
+def test_the_bar_moves_with_the_analyses(bars):
     bars.begin("history", 4, 1, 900.0)
     bars.under_way("original, history of [wave]")
     bars.reached(150.0)
@@ -85,49 +82,57 @@ def test_the_bar_moves_with_the_analyses():
     assert not bars.progress.tasks
 
 
-def test_the_time_left_is_known_before_an_analysis_is_finished(monkeypatch):
-    """Two of four were taken over. A third of one takes 30 s, as do the other five thirds: 150 s are left."""
-    from rich.console import Console
-
+@pytest.fixture
+def clock(monkeypatch):
+    """The time that bars are drawn at, s."""
     clock = SimpleNamespace(now=1000.0)
     monkeypatch.setattr(terminal, "time", SimpleNamespace(perf_counter=lambda: clock.now))
-    bars = Bars(Console(file=StringIO(), force_terminal=True, width=120))
+    return clock
 
-    def shown() -> str:
-        with bars.progress.console.capture() as capture:
-            bars.progress.console.print(bars.progress.get_renderable())
-        return capture.get()
 
+@pytest.fixture
+def bars(clock):
+    from rich.console import Console
+
+    return Bars(Console(file=StringIO(), force_terminal=True, width=120))
+
+
+@pytest.fixture
+def shown(bars):
+    """What bars show, without colours."""
+
+    def drawn(width: int = 120) -> str:
+        from rich.console import Console
+
+        console = Console(file=StringIO(), force_terminal=True, width=width)
+        with console.capture() as capture:
+            console.print(bars.progress.get_renderable())
+        return re.sub(r"\x1b\[[0-9;]*m", "", capture.get())
+
+    return drawn
+
+
+def test_the_time_left_is_known_before_an_analysis_is_finished(clock, bars, shown):
+    """Two of four were taken over. A third of one takes 30 s, as do the other five thirds: 150 s are left."""
     bars.begin("pushover", 4, 2, 2.0)
-    assert "left -:--:--" in without_colours(shown())
+    assert "left -:--:--" in shown()
     clock.now += 30.0
     bars.reached(1.0 / 3.0)
-    assert "left 0:02:30" in without_colours(shown())
+    assert "left 0:02:30" in shown()
     clock.now += 60.0
-    assert "left 0:01:30" in without_colours(shown())
+    assert "left 0:01:30" in shown()
     bars.advance(1.0)
-    assert "left 0:01:30" in without_colours(shown())
+    assert "left 0:01:30" in shown()
     clock.now += 30.0
-    assert "left 0:01:00" in without_colours(shown())
+    assert "left 0:01:00" in shown()
     clock.now += 70.0
-    assert "left longer than expected" in without_colours(shown()), "it said 0:00:00 while nothing ended"
+    assert "left longer than expected" in shown(), "it said 0:00:00 while nothing ended"
     bars.advance(2.0)
-    assert "left 0:00:00" in without_colours(shown())
+    assert "left 0:00:00" in shown()
 
 
-def test_what_is_at_work_is_shown_with_the_time_that_it_takes(monkeypatch):
+def test_what_is_at_work_is_shown_with_the_time_that_it_takes(clock, bars, shown):
     """One large linear program, in which no share of the work is told: the line stood still for a minute."""
-    from rich.console import Console
-
-    clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(terminal, "time", SimpleNamespace(perf_counter=lambda: clock.now))
-    bars = Bars(Console(file=StringIO(), force_terminal=True, width=120))
-
-    def shown() -> str:
-        with bars.progress.console.capture() as capture:
-            bars.progress.console.print(bars.progress.get_renderable())
-        return without_colours(capture.get())
-
     bars.begin("pushover", 4, 0, 4.0)
     clock.now += 5.0
     bars.under_way("original, +x, [rigid]")
@@ -139,10 +144,7 @@ def test_what_is_at_work_is_shown_with_the_time_that_it_takes(monkeypatch):
     assert shown().startswith("pushover: 0:00:00 on original, -x, [rigid] ")
     bars.under_way("right support 20 mm" * 5)
     clock.now += 12.0
-    narrow = Console(file=StringIO(), force_terminal=True, width=80)
-    with narrow.capture() as capture:
-        narrow.print(bars.progress.get_renderable())
-    line = without_colours(capture.get()).rstrip()
+    line = shown(80).rstrip()
     assert line.startswith("pushover: 0:00:12 on right") and line.endswith(
         "… ━━━━━━━━━━ 0/4 0:00:00 left -:--:--"
     )
@@ -175,10 +177,6 @@ def test_what_other_processes_are_at_is_told_though_they_tell_nothing(tmp_path):
     with Workers(jobs=1, show=show) as workers:
         assert workers.each("stage", silent, tasks, ["first", "second", "third"], True) == [True] * 3
     assert show.titles == ["first", "second", "third"]
-
-
-def without_colours(text: str) -> str:
-    return re.sub(r"\x1b\[[0-9;]*m", "", text)
 
 
 def row(state: str, direction: str, **checks: float | None) -> dict:

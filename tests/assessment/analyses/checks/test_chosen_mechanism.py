@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assessment.analyses.checks.chosen_mechanism import (
-    ControlPoint,
+    FollowedPoint,
     MechanismError,
     compared,
     evaluate,
@@ -239,7 +239,7 @@ def test_the_last_configuration_of_a_motion_is_looked_at_too():
 def test_the_control_point_is_that_of_the_pushover_where_it_moves():
     """At the top, δ_C = 4.2: Γ* = ΣPδ²/(δ_C ΣPδ) = 2.1/4.2 = 0.5, d_0 = 2 · 0.3 m; else the farthest centroid's."""
     model = block_on_base(0.6, 4.2)
-    top = {"+x": ControlPoint((0.6, 4.2), 1)}
+    top = {"+x": FollowedPoint((0.6, 4.2), 1)}
     chosen, demands = mechanism(((0.6, 0.0), -1.0, [1])), {"SLC": GROUND}
     method = Method(local_limits={"SLC": 0.1}, local_reason="beam")
     answer = evaluate(model, model.initial.positions, chosen, 1.0, demands, method, top)
@@ -248,7 +248,7 @@ def test_the_control_point_is_that_of_the_pushover_where_it_moves():
     assert answer.SLC.governing == "local limit"
     assert answer.SLC.d_star_m == pytest.approx(0.05)
     other = evaluate(
-        model, model.initial.positions, chosen, 1.0, demands, method, {"+x": ControlPoint((0, -0.1), 0)}
+        model, model.initial.positions, chosen, 1.0, demands, method, {"+x": FollowedPoint((0, -0.1), 0)}
     )
     assert other.SLC.governing == "0.60 d_0"  # a limit of another point is none of this one
 
