@@ -198,7 +198,16 @@ class Workers:
                 stage.name([number])
                 yield number, _packed(stage.function, stage.task(number), partial(stage.hear, number))
             return
-        engine = self._engine()
+        if self.engine is None:
+            # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
+            gc.freeze()
+            if self.scheduler:
+                from assessment.runtime.cluster import Cluster  # late: few runs have one
+
+                self.engine = Cluster(self.scheduler)
+            else:
+                self.engine = Pool(processes(self.jobs))
+        engine = self.engine
         futures: dict[Future[str], int] = {}
 
         def begin() -> None:
@@ -222,19 +231,6 @@ class Workers:
         for number, text in finished(futures, look):
             yield number, text
             begin()  # what waited for this result, which is known now
-
-    def _engine(self) -> Pool:
-        """Return the processes, or the cluster; started at first use and kept for later stages."""
-        if self.engine is None:
-            # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
-            gc.freeze()
-            if self.scheduler:
-                from assessment.runtime.cluster import Cluster  # late: few runs have one
-
-                self.engine = Cluster(self.scheduler)
-            else:
-                self.engine = Pool(processes(self.jobs))
-        return self.engine
 
     def __enter__(self) -> Self:
         return self
