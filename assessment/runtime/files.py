@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 SCRATCH = ".assesto-"  # prefix of the folders where files are made before they are put in place
 LAST = "results.json"  # of a run: if it is there, all files are
-LONGEST = 3600.0  # s that writing a file takes: older temporary files are of processes that were killed
+LONGEST = 600.0  # s between two writes to one file: older temporary files are of processes that were killed
+WRITTEN = 1.0  # s, of the only file that is written in a locked folder beside a run: model.svg
 MOST_BYTES = 250_000_000  # of a file whose content is digested: more than of any input that is not refused
 
 
@@ -54,15 +55,17 @@ def temporary_of(path: Path) -> Path:
     return path.with_name(f".{path.name}.{os.getpid()}.tmp")
 
 
-def left_over(folder: Path, name: str = "*") -> list[Path]:
-    """Return the temporary files and folders of killed processes in a folder: of the file `name`, or of all."""
-    return [path for path in folder.glob(f".{name}.*.tmp") if _is_left_over(path)]
+def left_over(folder: Path, name: str = "*", age: float = LONGEST) -> list[Path]:
+    """Return temporary files and folders that nobody has written to for an `age` (s): of the file `name`, or of all."""
+    written = time.time() - age
+    found = (path for path in folder.glob(f".{name}.*.tmp") if re.fullmatch(r".+\.\d+\.tmp", path.name))
+    return [path for path in found if path.stat().st_mtime <= written]
 
 
-def clear_left_over(folder: Path) -> None:
+def clear_left_over(folder: Path, age: float = LONGEST) -> None:
     """Remove the temporary files of killed processes from a folder."""
     with suppress(OSError):
-        for path in left_over(folder):
+        for path in left_over(folder, age=age):
             with suppress(OSError):
                 path.unlink()
 
@@ -71,28 +74,9 @@ def clear_left_over(folder: Path) -> None:
 _clear_once = cache(clear_left_over)
 
 
-def _is_left_over(path: Path) -> bool:
-    """Whether the process that a temporary file is named after is gone, or has had more than enough time."""
-    number = re.fullmatch(r".+\.(\d+)\.tmp", path.name)
-    if number is None:
-        return False
-    with suppress(OSError):
-        if time.time() - path.stat().st_mtime > LONGEST:
-            return True
-    if os.name == "nt":  # where to ask for a process may end it
-        return False
-    try:
-        os.kill(int(number[1]), 0)
-    except ProcessLookupError:
-        return True
-    except (OSError, OverflowError):
-        return False
-    return False
-
-
 def clear(folder: Path) -> None:
     """Remove unfinished files of runs that were killed; the folder has to be locked."""
-    clear_left_over(folder)
+    clear_left_over(folder, WRITTEN)
     for left in folder.glob(f"{SCRATCH}*"):
         shutil.rmtree(left, ignore_errors=True)
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 
 import pytest
 
@@ -15,22 +13,16 @@ from tests.support.block_project import run, write_block
 POSIX = pytest.mark.skipif(os.name != "posix", reason="a process can only be asked for where signals are")
 
 
-@pytest.fixture
-def dead():
-    """The number of a process that is gone."""
-    done = subprocess.Popen([sys.executable, "-c", ""])
-    done.wait()
-    return done.pid
+def age(path, seconds):
+    written = path.stat().st_mtime - seconds
+    os.utime(path, (written, written))
 
 
-def test_what_a_killed_process_left_goes(tmp_path, dead):
-    old = tmp_path / f".a.svg.{os.getpid()}.tmp"
-    others = [".a.tmp", "a.1.tmp", ".a.b.tmp", f".a.svg.{os.getppid()}.tmp"]
-    left = [f".a.svg.{dead}.tmp", f".project.xlsx.{dead}.tmp"] if os.name == "posix" else []
-    for name in (old.name, *left, *others):
+def test_what_a_killed_process_left_goes(tmp_path):
+    others = [".a.tmp", "a.1.tmp", ".a.b.tmp", ".a.svg.3.tmp"]
+    for name in (".a.svg.2.tmp", ".project.xlsx.2.tmp", *others):
         (tmp_path / name).touch()
-    long_ago = old.stat().st_mtime - 2.0 * LONGEST
-    os.utime(old, (long_ago, long_ago))
+        age(tmp_path / name, 2.0 * LONGEST if name != others[-1] else 0.5 * LONGEST)
     clear_left_over(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {*others}
 
@@ -42,18 +34,20 @@ def test_a_failed_write_leaves_nothing(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
-@POSIX
-def test_commands_remove_what_killed_ones_have_left(tmp_path, dead):
+def test_commands_remove_what_killed_ones_have_left(tmp_path):
+    """In an output folder, which is locked, all that is a second old."""
     project = write_block(tmp_path / "block")
     output = project / "output"
     output.mkdir()
-    left = [project / f".project.xlsx.{dead}.tmp", output / f".model.svg.{dead}.tmp"]
-    for path in left:
+    left = {project / ".project.xlsx.2.tmp": 2.0 * LONGEST, output / ".model.svg.2.tmp": 2.0}
+    for path, seconds in left.items():
         path.touch()
+        age(path, seconds)
     assert run(project) == 0
     assert not any(path.exists() for path in left)
-    half = tmp_path / f".wall.{dead}.tmp"
+    half = tmp_path / ".wall.2.tmp"
     (half / "records").mkdir(parents=True)
+    age(half, 2.0 * LONGEST)
     assert main(["new", str(tmp_path / "wall"), "--template", "wall"]) == 0
     assert not half.exists() and not temporary_of(tmp_path / "wall").exists()
 
