@@ -94,15 +94,15 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]
             places[entry.path] = f'sheet "{name}"{entry.place}'
             if fault := _put(content, entry):
                 faults.append(f"{path.name}: {places[entry.path]}: {fault}")
-    for name in content.keys() & _FORMS.keys():
-        if _FORMS[name] == "list" and isinstance(content[name], dict):
-            content[name] = list(content[name].values())
-        elif _FORMS[name] == "single" and isinstance(content[name], dict):
-            content[name] = {
-                key: list(value.values()) if isinstance(value, dict) and _listed((name, key)) else value
-                for key, value in content[name].items()
-            }
-    return content, places, faults
+    return _with_lists(content), places, faults
+
+
+def _with_lists(node: Any) -> Any:
+    """Return a content with the tables of indices that `_put` makes as lists."""
+    if not isinstance(node, dict):
+        return node
+    values = {key: _with_lists(value) for key, value in node.items()}
+    return list(values.values()) if values and all(isinstance(key, int) for key in values) else values
 
 
 def _is_active(rows: Rows) -> bool | str:
