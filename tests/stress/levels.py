@@ -62,7 +62,7 @@ STRUCTURES = {
     "stack of two": partial(column, 0.5, 2.0, 2),
     "stack of three": partial(column, 0.7, 2.1, 3),
     "portal": portal,
-    "wall of six courses": partial(running_bond, 3, 6),
+    "wall of six courses": partial(running_bond, 1, 6),
     **{f"arch, {n} voussoirs": partial(arch, n) for n in (5, 7, 9, 11, 13, 15)},
     "arch, 7 voussoirs, elastic, 5·10⁶ kN/m³": partial(arch, 7, 5e6),
 }
@@ -76,10 +76,10 @@ def searched(model: Assembly, motion: BaseMotion, setting: Setting) -> tuple[int
         motion = motion.at_half_step()
         found.append(scan(model, motion, setting, start, scatter, reach, level_found(found[-1])))
         last, before = (observed_in(each).lowest or math.inf for each in (found[-1], found[-2]))
-        if abs(math.log(last / before)) <= LOOKED_TO:
+        if abs(last / before - 1.0) <= LOOKED_TO:
             break
     lowest = [observed_in(each).lowest or math.inf for each in found]
-    wrong = [n for n, level in enumerate(lowest) if abs(math.log(level / lowest[-1])) > LOOKED_TO]
+    wrong = [n for n, level in enumerate(lowest) if not abs(level / lowest[-1] - 1.0) <= LOOKED_TO]
     used = found[wrong[-1] + 1 if wrong else 0]
     seen = observed_in(used)
     return len(used.points), used.time_step, seen.lowest or math.inf, seen.capacity or math.inf
@@ -135,6 +135,9 @@ def rows(record: Path, wanted: list[str]) -> Iterator[str]:
         table = MotionTable(contacts="elastic" if "elastic" in name else "rigid")
         setting = Setting(table, ControlTable(name="control", point_m=point))
         motions, step, lowest, level = searched(model, motion, setting)
+        if lowest == math.inf:
+            yield f"| {name} | {1000.0 * step:g} | {motions} | none |"
+            continue
         dense = densely(model, motion, setting, lowest)
         least = min(each for each, fell in dense.items() if fell)
         yield (

@@ -226,8 +226,6 @@ def solve(
             done += more
             if force <= accepted:
                 return True, done, force, 0.0, 0.0
-        if dashpots:
-            return False, done, force, 0.0, 0.0
     skew = not elastic and len(laws) > 0 and laws[0, DILATION] < 1.0
     if not elastic and begins == NEAR:
         more, force, gap, product = _interior_point(
