@@ -1,53 +1,47 @@
-"""`assesto benchmark`: measures, and writes tables (CSV), plots (SVG) and a summary."""
+"""`assesto benchmark`: measures, and writes tables (CSV) and a summary."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from assessment.benchmark.cases import motions, skips, statics, walls, whole
 from assessment.benchmark.measure import load, machine
-from assessment.benchmark.table import Row, as_csv, table, work_precision
-from assessment.report.figures.style import save_png, save_svg
+from assessment.benchmark.table import Row, as_csv, table
 from assessment.runtime.console import say
 from assessment.runtime.errors import nearest
 from assessment.runtime.files import write_atomically
 
-SUMMARY = "summary.md"
-STEP_FIELDS = "case blocks joints contacts way step_ms ratio programs_per_step iterations_per_step failed"
-
 
 @dataclass(frozen=True)
 class Benchmark:
-    """What is measured, `about` in a sentence, its `rows`, and how table shows them; `series`: lines of plots."""
+    """What is measured, `about` in a sentence, its `rows`, and how table shows them."""
 
     about: str
     rows: Callable[[bool], Iterator[Row]]
     index: str = ""
     across: str = ""
     cells: str = ""
-    series: str = ""
 
 
 BENCHMARKS = {
     "statics": Benchmark(
         "relative error; time as a ratio to PIQP once a step. Increments are multiples of the template's.",
-        statics.statics, "case quantity", "value", "error ratio", "quantity",
+        statics.statics, "case quantity", "value", "error ratio",
     ),
     "dynamics": Benchmark(
         "relative error of the largest displacement; time as a ratio to PIQP once a step.",
-        motions.dynamics, "case way", "value", "error ratio", "way",
+        motions.dynamics, "case way", "value", "error ratio",
     ),
     "ensembles": Benchmark(
         "least, median and largest displacement (mm) of members at amplitudes within 1 %; ms a step; how many fall.",
-        motions.ensembles, "case way", "value", "least median most step_ms collapsed", "way",
+        motions.ensembles, "case way", "value", "least median most step_ms collapsed",
     ),
     "steps": Benchmark(
         "a step of 5 ms of a time history, over 7 s of strong motion; as walls grow, and the exponent over blocks.",
-        motions.steps, STEP_FIELDS,
+        motions.steps, "case blocks joints contacts way step_ms ratio programs_per_step iterations_per_step failed",
     ),
     "walls": Benchmark("limit analysis of running-bond walls; the ratio is to one PIQP solve.", walls.walls),
     "chain": Benchmark(
@@ -82,15 +76,12 @@ def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
         if sys.stderr.isatty():
             print("\r\033[K", end="", file=sys.stderr, flush=True)
         write_atomically(folder / f"{name}.csv", as_csv(rows))
-        summary.append(f"**{name}**: {chosen.about}")
+        part = [f"**{name}**: {chosen.about}"]
         for parameter in dict.fromkeys(row.get("parameter", "") for row in rows):
             some = [row for row in rows if row.get("parameter", "") == parameter]
             shown = table(some, chosen.index.split(), chosen.across, chosen.cells.split())
-            summary.append(f"{parameter}:\n\n{shown}" if parameter else shown)
-            if chosen.series:
-                plot = partial(work_precision, some, chosen.series)
-                save_svg(plot, folder / f"{name}-{parameter.split()[0]}.svg")
-                save_png(plot, folder / f"{name}-{parameter.split()[0]}.png")
-        say("\n" + "\n\n".join(summary[summary.index(f"**{name}**: {chosen.about}") :]))
+            part.append(f"{parameter}:\n\n{shown}" if parameter else shown)
+        say("\n" + "\n\n".join(part))
+        summary += part
     summary.append(f"Load {load()} at the end.")
-    write_atomically(folder / SUMMARY, ("\n\n".join(filter(None, summary)) + "\n").encode())
+    write_atomically(folder / "summary.md", ("\n\n".join(filter(None, summary)) + "\n").encode())

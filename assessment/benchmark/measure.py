@@ -1,8 +1,7 @@
 """The runner: processor time and error of a case, the baseline to which every time is a ratio, and the machine.
 
-The baseline is PIQP called once a step on freshly built sparse matrices, for the same program, in the same run: a
-ratio carries over to other machines, and to a busy one, where seconds do not. Whatever its bed, a joint is there one of
-two contact points at its ends, the least that PIQP can be given.
+The baseline is PIQP called once a step, for the same program and in the same run: a ratio carries over to other, and
+to busy, machines. Whatever its bed, a joint is there one of two contact points at its ends.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ import math
 import os
 import platform
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -45,15 +43,10 @@ from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.types import GRAVITY, Array
 
-try:
-    import resource
-except ImportError:  # Windows
-    resource = None  # type: ignore[assignment]
-
 Answer = TypeVar("Answer")
 
+# what an analysis that does not succeed raises: a row says so
 FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError)
-"""What an analysis that does not succeed raises: a row says so."""
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path, or of a motion, that the baseline solves
@@ -188,22 +181,10 @@ def exponent(rows: Sequence[Row], field: str) -> float:
 
 
 def peak_memory() -> float:
-    """The largest memory (MB) of this process so far, with Python and its libraries; NaN where it is not counted."""
+    """The largest memory (MB) of this process so far, with Python and its libraries; NaN where Linux does not count."""
     status = Path("/proc/self/status")
-    if status.is_file():  # getrusage also counts what the parent held as this process was made
-        for line in status.read_text(encoding="ascii").splitlines():
-            if line.startswith("VmHWM"):
-                return float(line.split()[1]) / 1024.0
-    if resource is None:
-        return math.nan
-    unit = 1.0 if sys.platform == "darwin" else 1024.0  # bytes
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1024.0**2
-
-
-def children() -> float:
-    """Processor time (s) of finished child processes; Windows does not count it: 0."""
-    used = os.times()
-    return used.children_user + used.children_system
+    lines = status.read_text(encoding="ascii").splitlines() if status.is_file() else []
+    return next((float(line.split()[1]) / 1024.0 for line in lines if line.startswith("VmHWM")), math.nan)
 
 
 def machine() -> str:
@@ -222,14 +203,14 @@ def machine() -> str:
 
 
 def load() -> str:
-    """How many processes want to run, in the mean over a minute; Windows does not count them."""
+    """How many processes want to run, in the mean over a minute."""
     return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
 
 
 def _commit() -> str:
     """The commit of the source, with a plus sign where files differ from it; unknown outside a checkout."""
-    described = ("describe", "--always", "--abbrev=7", "--exclude=*", "--dirty=+")
-    command = ("git", "-C", str(Path(__file__).parent), *described)
+    asked = "describe --always --abbrev=7 --exclude=* --dirty=+"
+    command = ("git", "-C", str(Path(__file__).parent), *asked.split())
     try:
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):

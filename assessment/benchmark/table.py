@@ -1,4 +1,4 @@
-"""What was measured: rows of fields, as CSV, as a Markdown table, and as plots of error over processor time."""
+"""What was measured: rows of fields, as CSV and as a Markdown table."""
 
 from __future__ import annotations
 
@@ -6,20 +6,11 @@ import csv
 import io
 import math
 from collections.abc import Sequence
-from itertools import cycle
 from typing import Any
-
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter, StrMethodFormatter
-
-from assessment.report.figures.style import DASHES, MM, WIDTH_MM
 
 Row = dict[str, Any]
 """Fields by name, `case` first; None or NaN: not measured; `failed`: why."""
 
-PANELS, HEIGHT_MM, LEGEND_MM = 3, 58.0, 12.0
-MARKS = "os^Dvph<"
-EXACT = 1e-12  # an error that is none, for a logarithmic axis
 IN_PER_CENT = ("error", "saves")
 
 
@@ -71,7 +62,7 @@ def written(name: str, value: Any, row: Row | None = None) -> str:
         text = "exact" if math.isinf(value) else f"{'× ' if times else ''}{value:g}"
         return f"{1e3 * value:.3g} ms" if row["parameter"].startswith("time step") else text
     if name in IN_PER_CENT:
-        return percent(value)
+        return "< 1e-5 %" if 0.0 < abs(value) < 1e-7 else f"{number(100.0 * value)} %"
     if name == "alpha" or name.endswith(("_end_m", "_g")):
         return f"{value:.5f}"
     if name in ("least", "median", "most"):
@@ -84,44 +75,3 @@ def number(value: float) -> str:
     if value != 0.0 and (abs(value) < 1e-3 or abs(value) >= 1e5):
         return f"{value:.0e}"
     return f"{value:.{max(0, 1 - math.floor(math.log10(abs(value))))}f}" if value else "0"
-
-
-def percent(share: float) -> str:
-    """A share in per cent, two significant digits."""
-    return "< 1e-5 %" if 0.0 < abs(share) < 1e-7 else f"{number(100.0 * share)} %"
-
-
-def work_precision(rows: Sequence[Row], series: str) -> Figure:
-    """Error over processor time: a panel for each case, a line for each value of `series`; filled: defaults."""
-    rows = [row for row in rows if row.get("failed") is None and known(row.get("error"))]
-    cases, names = (list(dict.fromkeys(row[name] for row in rows)) for name in ("case", series))
-    looks = dict(zip(names, zip(cycle(DASHES), cycle(MARKS), strict=False), strict=False))
-    height = math.ceil(len(cases) / PANELS)
-    figure = Figure(figsize=(WIDTH_MM * MM, (height * HEIGHT_MM + LEGEND_MM) * MM), layout="constrained")
-    panels = figure.subplots(height, PANELS, squeeze=False).ravel()
-    for axes, case in zip(panels, cases, strict=False):
-        own = [row for row in rows if row["case"] == case]
-        floor = max(EXACT, 0.1 * min((row["error"] for row in own if row["error"] > EXACT), default=EXACT))
-        for name, (dashes, mark) in looks.items():
-            line = [row for row in own if row[series] == name]
-            points = [(row["seconds"], max(row["error"], floor)) for row in line]
-            style: dict[str, Any] = {"color": "0.0", "linewidth": 0.8, "marker": mark, "markersize": 3.5}
-            x, y = zip(*points, strict=True) if points else ((), ())
-            axes.plot(x, y, linestyle=dashes, fillstyle="none", label=str(name), **style)
-            for row, point in zip(line, points, strict=True):
-                if row.get("default"):
-                    axes.plot(*point, fillstyle="full", **style)
-            for k in {0, len(line) - 1} if line else ():
-                text = written("value", line[k]["value"], line[k])
-                axes.annotate(text, points[k], (3, 2), textcoords="offset points", fontsize=5)
-        axes.set(xscale="log", yscale="log", title="\n".join(case.split(", ", 1)))
-        axes.set(xlabel="processor time, s", ylabel="relative error")
-        for axis in (axes.xaxis, axes.yaxis):
-            # powers as formulas are not typeset in figures
-            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-            axis.set_minor_formatter(NullFormatter())
-    for axes in panels[len(cases) :]:
-        axes.set_axis_off()
-    lines = panels[0].get_legend_handles_labels()
-    figure.legend(*lines, loc="outside lower center", ncols=PANELS, fontsize=6)
-    return figure

@@ -229,7 +229,7 @@ COMMANDS = {
             _flag("--quick", "fewer and smaller cases: a minute or so"),
             ("--out", {
                 "type": _folder, "default": Path("benchmark"), "metavar": "DIR",
-                "help": "folder of tables, plots and summary.md (default: benchmark)",
+                "help": "folder of tables and summary.md (default: benchmark)",
             }),
         ),
     ),

@@ -228,7 +228,7 @@ def benchmark(options: argparse.Namespace) -> int:
 
     folder = _writable(options.out)
     measure(options.names, options.quick, folder)
-    say(f"\ntables and plots: {folder}")
+    say(f"\ntables: {folder}")
     return DONE
 
 

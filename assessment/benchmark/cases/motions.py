@@ -20,8 +20,7 @@ from mechanics.model.assembly import Behaviour
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.types import Array
 
-Wave = Callable[[Array], Array]
-"""Base accelerations (k,) in g at times (k,) s."""
+Wave = Callable[[Array], Array]  # base accelerations (k,) in g at times (k,) s
 
 INTEGRATORS: dict[Behaviour, tuple[Integrator, ...]] = {
     "rigid": ("implicit-euler", "moreau-jean", "second-order"),
@@ -235,18 +234,9 @@ def ensemble(motion: ShakenCase, steps: Sequence[float], count: int, fine: float
 
         run = partial(members, motion, integrator, count)
         default = STEP if integrator == "moreau-jean" else 0.0
-        yield from rows_of(
-            Case(
-                motion.name,
-                run,
-                "time step",
-                steps,
-                default=default,
-                way=integrator,
-                more=more,
-                baseline=None,
-            )
-        )
+        yield from rows_of(Case(
+            motion.name, run, "time step", steps, default=default, way=integrator, more=more, baseline=None,
+        ))  # fmt: skip
 
 
 def members(motion: ShakenCase, integrator: Integrator, count: int, step: float) -> list[TimeHistory]:

@@ -34,8 +34,7 @@ from mechanics.types import Array
 ARCH = "buttressed-arch"
 CLOSE = 1e-4  # of the size of an answer: what a skip that is not exact is held to
 
-Answer = tuple[Array, int]
-"""Numbers, and how much was computed for them."""
+Answer = tuple[Array, int]  # numbers, and how much was computed for them
 
 
 class Skip(NamedTuple):
@@ -71,11 +70,7 @@ def all_skips() -> list[Skip]:
     folder = TemporaryDirectory(prefix="assesto-benchmark-")
     return [
         Skip("a stage that no key asks for", "analyses", lambda on: stages(("pushover",) if on else None)),
-        Skip(
-            "a stage whose inputs have not changed",
-            "analyses",
-            lambda on: stages(None, folder if on else None),
-        ),
+        Skip("a stage of unchanged inputs", "analyses", lambda on: stages(None, folder if on else None)),
         Skip("a direction that mirrors the other", "curves", ways, CLOSE),
         Skip("an elastic curve past its peak", "points", lambda on: elastic(PAST_PEAK if on else 0.0)),
         Skip("a history once collapse is certain", "steps", fallen),

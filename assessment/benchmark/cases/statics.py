@@ -28,11 +28,8 @@ from mechanics.procedures.pushover import Pushover
 from mechanics.solvers import lp_highs, qp_piqp
 from mechanics.steps.static_system import Sliding
 
-Values = Sequence[float]
-# times the template's; the reference: half of the last
-INCREMENTS, FEWER = ((4.0, 2.0, 1.0, 0.5), (4.0, 2.0, 1.0))
-# infinite: the exact bed
-SEGMENTS, SETTLED_SEGMENTS = ((1, 2, 4, 8, 16, 32, 64, np.inf), (1, 4, 16, 64, np.inf))
+INCREMENTS, FEWER = ((4.0, 2.0, 1.0, 0.5), (4.0, 2.0, 1.0))  # of the template's; reference: half the last
+SEGMENTS, SETTLED_SEGMENTS = ((1, 2, 4, 8, 16, 32, 64, np.inf), (1, 4, 16, 64, np.inf))  # inf: exact
 FINE = -np.inf  # the exact bed, in a quarter of the increments
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 ARCH, TRIUMPHAL = "buttressed-arch", "triumphal-arch"
@@ -106,7 +103,9 @@ def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENT
     return Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
-def pushing(name: str, contacts: Behaviour, values: Values = INCREMENTS, moved: bool = False) -> Case:
+def pushing(
+    name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS, moved: bool = False
+) -> Case:
     """Pushover as drawn, or settled: rigid, where the multiplier comes down to zero; elastic, its peak."""
     at_rest = cache(lambda: settled(name, contacts).final)
 

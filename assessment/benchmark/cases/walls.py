@@ -15,10 +15,8 @@ from assessment.benchmark.table import Row
 from mechanics import limit_analysis
 from mechanics.solvers import lp_highs
 
-# by number of blocks
-WALLS = {100: (10, 10), 300: (17, 17), 1000: (31, 31), 3000: (55, 54), 10000: (100, 100)}
-# blocks: solved by HiGHS up to, fitted from, measured again up to
-COMPARED, FITTED, REPEATED = (400, 200, 3000)
+WALLS = {100: (10, 10), 300: (17, 17), 1000: (31, 31), 3000: (55, 54), 10000: (100, 100)}  # by blocks
+COMPARED, FITTED, REPEATED = (400, 200, 3000)  # blocks: by HiGHS up to, fitted from, repeated up to
 
 
 def walls(quick: bool) -> Iterator[Row]:
