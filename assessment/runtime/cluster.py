@@ -19,8 +19,9 @@ Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 GONE = ("closing", "closed")  # status of a client without its scheduler
 LOST = "the Dask scheduler or its workers were lost; start them and run again"
-NONE_LEFT = "the Dask scheduler has had no worker for {seconds:g} s; start one (dask worker) and run again"
-SILENT = "the Dask scheduler has not answered for {seconds:g} s; start it and its workers, and run again"
+NONE_LEFT = (
+    "the Dask scheduler has not answered, or had no worker, for {seconds:g} s; start it, or one (dask worker)"
+)
 MUTE = (
     "--scheduler: {address}: accepts connections and has not answered as a Dask scheduler for {seconds:g} s; "
     "start one (dask scheduler) with its workers (dask worker), or correct the address, and run again"
@@ -32,12 +33,11 @@ CLOSING = 2.0  # s that the library has for leaving the cluster in good order
 class Patience:
     """Times, s: deadlines of our own, as the library waits for ever where a peer accepts and says nothing.
 
-    `answer`: until a scheduler has taken us on; `silent`: until a scheduler at work has answered; `workerless`: in
-    which work waits and no worker is there; `look`: between two looks at the workers.
+    `answer`: until a scheduler has taken us on; `workerless`: in which work waits, and no scheduler has told of a
+    worker; `look`: between two looks at the workers.
     """
 
     answer: float = 10.0
-    silent: float = 60.0
     workerless: float = 300.0
     look: float = 2.0
 
@@ -79,21 +79,15 @@ class Cluster(Pool):
         """Leave the cluster; its work for this process is given up."""
         self._closed.set()
         _within(CLOSING, self._client.close)
-        for done in tuple(self._open):
-            _fail(done, KilledError(LOST))
+        self._give_up(LOST)
 
     def _watch(self) -> None:
-        """Fail all open tasks once the scheduler is silent, or has had no worker, for too long."""
-        patience, now = self._patience, time.monotonic()
-        answered = staffed = now
+        """Fail all open tasks once no worker has answered for too long."""
+        patience, staffed = self._patience, time.monotonic()
         while not self._closed.wait(patience.look):
-            workers, now = _within(patience.silent, self._client.nthreads), time.monotonic()
-            if isinstance(workers, Exception):
-                if now - answered > patience.silent:
-                    self._give_up(SILENT.format(seconds=patience.silent))
-                continue
-            answered = now
-            if workers or not self._open:  # one that adapts has none while there is nothing to do
+            workers, now = _within(patience.workerless, self._client.nthreads), time.monotonic()
+            # one that adapts has none while there is nothing to do
+            if not isinstance(workers, Exception) and (workers or not self._open):
                 staffed = now
             elif now - staffed > patience.workerless:
                 self._give_up(NONE_LEFT.format(seconds=patience.workerless))
