@@ -209,47 +209,19 @@ _WHOLE = {
     "Sigma_P_delta_2": "ΣPδ<sub>x</sub>²",
     "IS_V": "IS-V",
 }
-_SUM = re.compile(r"Sigma_\w+$")
-_EXPONENT = re.compile(r"[\w.]+")
+_SUM = re.compile(r"(Sigma_\w+)(?=\*\*)")
+_POWER = re.compile(r"\*\*(?:\(((?:[^()]|\([^()]*\))*)\)|([\w.]+))")
 
 
 def typeset(formula: str, words: Words) -> Markup:
     """Write a symbol or a formula; where the decimal mark is a comma, arguments are parted by a semicolon."""
-    text = _powers(str(Markup.escape(formula)), words)
+    text = _SUM.sub(r"(\1)", str(Markup.escape(formula)))  # (Σ…)², beside a sum of squares
+    while (raised := _POWER.sub(lambda it: f"<sup>{it[1] or it[2]}</sup>", text)) != text:
+        text = raised
+    text = re.sub(r"abs\(([^()]*)\)", r"|\1|", text).replace("*", "·").replace("-", "−")
+    text = _NAME.sub(lambda it: _symbol(it[0], words), text)
     mark = words.plain("value.decimal_mark")
-    if mark == ".":
-        return Markup(text)
-    return Markup(re.sub(r"(\d)\.(\d)", rf"\1{mark}\2", text.replace(", ", "; ")))
-
-
-def _powers(formula: str, words: Words) -> str:
-    """Write what stands before the first power, the power, and what follows."""
-    base, power, rest = formula.partition("**")
-    if not power:
-        return _flat(base, words)
-    base = _SUM.sub(lambda match: f"({match[0]})", base)  # (Σ…)², beside a sum of squares
-    exponent = rest[: _end_of_exponent(rest)]
-    inner = exponent[1:-1] if exponent.startswith("(") else exponent
-    raised = f"<sup>{_powers(inner, words)}</sup>"
-    return _flat(base, words) + raised + _powers(rest[len(exponent) :], words)
-
-
-def _end_of_exponent(text: str) -> int:
-    """Return where the exponent ends with which a text begins: after its bracket, its number or its name."""
-    if match := _EXPONENT.match(text):
-        return match.end()
-    depth = 0
-    for place, letter in enumerate(text):
-        depth += (letter == "(") - (letter == ")")
-        if depth == 0:
-            return place + 1
-    raise ValueError(f"formula: exponent {text!r} has no end")
-
-
-def _flat(formula: str, words: Words) -> str:
-    """Write a part without powers."""
-    text = re.sub(r"abs\(([^()]*)\)", r"|\1|", formula).replace("*", "·").replace("-", "−")
-    return _NAME.sub(lambda match: _symbol(match[0], words), text)
+    return Markup(text if mark == "." else re.sub(r"(\d)\.(\d)", rf"\1{mark}\2", text.replace(", ", "; ")))
 
 
 def _symbol(name: str, words: Words) -> str:

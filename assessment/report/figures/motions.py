@@ -28,7 +28,7 @@ from assessment.results.schema.dynamic import (
     Search,
 )
 from assessment.results.schema.part import known
-from mechanics.pictures import Shape, fill_roles, ghost
+from mechanics.pictures import fill_roles, ghost
 
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
 BAND = "0.82"  # grey between the members of an ensemble
@@ -101,10 +101,8 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             at = time[out], 1000.0 * displacement[out]
             axes.plot(*at, marker="x", color="0.0", markersize=6.0, clip_on=False)
-        name, peak = (
-            "figure.collapses" if entry.collapsed else "figure.peak",
-            words.millimetres(entry.peak_displacement_m),
-        )
+        peak = words.millimetres(entry.peak_displacement_m)
+        name = f"figure.{'collapses' if entry.collapsed else 'peak'}"
         outcome = words.plain(name, state=state, time=entry.time_of_collapse_s, peak=peak)
         handles.append(key(outcome, **style))
     until = [entry.free_motion_from_s for entry in found.values() if entry.free_motion_from_s is not None]
@@ -135,7 +133,10 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     times = (entry.time_of_peak_s, end)
     moved = [known(entry.peak_configuration), known(entry.final_configuration)]
     views = [shape.moved(at) for at in moved]
-    page = sheet(bounds_of_views(start, views), 2, border_mm=5.0, height_mm=90.0, below_mm=5.0)
+    boxes, room = np.array([start.bounds, *(view.bounds for view in views)]), AROUND * start.size
+    low = np.maximum(boxes[:, :2].min(axis=0), boxes[0, :2] - room).tolist()
+    high = np.minimum(boxes[:, 2:].max(axis=0), boxes[0, 2:] + room).tolist()
+    page = sheet((*low, *high), 2, border_mm=5.0, height_mm=90.0, below_mm=5.0)
     for axes, kind, time, view, at in zip(page.panels, kinds, times, views, moved, strict=True):
         axes.set_title(words.plain(f"figure.{kind}", time=time))
         ghost(axes, start)
@@ -143,15 +144,6 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         draw_ties(page, axes, moved_ends(results, state, at))
     page.legend([ghost_handle(words.plain("figure.at_rest")), *tie_handles(results, words, state)], words)
     return page.figure
-
-
-def bounds_of_views(start: Shape, views: Sequence[Shape]) -> tuple[float, float, float, float]:
-    """Return the bounds of all views, no farther than AROUND from the state at rest: fallen blocks may be anywhere."""
-    boxes = np.array([start.bounds, *(view.bounds for view in views)])
-    room = AROUND * start.size
-    low = np.maximum(boxes[:, :2].min(axis=0), boxes[0, :2] - room)
-    high = np.minimum(boxes[:, 2:].max(axis=0), boxes[0, 2:] + room)
-    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> Figure:
@@ -363,9 +355,8 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     static: dict[str, Any] = line | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
     for axes, name in zip(panels, names, strict=True):
         own = [row for row in campaign.loss if row.settlement == name]
-        band = np.array(
-            [(row.movement_m, *row.dynamic_range) for row in own if None not in row.dynamic_range]
-        )
+        known_rows = (row for row in own if None not in row.dynamic_range)
+        band = np.array([(row.movement_m, *row.dynamic_range) for row in known_rows])
         x, low, high = band.reshape(-1, 3).T * [[1000.0], [100.0], [100.0]]
         axes.fill_between(x, low, high, color=LOSS_BAND, linewidth=0.0)
         for losses_of, style in (("dynamic", dynamic), ("static", static)):

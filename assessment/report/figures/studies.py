@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -19,7 +19,6 @@ from assessment.results.table import compared, reference_of
 MARKS = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
 RING: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
 BESIDE: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": 6.5}
-LABEL_PT = 8.0  # height of a number beside a point
 BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, dark above
     "low": {"facecolor": "0.9", "hatch": "////", "edgecolor": "0.0", "linewidth": 0.5},
     "high": {"facecolor": "0.55", "edgecolor": "0.0", "linewidth": 0.5},
@@ -60,7 +59,8 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(label("movement_m", words))
     axes.set_ylabel(_capacity(results, words, found.quantity, found.limit_state))
-    _label(axes, labels)
+    for text, right, top in labels:
+        axes.annotate(text, (right, top), (7, -2), textcoords="offset points", annotation_clip=False)
     figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
     return figure
 
@@ -132,18 +132,6 @@ def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: W
 def _ultimate(results: Results, name: str) -> float | None:
     found = [path.ultimate_movement_m for path in results.states[name].pushdown.values()]
     return min((value for value in found if value is not None), default=None)
-
-
-def _label(axes: Axes, labels: Iterable[tuple[str, float, float]]) -> None:
-    """Write labels to the right of their points, each clear of those beside it."""
-    pixel = 72.0 / axes.figure.dpi
-    taken: list[tuple[float, float]] = []  # points
-    for text, x, y in sorted(labels, key=lambda each: each[2]):
-        across, at = pixel * axes.transData.transform((x, y))
-        beside = [height for place, height in taken if abs(place - across) < LABEL_PT]
-        height = max([at, *(each + LABEL_PT for each in beside)])
-        taken.append((across, height))
-        axes.annotate(text, (x, y), (7, height - at - 2), textcoords="offset points", annotation_clip=False)
 
 
 def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:

@@ -1,4 +1,4 @@
-"""The tables of the report and of the CSV files: one CSV each, and the fragilities as a model of OpenQuake."""
+"""The tables of the report and of the CSV files: one CSV each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from assessment.report.tables import capacity, cracks, dynamic, equilibrium, mechanisms, structure, studies  # noqa: F401 - entered
-from assessment.report.tables.dynamic import fragility_model
 from assessment.report.tables.rows import TABLES
 from assessment.results.schema import Results
 from assessment.results.table import Table
@@ -16,12 +15,10 @@ RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spread
 
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
+    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder.
 
     A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
     """
-    if model := fragility_model(results):
-        write_atomically(folder / "fragility.xml", model.encode())
     import pandas as pd  # late: the report needs the rows only
 
     for each in tables(results):

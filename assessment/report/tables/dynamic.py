@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Iterator, Sequence
-from xml.sax.saxutils import escape
 
 from assessment.report.tables.rows import Curves, Found, curves, table, without
 from assessment.results.schema import Results
@@ -28,19 +25,6 @@ MOVED = "settlement share movement_m"
 LOSS = f"""{MOVED} rule pga_collapse_g dynamic_loss dynamic_loss_low dynamic_loss_high distinguishable left_out
 static_loss"""
 OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
-MODEL = """<?xml version="1.0" encoding="utf-8"?>
-<nrml xmlns="http://openquake.org/xmlns/nrml/0.5">
-  <fragilityModel id="collapse" assetCategory="buildings" lossCategory="structural">
-    <description>{title}</description>
-    <limitStates>collapse</limitStates>
-{functions}  </fragilityModel>
-</nrml>
-"""
-FUNCTION = """    <fragilityFunction id="{id}" format="continuous" shape="logncdf">
-      <imls imt="{imt}" noDamageLimit="0.0" minIML="0.0" maxIML="{most:.6g}"/>
-      <params ls="collapse" mean="{mean:.6g}" stddev="{stddev:.6g}"/>
-    </fragilityFunction>
-"""
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
 OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are none
 
@@ -273,24 +257,3 @@ def measures(results: Results) -> Found:
         for each in own:
             row = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
             yield row | {"median_of_measure": each.median, "beta_of_measure": each.beta}
-
-
-def fragility_model(results: Results) -> str | None:
-    """Return the fragilities as a fragility model of OpenQuake (NRML 0.5), None if there are none.
-
-    Mean and standard deviation are those of the measure (g), not of its logarithm, as OpenQuake takes them.
-    """
-    of_states = [(name, state.incremental.fragility) for name, state in results.states.items()]
-    found: list[tuple[str, str, float | None, float | None]]
-    found = [(name, "PGA", fit.median_g, fit.dispersion) for name, fit in of_states if fit]
-    if campaign := results.campaign:
-        imt = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
-        fits = campaign.fragility
-        found += [(f"{row.settlement} {row.share:g}", imt, row.median_g, row.beta) for row in fits]
-    functions = ""
-    for name, imt, median, beta in found:
-        if median and beta:
-            mean, most = median * math.exp(0.5 * beta**2), median * math.exp(5.0 * beta)
-            stddev, word = mean * math.sqrt(math.expm1(beta**2)), re.sub(r"\W+", "_", name)
-            functions += FUNCTION.format(id=word, imt=imt, most=most, mean=mean, stddev=stddev)
-    return MODEL.format(title=escape(results.title), functions=functions) if functions else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ from assessment.report.figures.motions import (
     moved,
 )
 from assessment.report.tables import tables as all_tables
-from assessment.report.tables.dynamic import LOSS, fragility_model, reported_campaign, static_dynamic
+from assessment.report.tables.dynamic import LOSS, reported_campaign, static_dynamic
 from assessment.report.text.language import LANGUAGES, heading, words_of
 from assessment.results.schema import Campaign
 from tests.assessment.report.test_document import read
@@ -381,22 +380,6 @@ def test_levels_that_were_run_once_claim_no_accuracy(tmp_path):
         html = render_html(typed(results), tmp_path, words_of(typed(results)))
         assert "is known to that" not in html and "is not seen" in html
         assert ("Every level was run once" in html) == (members == 1)
-
-
-def test_fragilities_are_a_fragility_model_of_mean_and_standard_deviation():
-    """OpenQuake takes those of the measure: they give median and β back."""
-    results = typed(results_with_campaign("en"))
-    model = ElementTree.fromstring(fragility_model(results).encode())
-    found = model.findall(".//{*}fragilityFunction")
-    rows = [row for row in results.campaign.fragility if row.median_g and row.beta]
-    assert len(found) >= len(rows) > 0
-    for function, row in zip(found[-len(rows) :], rows, strict=True):
-        params = function.find("{*}params")
-        mean, stddev = float(params.get("mean")), float(params.get("stddev"))
-        beta = math.sqrt(math.log1p((stddev / mean) ** 2))
-        assert beta == pytest.approx(row.beta, rel=1e-4)
-        assert mean * math.exp(-0.5 * beta**2) == pytest.approx(row.median_g, rel=1e-4)
-        assert function.find("{*}imls").get("imt") == "PGA"
 
 
 def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():

@@ -5,15 +5,12 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 from markupsafe import Markup
-from matplotlib.figure import Figure
 
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
 from assessment.report.figures.index import pictures
-from assessment.report.figures.studies import LABEL_PT, _label
 from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
 from assessment.report.text.language import LANGUAGES, joined, words_of
 from tests.support.pictured import draw_sections
@@ -154,17 +151,6 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
     widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
                    low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC", reference=rock)  # fmt: skip
     assert widest in draft_judgement(typed(results), words)
-
-
-def test_numbers_beside_points_stand_clear_of_one_another():
-    """Two capacities a hundredth apart: "1" and "2" were written over each other."""
-    axes = Figure(dpi=72.0).add_axes((0.1, 0.1, 0.8, 0.8))
-    axes.set(xlim=(0.0, 60.0), ylim=(0.0, 1.0))
-    _label(axes, [("1", 60.0, 0.50), ("2", 60.0, 0.501), ("3", 60.0, 0.8), ("4", 10.0, 0.5)])
-    points = {note.get_text(): axes.transData.transform(note.xy) + note.get_position() for note in axes.texts}
-    heights = sorted(points[name][1] for name in "123")
-    assert min(np.diff(heights)) >= LABEL_PT - 1e-9
-    assert points["4"][1] == pytest.approx(points["1"][1])
 
 
 def texts(path) -> list[str]:
