@@ -21,8 +21,8 @@ MOST_BYTES = (
 
 
 def as_bytes(results: Results) -> bytes:
-    """Return results as they are written, in the order of their schema."""
-    if table := table_of(results):
+    """Return results as they are written, in the order of their schema, with what their sentences are made of."""
+    if table := {str(text): worded(text) for text in _messages(results)}:
         results = results.replace(messages=table)
     return json.dumps(plain(results), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
@@ -55,14 +55,18 @@ def read_results(path: Path) -> Results:
     raise ValueError(f"{path}: {wrong}: damaged, or written by another version; {AGAIN}")
 
 
-def table_of(results: BaseModel) -> dict[str, Worded]:
-    """Return what each message in results is made of, by its sentence."""
-    return {str(text): worded(text) for text in _messages(results)}
-
-
 def worded(text: Message) -> Worded:
     """Return what a message is made of, with the messages within."""
-    return Worded(template=text.template, fields={name: _value(value) for name, value in text.fields.items()})
+
+    def value(each: Any) -> Any:
+        if isinstance(each, Message):
+            return worded(each)
+        if isinstance(each, list):
+            return [value(item) for item in each]
+        # JSON has no such numbers, and they have but one way to be written
+        return str(each) if isinstance(each, float) and not isfinite(each) else each
+
+    return Worded(template=text.template, fields={name: value(each) for name, each in text.fields.items()})
 
 
 def with_messages(content: dict[str, Any]) -> dict[str, Any]:
@@ -75,15 +79,12 @@ def with_messages(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _message(made: Mapping[str, Any]) -> Message:
-    fields = {
-        name: [_item(each) for each in value] if isinstance(value, list) else _item(value)
-        for name, value in made["fields"].items()
-    }
-    return Message(made["template"], fields)
+    def value(each: Any) -> Any:
+        if isinstance(each, list):
+            return [value(item) for item in each]
+        return _message(each) if isinstance(each, Mapping) else each
 
-
-def _item(value: Any) -> Any:
-    return _message(value) if isinstance(value, Mapping) else value
+    return Message(made["template"], {name: value(each) for name, each in made["fields"].items()})
 
 
 def _said(value: Any, table: Mapping[str, Message]) -> Any:
@@ -95,15 +96,6 @@ def _said(value: Any, table: Mapping[str, Message]) -> Any:
     if isinstance(value, list) and value and not isinstance(value[0], int | float):
         return [_said(inner, table) for inner in value]
     return value
-
-
-def _value(value: Any) -> Any:
-    if isinstance(value, Message):
-        return worded(value)
-    if isinstance(value, list):
-        return [_value(item) for item in value]
-    # JSON has no such numbers, and they have but one way to be written
-    return str(value) if isinstance(value, float) and not isfinite(value) else value
 
 
 def _messages(value: Any) -> Iterator[Message]:

@@ -235,8 +235,8 @@ def lost_before_zero(results: Results, words: Words) -> Sentences:
 def fitted_above(results: Results, words: Words) -> Sentences:
     """Yield where the fitted curve lies far above the elastic one at a displacement that is checked."""
     if found := list(excesses(results)):
-        listed = [words("text.fitted_above_at", **each._asdict()) for each in found]
-        least = min(math.sqrt(each.elastic_g / each.fitted_g) for each in found)
+        listed = [words("text.fitted_above_at", **each) for each in found]
+        least = min(math.sqrt(each["elastic_g"] / each["fitted_g"]) for each in found)
         yield words("text.fitted_above", where=Markup("; ").join(listed), factor=words.number(least, 2))
 
 

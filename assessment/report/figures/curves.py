@@ -32,9 +32,9 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
             axes.plot(_mm(path.movement_m), force, color="0.0", linewidth=WIDTHS[contacts], label=named)
         axes.set(xlabel=label("movement_m", words), ylabel=label(f"reaction_{component}_kN", words))
         reactions = [
-            each for path in content.pushdown.values() for each in (path.reaction_x_kN, path.reaction_z_kN)
+            f for path in content.pushdown.values() for f in (*path.reaction_x_kN, *path.reaction_z_kN)
         ]
-        largest, (low, high) = max(abs(force) for each in reactions for force in each), axes.get_ylim()
+        largest, (low, high) = max(map(abs, reactions)), axes.get_ylim()
         if high - low < 1e-3 * largest:  # a reaction that does not change is a level line, not its rounding
             axes.set_ylim(*((low + high) / 2.0 + side * largest for side in (-0.1, 0.1)))
         applied = max(path.applied_movement_m for path in content.pushdown.values())
@@ -43,11 +43,10 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
             axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
         for contacts, path in content.pushdown.items():
             if (ultimate := path.ultimate_movement_m) is not None:
-                movement, width = words.millimetres(ultimate), 0.5 * WIDTHS[contacts]
+                movement = words.millimetres(ultimate)
                 named = words.plain("figure.ultimate_line", contacts=contacts, movement=movement)
-                axes.axvline(
-                    1000.0 * ultimate, color="0.0", linewidth=width, linestyle=DASHES[2], label=named
-                )
+                style = {"linewidth": 0.5 * WIDTHS[contacts], "linestyle": DASHES[2], "label": named}
+                axes.axvline(1000.0 * ultimate, color="0.0", **style)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2)
     return figure
 
@@ -202,9 +201,7 @@ def _frames(
     for name, direction in views:
         curve, point = (capacity := results.states[name].capacity[direction]).curve, capacity.checks[limit]
         reach, secant = max([*curve.d_star_m, point.d_star_m or 0.0]), 0.0
-        if (
-            point.d_star_m and point.a_g_g and point.demand_a_g_g
-        ):  # demanded: beyond twice the capacity off the sheet
+        if point.d_star_m and point.a_g_g and point.demand_a_g_g:  # beyond twice the capacity off the sheet
             reach = max(reach, point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
         if point.d_star_m and point.T_s:
             secant = _secant(point.d_star_m, point.T_s)

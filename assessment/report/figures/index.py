@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from assessment.report.figures import curves, motions
 from assessment.report.figures.drawings import deformed
 from assessment.report.figures.drawings.model import draw_model
-from assessment.report.figures.drawings.thrust import draw_thrust
 from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.tables.cracks import cracks_of, surveyed
@@ -125,9 +124,9 @@ def _static(results: Results, show: Show) -> None:
     resting = [each for each in there if each.direction is None]
     activated = [each for each in there if each.direction is not None]
     for name, shown in _portions("thrust_at_rest", resting):
-        show(name, "cracks", draw_thrust, shown, caption="thrust_at_rest")
+        show(name, "cracks", deformed.draw_thrust, shown, caption="thrust_at_rest")
     for name, shown in _portions("thrust", activated):
-        show(name, "joints", draw_thrust, shown, caption="thrust", full=True)
+        show(name, "joints", deformed.draw_thrust, shown, caption="thrust", full=True)
     if results.spectra:
         show("spectrum", "action", curves.draw_demand, full=True)
     pushes = [(name, way) for name, state in results.states.items() for way in sorted(state.pushover)]

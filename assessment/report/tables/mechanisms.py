@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
@@ -119,17 +118,6 @@ def macro_element(results: Results, displacements: Configuration) -> str:
 ABOVE = 0.2  # of the elastic curve: a larger excess of the fitted curve is reported
 
 
-class Excess(NamedTuple):
-    """Where a fitted curve lies above the elastic one: at the displacement of a limit state; d* in m, a* in g."""
-
-    state: str
-    direction: Direction
-    limit_state: str
-    d_star_m: float
-    fitted_g: float
-    elastic_g: float
-
-
 def alpha_at_d_0(rigid: RigidPush) -> float | None:
     """Return the multiplier at d_0 where equilibrium is lost before it vanishes; None where it has vanished there."""
     left, end = rigid.curve.multiplier[-1], abs(rigid.curve.displacement_m[-1])
@@ -150,7 +138,7 @@ def elastic_capacity(results: Results, state: str, direction: Direction) -> tupl
     return np.asarray(d_star), np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
 
 
-def excesses(results: Results) -> Iterator[Excess]:
+def excesses(results: Results) -> Iterator[Row]:
     """Yield where a nonlinear check takes an acceleration more than ABOVE higher than the elastic curve has there."""
     for name, direction, capacity in capacities(results):
         elastic = elastic_capacity(results, name, direction)
@@ -163,4 +151,5 @@ def excesses(results: Results) -> Iterator[Excess]:
                 continue
             at = max(0.0, float(np.interp(check.d_star_m, d_star[first], a_star[first])))
             if check.a_star_g > (1.0 + ABOVE) * at:
-                yield Excess(name, direction, limit, check.d_star_m, check.a_star_g, at)
+                place: Row = {"state": name, "direction": direction, "limit_state": limit}
+                yield place | {"d_star_m": check.d_star_m, "fitted_g": check.a_star_g, "elastic_g": at}

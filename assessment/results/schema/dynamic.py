@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from assessment.results.schema.model import Face
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
+from assessment.results.schema.static import Pictured
 
 Range = list[float | None]
 """Least and largest of the members of an ensemble; null: a collapse, beyond any value."""
@@ -40,19 +40,11 @@ class Band(Part):
     high_m: list[float] = key("largest displacement")
 
 
-class Snapshots(Part):
-    """`snapshots`: where the blocks are at some times; joints as in `frames` of a static path."""
+class Snapshots(Pictured):
+    """`snapshots` of a motion; of joints those of the drawing."""
 
     time_s: list[float] = key("times in the record's file")
     displacement_m: list[float] = key("of the control point along x")
-    configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
-    force_kN: list[list[Point] | None] = key("N and T of each joint; null: not known")
-    centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle")
-    met: list[Face] = key("none: joints of the drawing only")
-    tie_kN: list[list[float] | None] | None = optional(
-        "tension of each tie of the state, those that are set there last; null: rigid joints do not determine "
-        "it; missing: no tie"
-    )
 
 
 class ShakenTie(Part):

@@ -36,18 +36,23 @@ class TieTension(Part):
     yields: bool = key("whether it reaches the yield force", "Snervata|Yields")
 
 
-class Frames(Part):
-    """`frames`: where the blocks are at some points of a path, and what the joints carry there; for pictures."""
+class Pictured(Part):
+    """Where the blocks are at some points of a path, and what the joints carry there; for pictures."""
 
-    index: list[int] = key("which points of the path")
     configuration: list[Configuration] = key("x, z, ω of each block against the drawing")
     force_kN: list[list[Point] | None] = key("N and T of each joint, drawn ones, then `met`; null: not known")
     centre: list[list[float | None] | None] = key("where N presses, as a share of the joint; null: idle")
-    met: list[Face] = key("pairs of faces that touch on the path and not as drawn")
+    met: list[Face] = key("pairs of faces that touch on the path and not as drawn; of motions none")
     tie_kN: list[list[float] | None] | None = optional(
         "tension of each tie of the state, those that are set there last; null: not known; missing: no tie. "
         "With rigid joints one of those that are possible, where `ties` has none"
     )
+
+
+class Frames(Pictured):
+    """`frames` of a static path."""
+
+    index: list[int] = key("which points of the path")
 
 
 class LocalLoss(Part):

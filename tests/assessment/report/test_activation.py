@@ -21,7 +21,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import onsets
 from assessment.report.document import render_html
 from assessment.report.figures.curves import draw_pushover
-from assessment.report.figures.drawings.thrust import draw_thrust
+from assessment.report.figures.drawings.deformed import draw_thrust
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables import tables
 from assessment.report.text.language import direction_name, words_of

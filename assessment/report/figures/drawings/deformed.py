@@ -1,13 +1,15 @@
-"""Drawings to scale of what states do: settlements and their cracks, mechanisms, the end of capacity."""
+"""Drawings to scale of what states do: settlements, cracks, mechanisms, the end of capacity, what joints carry."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -18,6 +20,7 @@ from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.report.text.language import Words
 from assessment.results.configurations.faces import faces_of, outlines
 from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
+from assessment.results.configurations.joint_states import Situation, joint_states, thrust_lines
 from assessment.results.configurations.ties import ties_of
 from assessment.results.identified import best_of
 from assessment.results.schema import Configuration, Direction, Face, GivenMechanism, Point, Results, known
@@ -120,9 +123,9 @@ def draw_mechanisms(results: Results, words: Words, views: Sequence[View]) -> Fi
 def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure:
     """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
     centres = [part.about_m for part in known(given.macro_blocks)]
-    motion = Kinematics(known(given.displacements), centres, known(given.sliding_joints))
     at = results.states[given.state].configuration
-    view = Mechanism(results, given.state, motion, at, known(given.met))
+    motion = known(given.displacements), centres, known(given.sliding_joints)
+    view = Mechanism(results, given.state, *motion, at, known(given.met))
     return _draw_mechanisms(words, [view], [known(given.direction)])
 
 
@@ -157,23 +160,16 @@ def found_mechanism(results: Results, state: str, direction: Direction) -> Mecha
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
     rigid = rigid_push(results, state, direction)
     found = rigid.mechanism
-    motion = Kinematics(found.displacements, found.hinge_points_m, found.sliding_joints)
+    motion = found.displacements, found.hinge_points_m, found.sliding_joints
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
-    return Mechanism(results, state, motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
-
-
-class Kinematics(NamedTuple):
-    """What a mechanism does: virtual displacements (b, 3), hinges (n, 2) m, numbers of the joints that slide."""
-
-    displacements: Configuration
-    hinges: Sequence[Point]
-    sliding: Sequence[int]
+    return Mechanism(results, state, *motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
 
 
 class Mechanism:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size.
 
+    `displacements` (b, 3): virtual ones; `hinges` (n, 2) m; `sliding`: numbers of the joints that slide;
     `configuration` (b, 3): where the blocks are as it begins to move, from the drawing; `met`: pairs of faces, after
     the drawn joints, that touch there and did not as drawn; `numbered`: the macro-blocks of the hand check, whose
     numbers are written into the drawing.
@@ -183,25 +179,27 @@ class Mechanism:
         self,
         results: Results,
         state: str,
-        motion: Kinematics,
+        displacements: Configuration,
+        hinges: Sequence[Point],
+        sliding: Sequence[int],
         configuration: Configuration,
         met: Sequence[Face],
         numbered: Sequence[MacroBlock] = (),
     ) -> None:
         self.state, self.macro_blocks = state, numbered
         self.configuration = np.asarray(configuration, dtype=float)
-        self.velocity = np.asarray(motion.displacements, dtype=float)
+        self.velocity = np.asarray(displacements, dtype=float)
         self.drawing = outlines(results)
         self.start = self.drawing.moved(self.configuration)
         speed = np.linalg.norm(self._rate(self.start.points, self.start.owner), axis=1)
         self.amount = pictures.swept_by(self.start, self.velocity)
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
-        self.hinges = motion.hinges
+        self.hinges = hinges
         self.ties = ties_of(results, state)
         self.tie_ends = list(parts.moved_ends(results, state, self.configuration))
-        faces, sliding = faces_of(results, met), np.array(motion.sliding, dtype=np.intp)
-        self.sliding = faces.contacts.take(sliding)
+        faces = faces_of(results, met)
+        self.sliding = faces.contacts.take(np.array(sliding, dtype=np.intp))
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
     def draw(self, page: Sheet, axes: Axes) -> None:
@@ -320,3 +318,70 @@ def room(page: Sheet, ring: Array, text: str) -> float:
     narrow = 1000.0 * min(np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1])))
     diagonal = np.hypot(LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
     return float(min(LARGEST_PT, narrow / page.scale / diagonal))
+
+
+UNIT_MM = 10.0  # on paper, of a round force
+LONGEST = 1.3  # times that, the largest resultant
+CROWD = 150  # joints: beyond them marks become finer, so that a wall stays readable
+RESULTANT: dict[str, Any] = {"color": "0.45", "linewidth": 0.6}
+JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a whole is a plain outline
+    "partial": {"color": pictures.INK, "linewidth": 1.2, "linestyle": (0, (1.2, 0.8))},
+    "sliding": {"color": pictures.INK, "linewidth": 2.4},
+    "idle": {"color": "0.6", "linewidth": 1.0, "linestyle": (0, (0.8, 1.6))},
+}
+
+
+def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> Figure:
+    """Draw each situation: resultants as lines as long as they are large, joined through blocks of two joints.
+
+    Joints are marked by their condition (JointStates.condition); a hinge is a circle where the resultant crosses.
+    """
+    drawing = outlines(results)
+    shapes = [drawing.moved(situation.configuration) for situation in shown]
+    joints = [joint_states(results, situation) for situation in shown]
+    largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
+    unit = round_force(largest)
+    scale = words.plain("figure.resultant", force=words.comma(f"{unit:g}"), length=f"{UNIT_MM:g}")
+    handles: list[Any] = [key(words.plain("figure.thrust"), **pictures.THRUST), key(scale, **RESULTANT)]
+    conditions = {each for states in joints for each in states.condition}
+    named = [
+        (each, style) for each, style in (*JOINTS.items(), ("edge", pictures.HINGE)) if each in conditions
+    ]
+    handles += [key(words.plain(f"figure.joint_{each}"), **style) for each, style in named]
+    handles += parts.tie_handles(results, words, *(situation.state for situation in shown))
+    above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
+    below = foot([each.get_label() for each in handles])
+    page = sheet(pictures.union(shapes), len(shown), border_mm=above, foot_mm=below, height_mm=150.0)
+    for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
+        if situation.direction is None:
+            forces = words.plain("figure.at_rest_forces", contacts=situation.contacts)
+            axes.set_title(f"{words.state(situation.state)}\n{forces}")
+        else:
+            axes.set_title(
+                f"{words.at(situation.state, situation.direction)}\nα = {words.show(situation.alpha)}"
+            )
+        pictures.fill_roles(axes, shape)
+        fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
+        are = np.array(states.condition)
+        for condition, style in JOINTS.items():
+            width = style["linewidth"] * fine
+            ends = list(states.ends[are == condition])
+            axes.add_collection(LineCollection(ends, **(style | {"linewidth": width})))
+        half = 0.5 * page.paper(UNIT_MM) / unit * states.force
+        resultants = np.stack([states.point - half, states.point + half], axis=1)[are != "idle"]
+        axes.add_collection(LineCollection(list(resultants), **RESULTANT))
+        axes.add_collection(LineCollection(thrust_lines(states), **pictures.THRUST))
+        mark = pictures.HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}
+        axes.plot(*states.point[are == "edge"].T, **mark)
+        parts.draw_ties(page, axes, parts.moved_ends(results, situation.state, situation.configuration))
+        if situation.direction:
+            parts.push_arrow(page, axes, shape.bounds, situation.direction)
+    page.legend(handles, words)
+    return page.figure
+
+
+def round_force(largest: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, the least of which the largest force is at most `LONGEST` times."""
+    least = largest / LONGEST
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-9))

@@ -27,12 +27,7 @@ LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
 SHAFT = [(-0.05, 1.0), (0.05, 1.0), (0.05, -0.2), (0.3, -0.2), (0.0, -1.0), (-0.3, -0.2), (-0.05, -0.2)]
 DOWN = Path([*SHAFT, SHAFT[0]], closed=True)  # an arrow, as a mark
 MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
-DIMENSION = {
-    "arrowstyle": "<|-|>,head_width=0.12,head_length=0.35",
-    "shrinkA": 0.0,
-    "shrinkB": 0.0,
-    "lw": 0.5,
-}
+DIMENSION = ARROW | {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.35", "lw": 0.5}
 WHITE: dict[str, Any] = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
 ON_WHITE: dict[str, Any] = {"textcoords": "offset points", "bbox": WHITE}
 
@@ -88,9 +83,8 @@ def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
     for control in controls:
         x, z = control.point_m
         axes.plot(x, z, **mark)
-        away, side = (
-            (-4.0, "right") if x < middle else (4.0, "left")
-        )  # names lie outside, away from one another
+        # names lie outside, away from one another
+        away, side = (-4.0, "right") if x < middle else (4.0, "left")
         axes.annotate(control.name, (x, z), (away, 4.0), ha=side, fontweight="bold", **ON_WHITE)
     return [key(words.plain("figure.control"), **mark)] if controls else []
 

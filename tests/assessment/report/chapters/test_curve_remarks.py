@@ -77,10 +77,12 @@ def test_a_fitted_curve_far_above_the_elastic_one_is_told_with_the_side_it_errs_
         check["a_star_g"] = float(share * at)
         changed = typed(results)
         found = [
-            e for e in excesses(changed) if (e.state, e.direction, e.limit_state) == ("original", "+x", "SLC")
+            e
+            for e in excesses(changed)
+            if (e["state"], e["direction"], e["limit_state"]) == ("original", "+x", "SLC")
         ]
         assert bool(found) == told
         if told:
-            assert (found[0].fitted_g, found[0].elastic_g) == pytest.approx((share * at, at))
+            assert (found[0]["fitted_g"], found[0]["elastic_g"]) == pytest.approx((share * at, at))
             [said] = _plain(fitted_above(changed, words_of(changed)))
             assert "errs on the unsafe side" in said and "down to 0.50 times" in said

@@ -16,8 +16,12 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.figures.curves import draw_pushdown, draw_pushover
 from assessment.report.figures.drawings import deformed
-from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_settlement, found_mechanism
-from assessment.report.figures.drawings.thrust import round_force
+from assessment.report.figures.drawings.deformed import (
+    draw_mechanisms,
+    draw_settlement,
+    found_mechanism,
+    round_force,
+)
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.figures.style import (
     BAND_MM,
