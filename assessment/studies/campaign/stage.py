@@ -249,6 +249,7 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
             CampaignRecord(
                 record=motion.name,
                 record_pga_g=motion.pga,
+                pgv_m_s=motion.pga * measures.over_pga[motion.name]["PGV"],
                 scale=motion.scale,
                 duration_s=motion.record.duration,
                 time_step_s=motion.record.time_step,
