@@ -13,21 +13,13 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_period
 from assessment.report.tables import capacity as checked
-from assessment.report.tables import dynamic, structure, studies
+from assessment.report.tables import dynamic, equilibrium, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
-from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
 from assessment.report.tables.rows import TABLES, without
 from assessment.report.text.language import Words, cell, check_name, direction_name, heading, written
 from assessment.results.asked import printed
-from assessment.results.configurations.hand_check import (
-    BY_HAND,
-    figures_of,
-    governing_mechanisms,
-    rigid_push,
-    ties_in,
-    virtual_work_table,
-)
+from assessment.results.configurations import hand_check
 from assessment.results.schema import Results, present
 from assessment.results.schema.part import QUANTITIES
 from assessment.results.summary import index_limit, index_of, least_row
@@ -74,8 +66,8 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         survey_table(results),
         _mechanisms(results, words),
         structure.tie_demands(results),
-        reactions(results),
-        balance(results),
+        equilibrium.reactions(results),
+        equilibrium.balance(results),
         structure.reported_pressures(results),
         _action(results),
         *checked.reported_indices(results),
@@ -84,7 +76,7 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         replace(chosen, rows=[row for row in chosen.rows if "refused" not in row]),
         *studies.reported_studies(results),
         *dynamic.reported_campaign(results),
-        hand_check(results),
+        equilibrium.hand_check(results),
         without(second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
         ranges_table(studies.ranges(results), words, reference_of(results)),
@@ -123,12 +115,12 @@ def check_grids(results: Results, words: Words) -> Iterator[Grid]:
             yield grid(Table("checks", rows, tuple(columns)), words, caption, reference=reference_of(results))
 
 
-def macro_block_grids(results: Results, words: Words, most: int = BY_HAND) -> Iterator[Grid]:
+def macro_block_grids(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Iterator[Grid]:
     """Yield the macro-blocks of each state's weakest direction, `most` or fewer, with the sums of the virtual work."""
-    for name, direction in governing_mechanisms(results):
-        figures = figures_of(results, name, direction)
+    for name, direction in hand_check.governing_mechanisms(results):
+        figures = hand_check.figures_of(results, name, direction)
         if len(figures) <= most:
-            table = virtual_work_table(figures, ties_in(results, name, direction))
+            table = hand_check.virtual_work_table(figures, hand_check.ties_in(results, name, direction))
             yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)
 
 
@@ -139,7 +131,9 @@ def _mechanisms(results: Results, words: Words) -> Table:
     for row in table.rows:
         where = row["state"], row["direction"]
         named = Markup.escape(mechanism_name(results, *where, words))
-        rows.append(row | {"mechanism": named} | cells(rigid_push(results, *where), ["alpha_onset"]))
+        rows.append(
+            row | {"mechanism": named} | cells(hand_check.rigid_push(results, *where), ["alpha_onset"])
+        )
     return Table("mechanisms", rows, (*table.columns[:2], "mechanism", "alpha_onset", *table.columns[2:]))
 
 

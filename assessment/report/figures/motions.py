@@ -17,16 +17,7 @@ from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, mo
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
 from assessment.report.text.language import COARSE, Words, label
 from assessment.results.configurations.faces import outlines
-from assessment.results.schema import Results
-from assessment.results.schema.dynamic import (
-    Campaign,
-    CampaignCombination,
-    CampaignFragility,
-    History,
-    Incremental,
-    Level,
-    Search,
-)
+from assessment.results.schema import Results, dynamic
 from assessment.results.schema.part import known
 from mechanics.pictures import fill_roles, ghost
 
@@ -41,7 +32,7 @@ STEEP = 0.1  # ln of the measure shown beyond the median of equal levels, which 
 Run = tuple[str, float, str, int]
 
 
-def shaken(results: Results, record: str) -> dict[str, History]:
+def shaken(results: Results, record: str) -> dict[str, dynamic.History]:
     """Return the time history of each state under a record, where the state was reached."""
     return {
         state: entry
@@ -51,7 +42,7 @@ def shaken(results: Results, record: str) -> dict[str, History]:
     }
 
 
-def fragile(results: Results) -> dict[str, Incremental]:
+def fragile(results: Results) -> dict[str, dynamic.Incremental]:
     """Return the incremental analysis of each state that has a fragility."""
     found = {state: content.incremental for state, content in results.states.items()}
     return {state: each for state, each in found.items() if each.fragility}
@@ -62,7 +53,7 @@ def moved(results: Results) -> list[str]:
     return list(dict.fromkeys(row.settlement for row in results.campaign.loss)) if results.campaign else []
 
 
-def fragile_shares(results: Results, settlement: str) -> list[CampaignFragility]:
+def fragile_shares(results: Results, settlement: str) -> list[dynamic.CampaignFragility]:
     """Return the shares of a settlement whose fragility is known."""
     found = known(results.campaign).fragility
     return [row for row in found if row.settlement == settlement and row.median_g is not None]
@@ -211,7 +202,7 @@ def _grid(words: Words, count: int, height_mm: float) -> tuple[Figure, list[Axes
     return figure, panels[:count]
 
 
-def _curve(axes: Axes, record: Search, marker: str, edge: float) -> None:
+def _curve(axes: Axes, record: dynamic.Search, marker: str, edge: float) -> None:
     """Draw one IDA curve (mm, g): the runs withstood below collapse, the arrow of collapse, resurrections alone."""
     line: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "marker": marker, "markersize": 3.0}
     collapse = record.lowest_collapse_g
@@ -226,7 +217,7 @@ def _curve(axes: Axes, record: Search, marker: str, edge: float) -> None:
         axes.annotate("", (edge, collapse), (x[-1], y[-1]), arrowprops=arrow)
 
 
-def _path(points: Iterable[Level]) -> tuple[list[float], list[float]]:
+def _path(points: Iterable[dynamic.Level]) -> tuple[list[float], list[float]]:
     """Return peak displacements, mm, and PGA, g, of levels that were withstood."""
     found = list(points)
     return [1000.0 * known(p.peak_displacement_m) for p in found], [p.pga_g for p in found]
@@ -322,7 +313,7 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     return figure
 
 
-def _points(row: CampaignCombination, runs: Mapping[Run, list[Level]]) -> list[Level]:
+def _points(row: dynamic.CampaignCombination, runs: Mapping[Run, list[dynamic.Level]]) -> list[dynamic.Level]:
     """Return the levels that were run of a combination, by itself or by the one that is the same."""
     same = row.same_as
     if same is None or same.sign != row.sign:
@@ -351,7 +342,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     least, most = min([0.0, *drawn]), max([0.01, *drawn])
     room = 5.0 * (most - least)  # per cent
     line: dict[str, Any] = {"color": "0.0", "marker": "o", "markersize": 3.5}
-    dynamic: dict[str, Any] = line | {"linestyle": "-", "markerfacecolor": "0.0"}
+    solid: dict[str, Any] = line | {"linestyle": "-", "markerfacecolor": "0.0"}
     static: dict[str, Any] = line | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
     for axes, name in zip(panels, names, strict=True):
         own = [row for row in campaign.loss if row.settlement == name]
@@ -359,7 +350,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
         band = np.array([(row.movement_m, *row.dynamic_range) for row in known_rows])
         x, low, high = band.reshape(-1, 3).T * [[1000.0], [100.0], [100.0]]
         axes.fill_between(x, low, high, color=LOSS_BAND, linewidth=0.0)
-        for losses_of, style in (("dynamic", dynamic), ("static", static)):
+        for losses_of, style in (("dynamic", solid), ("static", static)):
             pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
             shown = [(1000.0 * movement, 100.0 * loss) for movement, loss in pairs if loss is not None]
             axes.plot([x for x, _ in shown], [y for _, y in shown], **style)
@@ -367,14 +358,14 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
         axes.set_xlim(left=0.0)
         axes.set_ylim(100.0 * least - room, 100.0 * most + room)  # the same in all: movements are compared
     bounds = Patch(color=LOSS_BAND, linewidth=0.0, label=words.plain("figure.loss_band"))
-    handles: list[Artist] = [key(words.plain("figure.dynamic_loss"), **dynamic)]
+    handles: list[Artist] = [key(words.plain("figure.dynamic_loss"), **solid)]
     handles += [] if campaign.method == "stripes" else [bounds]
     handles += [key(words.plain("figure.static_loss"), **static)]
     figure.legend(handles=handles, loc="lower center", ncols=3)
     return figure
 
 
-def _seen(campaign: Campaign, settlement: str, share: float) -> tuple[list[float], list[float]]:
+def _seen(campaign: dynamic.Campaign, settlement: str, share: float) -> tuple[list[float], list[float]]:
     """Return levels of 50 % or stripes (g, of the measure) and the share of the combinations that collapse there."""
     of_share = (r for r in campaign.combinations if r.settlement == settlement and r.share == share)
     rows = [row for row in of_share if row.pga_safe_g is not None]

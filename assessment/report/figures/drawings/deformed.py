@@ -7,19 +7,24 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings import parts
-from assessment.report.figures.style import MM, Sheet, foot, key, sheet
+from assessment.report.figures.style import Sheet, foot, key, sheet
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.report.text.language import Words
 from assessment.results.configurations.faces import faces_of, outlines
-from assessment.results.configurations.hand_check import BY_HAND, MacroBlock, macro_blocks, rigid_push
+from assessment.results.configurations.hand_check import (
+    BY_HAND,
+    MacroBlock,
+    macro_blocks,
+    outline_area,
+    rigid_push,
+)
 from assessment.results.configurations.joint_states import Situation, joint_states, thrust_lines
 from assessment.results.configurations.ties import ties_of
 from assessment.results.identified import best_of
@@ -32,7 +37,7 @@ View = tuple[str, Direction]
 """A state and the direction in which it is pushed."""
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
 SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
-LETTER, CAPITAL = 0.65, 0.75  # of the size of a font: width and height of a digit
+ROOM = 0.9  # points of that number for each mm on paper of the root of the block's area
 CRACK: dict[str, Any] = {"color": pictures.INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 SURVEYED: dict[str, Any] = {"color": "#a33c0a", "linewidth": 1.6, "linestyle": (0, (3, 1)), "marker": "|"}
 MEASURED: dict[str, Any] = pictures.HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
@@ -242,7 +247,7 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
         axes.plot(*face.T, **CRACK)
     marks: list[Array] = []
     for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
-        size = room(page, ring, str(number))
+        size = min(LARGEST_PT, ROOM * 1000.0 * outline_area(ring) ** 0.5 / page.scale)
         if size >= SMALLEST_PT:
             dark = results.geometry.blocks[number].support is not None
             style: dict[str, Any] = {"fontsize": size, "color": "1.0" if dark else "0.25"}
@@ -310,14 +315,6 @@ def _beside(page: Sheet, face: Array, middle: Array) -> list[Array]:
     along = (face[1] - face[0]) / max(float(np.hypot(*(face[1] - face[0]))), 1e-12)
     ends = sorted(((face[1], along), (face[0], -along)), key=lambda end: -float(np.hypot(*(end[0] - middle))))
     return [end + page.paper(distance) * out for distance in (3.0, 5.0) for end, out in ends]
-
-
-def room(page: Sheet, ring: Array, text: str) -> float:
-    """Return the size in points, LARGEST_PT at most, of a text that stays within a block (n, 2) m at any slope."""
-    corners = np.asarray(shapely.minimum_rotated_rectangle(shapely.Polygon(ring)).exterior.coords)
-    narrow = 1000.0 * min(np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1])))
-    diagonal = np.hypot(LETTER * len(text), CAPITAL) / 72.0 / MM  # mm of a text of one point
-    return float(min(LARGEST_PT, narrow / page.scale / diagonal))
 
 
 UNIT_MM = 10.0  # on paper, of a round force

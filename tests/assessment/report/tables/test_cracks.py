@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from assessment.report.chapters.remarks import cracks as crack_sentences
 from assessment.report.chapters.remarks import damping
 from assessment.report.chapters.remarks import survey as survey_sentences
-from assessment.report.figures.drawings.deformed import LARGEST_PT, NUMBER, draw_cracks, room
+from assessment.report.figures.drawings.deformed import NUMBER, draw_cracks
 from assessment.report.figures.drawings.parts import write_numbers
 from assessment.report.figures.style import sheet
 from assessment.report.tables.cracks import SEEN, cracks, survey_table
@@ -84,17 +84,6 @@ def test_numbers_are_off_marks_and_off_one_another():
         boxes = [Text.get_window_extent(text).padded(1.0) for text in axes.texts]
     assert not any(box.contains(*axes.transData.transform(place)) for box in boxes)
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
-
-
-def test_the_number_of_a_block_stays_within_it():
-    """A square turned by 30°: the diagonal of "88" at the size found is no longer than its side on paper."""
-    page = sheet((0.0, 0.0, 0.1, 0.1))
-    c, s = np.cos(np.radians(30.0)), np.sin(np.radians(30.0))
-    for side in (0.001, 0.002, 1.0):
-        ring = side * page.scale * np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) @ np.array([[c, s], [-s, c]])
-        size = room(page, ring, "88")
-        fits = 1000.0 * side / (np.hypot(1.3, 0.75) * 25.4 / 72.0)  # of 1 pt: 2 digits 0.65 wide, 0.75 high
-        assert size == pytest.approx(min(LARGEST_PT, fits))
 
 
 def test_numbers_of_supports_are_light_on_their_dark_ground():
