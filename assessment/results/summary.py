@@ -63,7 +63,10 @@ def _row(
     ratios = {limit: ratio for limit, check in checks.items() if (ratio := check.zeta_E) is not None}
     indexed = [limit for limit in INDEXED if limit in checks] or list(checks)
     row: dict[str, Any] = {"state": name, "direction": direction, "checks": checks}
-    row["reached"] = _reached(states, state)
+    before_it = (
+        states.get(made.of) if made else state
+    )  # not reached: its configuration is that of the drawing
+    row["reached"] = before_it is None or before_it.settlement is None or any(map(any, state.configuration))
     row["governing"] = min(ratios, key=lambda limit: ratios[limit], default=None)
     row["verified"] = _all(checks[limit].verified for limit in indexed)
     row["limit_state"] = quoted_limit_state(capacity.checks) if capacity else None
@@ -112,12 +115,6 @@ def _counting(capacity: Capacity | None, limit: str) -> SummaryCheck:
     ratio, name = known[0] if limit in INDEXED else min(known, key=lambda each: each[0])
     found = SummaryCheck(check=name, zeta_E=ratio, verified=made[name].verified)
     return found.replace(zeta_E_range=each) if (each := made[name].zeta_E_range) else found
-
-
-def _reached(states: dict[str, State], state: State) -> bool:
-    """Whether a state was reached: where it was not, its configuration is that of the drawing."""
-    before = states.get(state.strengthening.of) if state.strengthening else state
-    return before is None or before.settlement is None or any(map(any, state.configuration))
 
 
 def _all(verified: Iterable[bool | None]) -> bool | None:

@@ -79,7 +79,7 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         equilibrium.hand_check(results),
         without(second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
-        ranges_table(studies.ranges(results), words, reference_of(results)),
+        ranges_table(studies.static_ranges(results).rows, words, reference_of(results)),
         *(TABLES[name](results) for name in AS_THEY_ARE.split()),
     ]
     grids = {}
@@ -173,19 +173,18 @@ def _interventions(results: Results) -> Table:
     return Table("compared", rows, tuple(columns.split()))
 
 
-def ranges_table(found: Iterable[studies.Range], words: Words, reference: str = ROCK) -> Table:
+def ranges_table(found: Iterable[Row], words: Words, reference: str = ROCK) -> Table:
     """Return the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
 
     Ratios are left out: they are those of the a_g above them.
     """
     rows = []
-    for each in found:
-        if each.quantity != "zeta_E":
-            limit = f" {check_name(each.limit_state, words)}" if each.limit_state else ""
-            row: Row = {name: getattr(each, name) for name in ("state", "direction", "contacts")}
-            row["quantity"] = heading(each.quantity, words, reference) + limit
-            ends = zip(("used", "lowest", "highest"), (each.value, each.lowest, each.highest), strict=True)
-            rows.append(row | {name: written(each.quantity, end, words) for name, end in ends})
+    for each in (row for row in found if row["quantity"] != "zeta_E"):
+        name, limit = each["quantity"], each.get("limit_state")
+        ends = {"used": each["value"], "lowest": each["lowest"], "highest": each["highest"]}
+        row: Row = {key: each[key] for key in ("state", "direction", "contacts") if key in each}
+        row["quantity"] = heading(name, words, reference) + (f" {check_name(limit, words)}" if limit else "")
+        rows.append(row | {key: written(name, end, words) for key, end in ends.items()})
     columns = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
     return Table("static_ranges", rows, columns)
 

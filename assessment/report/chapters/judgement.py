@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
-from assessment.report.tables.equilibrium import balances
+from assessment.report.tables.equilibrium import balance
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
@@ -236,7 +236,7 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
     for slides, most in ((slides, max(each)) for slides, each in deviations.items() if each):
         key = "hand_agrees" if most <= AGREEMENT else "hand_slides" if slides else "hand_differs"
         yield words(f"judgement.{key}", deviation=words.number(100.0 * most, COARSE))
-    unbalanced = [each.unbalanced for each in balances(results)]
+    unbalanced = [row["unbalanced"] for row in balance(results).rows]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is
         key = f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,21 +27,6 @@ JOINT = "joint block_a block_b normal_kN shear_kN eccentricity_m contact_length_
 JOINT += " uncrushed_pressure_kN_m2 opening_1_m opening_2_m slip_m condition"
 
 
-@dataclass(frozen=True)
-class Balance:
-    """Sum of the reactions and of the loads (2,) kN in a situation, and the weight of the blocks that move, kN."""
-
-    situation: Situation
-    reaction: Array
-    load: Array
-    weight: float
-
-    @property
-    def unbalanced(self) -> float:
-        """The larger component of what is left over, per weight."""
-        return float(abs(self.reaction + self.load).max() / self.weight)
-
-
 @table("reactions", f"{WHERE} support reaction_x_kN reaction_z_kN")
 def reactions(results: Results) -> Found:
     """List the force of each support on the structure in every situation whose joint forces are known."""
@@ -56,21 +40,15 @@ def reactions(results: Results) -> Found:
 def balance(results: Results) -> Found:
     """Set the sum of the reactions against the loads, worked out from outlines, depths and unit weights.
 
-    `unbalanced` is the larger component of what is left over, per weight.
+    `unbalanced` is the larger component of what is left over, per weight of the blocks that move.
     """
-    for each in balances(results):
-        row = _where(each.situation) | _components("reaction", each.reaction, each.weight)
-        yield row | _components("load", each.load, each.weight) | {"unbalanced": each.unbalanced}
-
-
-def balances(results: Results) -> Iterator[Balance]:
-    """Yield the balance of every situation whose joint forces are known."""
     movable = np.array([block.support is None for block in results.geometry.blocks])
-    dead, seismic = (float(each[movable].sum()) for each in weights(results))
+    weight, seismic = (float(each[movable].sum()) for each in weights(results))
     for each in situations(results):
-        total = sum((force for _, force in _forces(results, each)), np.zeros(2))
-        along = each.alpha * seismic * sense(each.direction or "+x")
-        yield Balance(each, total, np.array([along, -dead]), dead)
+        reaction = sum((force for _, force in _forces(results, each)), np.zeros(2))
+        load = np.array([each.alpha * seismic * sense(each.direction or "+x"), -weight])
+        row = _where(each) | _components("reaction", reaction, weight) | _components("load", load, weight)
+        yield row | {"unbalanced": float(abs(reaction + load).max() / weight)}
 
 
 @table("joints", f"{WHERE.removesuffix(' alpha')} {JOINT}")

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
 from assessment.results.asked import taken_to_collapse
 from assessment.results.identified import told_of
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import Part, named
-from assessment.results.schema.static import Contacts
 from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity
 from assessment.results.table import Row, Table, cells, quoted_check
 
@@ -123,22 +121,9 @@ def _weaker(capacities: Iterable[float | None]) -> float | None:
     return min(known) if known and len(known) == len(values) else None
 
 
-@dataclass(frozen=True)
-class Range:
-    """Range of a quantity, in its unit in results.json; None where it does not depend on direction, joints or check."""
-
-    state: str
-    direction: Direction | None
-    contacts: Contacts | None
-    limit_state: str | None
-    quantity: str
-    value: float | None
-    lowest: Annotated[float | None, named("Minimo|Lowest", unit="")]
-    highest: Annotated[float | None, named("Massimo|Highest", unit="")]
-
-
-def ranges(results: Results) -> Iterator[Range]:
-    """Yield the ranges of what scatters, state by state: pushdowns, pushovers, checks."""
+@table("static_ranges", "state direction contacts limit_state quantity value lowest highest")
+def static_ranges(results: Results) -> Found:
+    """List the ranges of what scatters, in units of results.json, state by state: pushdowns, pushovers, checks."""
     parts: list[tuple[Row, Part]] = [*moves(results), *pushes(results)]
     for name, direction, capacity in capacities(results):
         where = {"state": name, "direction": direction}
@@ -146,20 +131,14 @@ def ranges(results: Results) -> Iterator[Range]:
     for name in results.states:
         for where, part in (each for each in parts if each[0]["state"] == name):
             numbers = cells(part, type(part).model_fields)
-            place: Any = (where.get(key) for key in ("direction", "contacts", "limit_state"))
-            direction, contacts, limit = place
             for quantity in (key.removesuffix(RANGE) for key in numbers if key.endswith(RANGE)):
                 low, high = numbers[f"{quantity}{RANGE}"]
-                yield Range(name, direction, contacts, limit, quantity, numbers[quantity], low, high)
-
-
-@table("static_ranges", Range)
-def static_ranges(results: Results) -> Found:
-    """List the ranges of the states whose paths scatter; what a range does not depend on is left out of its row."""
-    for each in ranges(results):
-        row = asdict(each)
-        where = ("direction", "contacts", "limit_state")
-        yield {key: value for key, value in row.items() if key not in where or value is not None}
+                yield where | {
+                    "quantity": quantity,
+                    "value": numbers[quantity],
+                    "lowest": low,
+                    "highest": high,
+                }
 
 
 # estimated errors: of capacities by state and direction, of peak displacements, of the PGA at collapse by record

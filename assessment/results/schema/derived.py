@@ -50,6 +50,8 @@ class Derived(Part):
     displacement_z_m: float = key("", "δ_z", shown="mm")
     ultimate_rigid_m: float = key("", "Ultimo, rigido|Ultimate, rigid", shown="mm")
     ultimate_elastic_m: float = key("", "Ultimo, elastico|Ultimate, elastic", shown="mm")
+    lowest: float = key("", "Minimo|Lowest", unit="")
+    highest: float = key("", "Massimo|Highest", unit="")
     lowest_peak_m: float = key("", "Picco minimo|Lowest peak", shown="mm")
     median_peak_m: float = key("", "Mediano|Median", shown="mm")
     highest_peak_m: float = key("", "Massimo|Highest", shown="mm")

@@ -272,7 +272,7 @@ class CampaignRecord(Part):
 
     record: str = key("name of the record")
     record_pga_g: float = key("its PGA, the factor included")
-    pgv_m_s: float | None = optional("its PGV, the factor included", "PGV", unit="m/s")
+    pgv_m_s: float | None = optional("its PGV, the factor included", "PGV")
     sa_g: float | None = optional("its S_a(T), where that is the measure", "S_a(T)")
     scale: float = key("factor on the file", "Fattore|Factor")
     duration_s: float = key("duration", "Durata|Duration")

@@ -32,25 +32,9 @@ Sentence = Annotated[str, WrapValidator(_kept)]
 """A sentence for people; a message keeps what it is made of."""
 
 
-UNITS = {
-    "_kN_m3": "kN/m³",
-    "_kN_m2": "kN/m²",
-    "_kN_m": "kN/m",
-    "_m_s2": "m/s²",
-    "_kNm": "kNm",
-    "_kN": "kN",
-    "_mm": "mm",
-}
-UNITS |= {
-    "_m": "m",
-    "_m2": "m²",
-    "_g": "g",
-    "_s": "s",
-    "_rad": "rad",
-    "_mrad": "mrad",
-    "_years": "years",
-    "_MPa": "MPa",
-}
+ENDS = ["kN_m3", "kN_m2", "kN_m", "m_s2", "m_s", "kNm", "kN", "mm", "m", "m2", "g", "s", "rad", "mrad"]
+ENDS += ["years", "MPa"]
+UNITS = {f"_{end}": end.replace("_", "/").translate(str.maketrans("23", "²³")) for end in ENDS}
 """Of a quantity by the end of its name."""
 FACTORS = {("m", "mm"): 1000.0, ("–", "%"): 100.0, ("kN/m²", "MPa"): 0.001, ("rad", "mrad"): 1000.0}
 """From the unit of results.json to that of a report."""

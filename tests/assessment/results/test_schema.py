@@ -27,7 +27,7 @@ from tests.support.typed import filled
 from tools.docs_pages import tables
 
 UNITS = {"m": "m", "kN": "kN", "kNm": "kNm", "g": "g", "s": "s", "rad": "rad", "m2": "kN/m²", "s2": "m/s²"}
-UNITS["kN_m"] = "kN/m"
+UNITS |= {"kN_m": "kN/m", "m_s": "m/s"}
 
 
 TABLES = sorted(set(tables(Results)), key=lambda table: table.__name__)
@@ -48,7 +48,7 @@ def test_every_key_has_a_meaning_and_every_number_a_unit(table):
         unit = (field.json_schema_extra or {}).get("unit")
         if float in plain(field.annotation):
             assert unit, name
-        suffix = "kN_m" if name.endswith("_kN_m") else name.rpartition("_")[2]
+        suffix = next((end for end in ("kN_m", "m_s") if name.endswith(f"_{end}")), name.rpartition("_")[2])
         if suffix in UNITS and unit and unit != "m, rad":
             assert unit == UNITS[suffix], name
 

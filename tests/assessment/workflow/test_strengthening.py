@@ -8,7 +8,7 @@ import pytest
 from assessment.analyses.static import paths as settlement
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.report.tables.equilibrium import balances
+from assessment.report.tables.equilibrium import balance
 from assessment.results.configurations.hand_check import hand_checks
 from assessment.results.schema import Results
 from assessment.workflow.stages import run as run_stages
@@ -66,8 +66,8 @@ def test_the_hand_check_and_the_balance_count_the_tie(drawn):
     checks = {(each.state, each.direction): each for each in hand_checks(drawn)}
     assert checks["strengthened", "+x"].hand_alpha == pytest.approx(overturning(5.0, ARM), rel=1e-3)
     assert all(abs(each.hand_deviation) < 1e-3 for each in checks.values())
-    tied = [each for each in balances(drawn) if each.situation.state == "strengthened"]
-    assert len(tied) == 2 and all(each.unbalanced < 1e-6 for each in tied)
+    tied = [row for row in balance(drawn).rows if row["state"] == "strengthened"]
+    assert len(tied) == 2 and all(each["unbalanced"] < 1e-6 for each in tied)
 
 
 def test_the_second_solver_agrees_with_ties(drawn):

@@ -14,7 +14,6 @@ from assessment.report.tables.capacity import indices, reported_indices, summary
 from assessment.report.tables.equilibrium import hand_check
 from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.structure import blocks, layers
-from assessment.report.tables.studies import Range
 from assessment.report.text.language import LANGUAGES, Words, cell
 from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
@@ -211,7 +210,15 @@ def test_mechanisms_found_and_chosen_stand_in_one_table():
 
 def test_ranges_say_what_an_acceleration_refers_to():
     """The table of ranges printed "a_g [g]" alone; a ratio of its a_g says nothing more, and is left out."""
-    found = [Range("moved", "+x", None, "SLV", quantity, 0.1, 0.1, 0.2) for quantity in ("a_g_g", "zeta_E")]
+    row = {
+        "state": "moved",
+        "direction": "+x",
+        "limit_state": "SLV",
+        "value": 0.1,
+        "lowest": 0.1,
+        "highest": 0.2,
+    }
+    found = [row | {"quantity": quantity} for quantity in ("a_g_g", "zeta_E")]
     made = ranges_table(found, Words.of("it"))
     assert [row["quantity"].striptags() for row in made.rows] == ["ag su suolo rigido [g] SLV"]
 
