@@ -329,7 +329,7 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
         numbers = {"median": median, "dispersion": words.number(beta, COARSE)}
         name = words.plain("figure.fragility", state=_share(row.share, words), **numbers)
         fits.append(Fit(name, median, beta, row.band, _seen(campaign, settlement, row.share)))
-    sa = words.plain("figure.sa", period=campaign.period_s)
+    sa = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
     return _fragilities(words, fits, label("pga_g", words) if campaign.measure == "PGA" else sa)
 
 
@@ -354,7 +354,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
             pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
             shown = [(1000.0 * movement, 100.0 * loss) for movement, loss in pairs if loss is not None]
             axes.plot([x for x, _ in shown], [y for _, y in shown], **style)
-        axes.set(xlabel=label("movement_m", words), ylabel=words.plain("figure.loss"), title=name)
+        axes.set(xlabel=label("movement_m", words), ylabel=label("capacity_loss", words), title=name)
         axes.set_xlim(left=0.0)
         axes.set_ylim(100.0 * least - room, 100.0 * most + room)  # the same in all: movements are compared
     bounds = Patch(color=LOSS_BAND, linewidth=0.0, label=words.plain("figure.loss_band"))
