@@ -161,11 +161,6 @@ def _signed(loss: float, words: Words) -> str:
     return words.number(100.0 * loss, COARSE)
 
 
-def _reference(results: Results, words: Words) -> str:
-    """Return what the accelerations of the checks refer to."""
-    return words.plain(f"value.stated_on_{reference_of(results)}")
-
-
 def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     """Yield a sentence that names the worst of the scenarios, where several were set side by side."""
     found = results.scenarios
@@ -176,7 +171,9 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
         where = {"state": worst.state, "movement": movement, "direction": worst.direction}
         what = {"capacity": compared(worst, found.quantity), "limit": found.limit_state, "among": among}
         key = f"judgement.worst_{'collapses' if worst.collapses else found.quantity}"
-        sentence = words(key, **where, **what, reference=_reference(results, words))
+        sentence = words(
+            key, **where, **what, reference=words.plain(f"value.stated_on_{reference_of(results)}")
+        )
         if not worst.collapses and worst.reduction is not None:
             loss = words.per_cent(worst.reduction)
             sentence += Markup(" ") + words("judgement.worst_reduction", reduction=loss)
@@ -188,7 +185,10 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
     wide = [(bar.swing_g, bar) for bar in every if bar.swing_g]
     if found and wide:
         _, widest = max(wide, key=itemgetter(0))
-        what = {"property": words.plain(f"value.{widest.property}"), "reference": _reference(results, words)}
+        what = {
+            "property": words.plain(f"value.{widest.property}"),
+            "reference": words.plain(f"value.stated_on_{reference_of(results)}"),
+        }
         factors = {"low": widest.low_factor, "high": widest.high_factor}
         ends = {"least": min(widest.capacities()), "most": max(widest.capacities())}
         yield words(

@@ -120,21 +120,17 @@ def _block(document: Any, element: Element, folder: Path) -> None:
         for item in element.iterfind("li"):
             _words(_paragraph(document, "List Bullet"), item)
     elif element.tag == "figure":
-        _figure(document, element, folder)
+        image = element.find("img")
+        shape = _paragraph(document, "Figure").add_run().add_picture(str(folder / image.get("data-file")))
+        shrink = min(1.0, WIDTH / shape.width, HIGHEST / shape.height)
+        shape.width, shape.height = Emu(round(shape.width * shrink)), Emu(round(shape.height * shrink))
+        shape._inline.docPr.set("descr", image.get("alt"))  # what a screen reader says
+        _words(_paragraph(document, "Caption"), element.find("figcaption"))
     elif element.tag == "table":
         _table(document, element)
     else:  # a division
         for inner in element.iterchildren(tag=html.etree.Element):
             _block(document, inner, folder)
-
-
-def _figure(document: Any, figure: Element, folder: Path) -> None:
-    image = figure.find("img")
-    shape = _paragraph(document, "Figure").add_run().add_picture(str(folder / image.get("data-file")))
-    shrink = min(1.0, WIDTH / shape.width, HIGHEST / shape.height)
-    shape.width, shape.height = Emu(round(shape.width * shrink)), Emu(round(shape.height * shrink))
-    shape._inline.docPr.set("descr", image.get("alt"))  # what a screen reader says
-    _words(_paragraph(document, "Caption"), figure.find("figcaption"))
 
 
 def _table(document: Any, table: Element) -> None:

@@ -28,16 +28,14 @@ def described(model: Assembly, contacts: Contacts) -> list[Face]:
         contacts.a, contacts.b, lines.ends, lines.middle, contacts.strength, strict=True
     ):
         thin = float(min(depth[a], depth[b]))
-        limits: dict[str, Any] = {"friction": friction_of(model, int(a), int(b)), "depth_m": thin}
+        friction = finite(
+            min(model.blocks[block].material.friction for block in (a, b))
+        )  # JSON has no infinity
+        limits: dict[str, Any] = {"friction": friction, "depth_m": thin}
         limits["compressive_strength_kN_m2"] = finite(float(strength) / thin)
         lines_m = {"middle_m": middle.tolist(), "faces_m": ends.tolist()}
         found.append(Face(blocks=[int(a), int(b)], **lines_m, **limits))
     return found
-
-
-def friction_of(model: Assembly, a: int, b: int) -> float | None:
-    """Return the friction between two blocks; None where nothing slides: JSON has no infinity."""
-    return finite(min(model.blocks[a].material.friction, model.blocks[b].material.friction))
 
 
 class Met:

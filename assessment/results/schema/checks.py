@@ -65,12 +65,10 @@ class ScaledCheck(Check):
     used: bool = key("whether the checks took it; its trace is then theirs", "Valore adottato|Used")
 
 
-class _OfLimitState(Part):
-    limit_state: str = key("the farthest one checked")
-
-
-class NominalCheck(Check, _OfLimitState):  # the limit state first, as in the file
+class NominalCheck(Check):
     """`capacity.+x.nominal`: the check with F_C = 1 that is compared with a dynamic capacity."""
+
+    limit_state: str = key("the farthest one checked")
 
 
 class _Checked(Part):
