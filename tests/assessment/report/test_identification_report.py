@@ -11,7 +11,6 @@ from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import ready_lines
-from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import MEASURED, draw_identification
 from assessment.report.tables import tables
 from assessment.report.text.language import Words, words_of
@@ -20,7 +19,7 @@ from assessment.results.identified import fits
 from assessment.runtime.progress import Show
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
-from tests.support.pictured import draw_sections
+from tests.support.pictured import pages_of
 from tests.support.surveyed_arch import PIER, SPRINGING, entry, write_surveyed
 
 
@@ -44,12 +43,7 @@ def results(outcome):
 
 @pytest.fixture(scope="module")
 def pages(results, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("page")
-    draw_sections(results, folder)
-    return {
-        language: " ".join(render_html(results, folder, Words.of(language)).split())
-        for language in ("it", "en")
-    }
+    return pages_of(results, tmp_path_factory.mktemp("page"))
 
 
 def test_the_results_have_what_was_asked_for(outcome, results):

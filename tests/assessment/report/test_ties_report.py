@@ -24,7 +24,7 @@ from assessment.workflow.stages import run
 from mechanics.pictures import TIE
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.judgement.claims import hold
-from tests.support.pictured import draw_sections
+from tests.support.pictured import draw_sections, pages_of
 from tests.support.tied_project import overturning, strengthening, tie
 
 TEXT = (
@@ -51,12 +51,7 @@ def results(outcome):
 
 @pytest.fixture(scope="module")
 def pages(results, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("page")
-    draw_sections(results, folder)
-    return {
-        language: " ".join(render_html(results, folder, Words.of(language)).split())
-        for language in ("it", "en")
-    }
+    return pages_of(results, tmp_path_factory.mktemp("page"))
 
 
 SAID = {
