@@ -25,7 +25,7 @@ from assessment.analyses.static.states import Request, StateResult, analyse_stat
 from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, CampaignTable
-from assessment.results.schema.checks import Direction
+from assessment.results.schema import Direction, Pushovers, known
 from assessment.results.schema.dynamic import (
     Campaign,
     CampaignCombination,
@@ -34,8 +34,6 @@ from assessment.results.schema.dynamic import (
     CampaignSpectrum,
     SameAs,
 )
-from assessment.results.schema.part import known
-from assessment.results.schema.static import Pushovers
 from assessment.results.table import compared
 from assessment.studies.campaign.scans import (
     Asked,
