@@ -105,7 +105,11 @@ class Response:
         energies, model = [part.energy for part in self.parts], self.last.model
         least = HISTORY.nothing * model.weight * model.size  # where nothing moves
         taken = sum(float(energy.integrator[-1] - energy.integrator[0]) for energy in energies)
-        return abs(taken) / max(least, *(energy.turnover for energy in energies))
+        kinetic = max(float(energy.kinetic.max()) for energy in energies)
+        dissipated, put_in = (
+            sum(float(getattr(energy, name).max()) for energy in energies) for name in ("dissipated", "input")
+        )
+        return abs(taken) / max(least, kinetic, dissipated, put_in)
 
 
 def respond(
