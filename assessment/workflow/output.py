@@ -9,7 +9,7 @@ from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from assessment.report.formats.pdf import printable
 from assessment.runtime import cache
@@ -36,36 +36,17 @@ PRINTED = 4  # figures that the PDF takes as long as, per figure of the results:
 SHEETS = 3  # page, DOCX, tables: each takes about as long as a figure
 
 
-class Keys(NamedTuple):
-    """Digests of what a run depends on: its `results`, and its title `page` beside them."""
-
-    results: str
-    page: str
-
-
-def keys_of(project: Project) -> Keys:
-    """Return the keys of a run of the project; a change of comments in its file changes the page alone."""
-    content, inputs = project.content(), project.digests()
-    source = inputs.pop(project.source)
-    software = [cache.program(), cache.printing()]
-    settings = {key: value for key, value in content.items() if key not in {"title", "report"}}
-    results = cache.digest([software, project.source, settings, inputs])
-    return Keys(results, page_key(project, source))
-
-
-def page_key(project: Project, source: str | None) -> str:
-    """Return the key of a project's title page; `source`: digest of the project file that the results are of."""
-    content = project.content()
+def key_of(project: Project) -> str:
+    """Return a digest of what a run of the project writes depends on: the program, and every file that it reads."""
     attached = [file_digest(path) for path in project.attachments()]
-    return cache.digest([content["title"], content["report"], attached, source])
+    return cache.digest([cache.program(), cache.printing(), project.content(), project.digests(), attached])
 
 
 @dataclass(frozen=True)
 class LastRun:
-    """What a run left: its keys, the digests of its files, warnings, and whether its analyses were completed."""
+    """What a run left: its key, the digests of its files, warnings, and whether its analyses were completed."""
 
-    results: str
-    page: str
+    key: str
     files: Mapping[str, str]
     complete: bool
     analyses: int
@@ -82,9 +63,9 @@ class LastRun:
         path = folder / "results.json"
         return path.is_file() and self.files.get(path.name) == file_digest(path)
 
-    def stands(self, folder: Path, keys: Keys, report: bool) -> bool:
-        """Return whether a run with these keys, with its `report` or without, would leave the folder as it is."""
-        if (self.results, self.page) != keys or self.files != _digests(folder):
+    def stands(self, folder: Path, key: str, report: bool) -> bool:
+        """Return whether a run with this key, with its `report` or without, would leave the folder as it is."""
+        if self.key != key or self.files != _digests(folder):
             return False
         if not report:
             return True
@@ -100,10 +81,10 @@ def recall(folder: Path) -> LastRun | None:
     return None
 
 
-def remember(folder: Path, outcome: Outcome, keys: Keys, warnings: list[str]) -> None:
+def remember(folder: Path, outcome: Outcome, key: str, warnings: list[str]) -> None:
     """Store the record of a run in its output folder, for the next run."""
     number = outcome.computed + outcome.taken
-    left = LastRun(*keys, _digests(folder), outcome.complete, number, warnings)
+    left = LastRun(key, _digests(folder), outcome.complete, number, warnings)
     Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
 
 

@@ -15,7 +15,7 @@ from assessment.runtime.files import clear, clear_left_over
 from assessment.runtime.journal import Journal, locked
 from assessment.runtime.pool import KilledError
 from assessment.runtime.tasks import Outcome
-from assessment.workflow.output import Keys, keys_of, page_key, prepare, recall, remember, write
+from assessment.workflow.output import key_of, prepare, recall, remember, write
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
@@ -89,9 +89,9 @@ def carry_out(
     `jobs`: processes, 0: as many as help; `scheduler`: address of a Dask cluster instead; `fresh`: nothing stored is
     used. Raises BusyError while another run writes into the folder.
     """
-    keys = keys_of(project)
+    key = key_of(project)
     last = None if fresh else recall(folder)
-    if last and last.stands(folder, keys, report):
+    if last and last.stands(folder, key, report):
         return last.outcome(folder), last.warnings
     clear_left_over(project.folder)
     with locked(folder):
@@ -107,7 +107,7 @@ def carry_out(
         outcome = run(project, model, jobs, store, fresh, show, partial(prepare, report), scheduler)
         show.begin("report" if report else "figures and tables", 1, 0, 1.0)
         warnings = write(outcome.results, folder, report, jobs, project.attachments(), show.reached)
-        remember(folder, outcome, keys, warnings)
+        remember(folder, outcome, key, warnings)
         show.advance(1.0)
         show.end()
     return outcome, warnings
@@ -145,12 +145,14 @@ def print_again(project: Project, folder: Path) -> list[str]:
         except (OSError, KilledError, ProjectError):  # that name another file
             raise
         except Exception as error:  # edited numbers may break any table or figure
-            if last is not None and not edited and last.results == keys_of(project).results:
+            if last is not None and not edited and last.key == key_of(project):
                 raise  # a fault of the program: the results are unchanged
             text = f"{stored}: damaged or edited, cannot be printed; run the project again"
             raise ValueError(text) from error
         # else the record stays: the results are not those of the run it is of
         if last is not None and not edited:
-            keys = Keys(last.results, page_key(project, results.inputs.get(project.source)))
-            remember(folder, Outcome(results, last.complete, 0, last.analyses), keys, warnings)
+            key = (
+                last.key if last.key == key_of(project) else ""
+            )  # that of no run, which would print the page again
+            remember(folder, Outcome(results, last.complete, 0, last.analyses), key, warnings)
     return warnings
