@@ -58,11 +58,6 @@ class LastRun:
 
         return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses)
 
-    def wrote_results(self, folder: Path) -> bool:
-        """Return whether results.json is as this run wrote it."""
-        path = folder / "results.json"
-        return path.is_file() and self.files.get(path.name) == file_digest(path)
-
     def stands(self, folder: Path, key: str, report: bool) -> bool:
         """Return whether a run with this key, with its `report` or without, would leave the folder as it is."""
         if self.key != key or self.files != _digests(folder):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.files import clear, clear_left_over
+from assessment.runtime.files import clear, clear_left_over, file_digest
 from assessment.runtime.journal import Journal, locked
 from assessment.runtime.pool import KilledError
 from assessment.runtime.tasks import Outcome
@@ -127,7 +127,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
     with locked(folder):
         clear(folder)
         results, last = read_results(stored), recall(folder)
-        edited = last is not None and not last.wrote_results(folder)
+        edited = last is not None and last.files.get(stored.name) != file_digest(stored)
         doubt = message(
             "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
         )
