@@ -138,9 +138,9 @@ def _motion(
 def motion_of(
     project: Project, key: str, table: MotionTable, original: Record, source: str = ""
 ) -> BaseMotion:
-    """Return the base motion of a record of the file `source` in a table's window, at its time step.
+    """Return the base motion of a record in the window of a table, at its time step; `source`: its file, for messages.
 
-    Raises the same.
+    Raises as `history_motions`.
     """
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'

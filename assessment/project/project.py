@@ -106,9 +106,9 @@ def load_project(folder: Path | str) -> Project:
 
 
 def survey_project(folder: Path | str) -> tuple[Project, ProjectError | None]:
-    """Return a project and what does not fit together in it, None: nothing.
+    """Return a project, and what does not fit together in it, None: nothing.
 
-    Raises ProjectError for keys, types, ranges.
+    Raises ProjectError for wrong keys and values.
     """
     try:
         file = project_file(folder)

@@ -202,10 +202,7 @@ def _plain(value: Any) -> Any:
 
 
 def _marked(value: Any) -> Any:
-    """Return a value with its messages as objects that `_restored` knows: JSON takes them for plain strings.
-
-    Lists of numbers are left as they are, by their first item.
-    """
+    """Return a value with messages as objects, which JSON takes for strings; lists of numbers stay (by their first)."""
     from mechanics.messages import Message
 
     if isinstance(value, Message):

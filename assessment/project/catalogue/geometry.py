@@ -94,7 +94,7 @@ class Ring:
         return inner, outer
 
     def springer(self, width: float, bottom: float) -> Array:
-        """Return the right-hand block (5, 2), m, of a `width` from `bottom` up to the ring.
+        """Return the right-hand block (5, 2), m, of a `width` from `bottom` (m) up to the ring.
 
         Raises ValueError as `foot`.
         """

@@ -92,9 +92,9 @@ def tie_lengths(model: Assembly, positions: Array) -> Array:
 
 
 def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
-    """Return the assembly of every state by name, of blocks `drawn` without ties.
+    """Return the assembly of every state by name; `drawn`: without ties.
 
-    Raises ProjectError for a wrong tie, layer.
+    Raises ProjectError for a wrong tie or layer.
     """
     known: dict[tuple[str, ...], Assembly] = {(): drawn}
     found = {}

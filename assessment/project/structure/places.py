@@ -124,7 +124,7 @@ class Gauge:
 def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
     """Return the gauges of all measurements.
 
-    Raises ProjectError far from any joint, in no block, twice in one block.
+    Raises ProjectError for a point far from any joint, in no block, twice in one.
     """
     found = []
     for each in project.measurement:
