@@ -286,11 +286,11 @@ def _doubts(asked: Asked, found: Scan) -> Iterator[Message]:
             levels=list(seen.stands),
             counts=seen.capacity or seen.lowest,
         )
-    factor = motion.scale * (seen.lowest or 0.0) / motion.pga
-    if abs(factor) > SCALED:
+    factor = abs(motion.scale) * (seen.lowest or seen.safe) / motion.pga
+    if factor > SCALED:
         yield message(
-            "the record is scaled by {factor:.2g} to collapse; earthquakes so strong have other durations and spectra",
-            factor=abs(factor),
+            "the record is scaled by {factor:.2g}; earthquakes so strong have other durations and spectra",
+            factor=factor,
         )
 
 
