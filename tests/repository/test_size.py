@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 805,
     "assessment/ntc": 2360,
     "assessment/project": 4877,
-    "assessment/report": 6299,
+    "assessment/report": 6298,
     "assessment/results": 3311,
     "assessment/runtime": 1696,
     "assessment/studies": 2494,

@@ -185,10 +185,8 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
     wide = [(bar.swing_g, bar) for bar in every if bar.swing_g]
     if found and wide:
         _, widest = max(wide, key=itemgetter(0))
-        what = {
-            "property": words.plain(f"value.{widest.property}"),
-            "reference": words.plain(f"value.stated_on_{reference_of(results)}"),
-        }
+        reference = words.plain(f"value.stated_on_{reference_of(results)}")
+        what = {"property": words.plain(f"value.{widest.property}"), "reference": reference}
         factors = {"low": widest.low_factor, "high": widest.high_factor}
         ends = {"least": min(widest.capacities()), "most": max(widest.capacities())}
         yield words(

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 
 from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, state_style
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
-from assessment.report.text.language import Words, direction_name, label
+from assessment.report.text.language import Words, direction_name, label, scale
 from assessment.results.schema import Check, Direction, Pushovers, Results, known
 from assessment.results.table import reference_of, sense
 from mechanics.pictures import MARKS
-from mechanics.types import GRAVITY, Array
+from mechanics.types import GRAVITY
 
 WIDTHS = {"rigid": 1.4, "elastic": 2.4}
 ONSET, END, YIELD = MARKS
@@ -23,13 +23,14 @@ ONSET, END, YIELD = MARKS
 
 def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
     """Draw both reactions of the moved support over the movement; applied and ultimate movement marked."""
-    content = results.states[state]
+    content, mm = results.states[state], scale("movement_m")
     figure, panels = chart(words, columns=2, height_mm=54.0, foot_mm=12.0)
     for axes, component in zip(panels, ("x", "z"), strict=True):
         for contacts, path in content.pushdown.items():
             force = path.reaction_x_kN if component == "x" else path.reaction_z_kN
             named = words.plain(f"value.{contacts}")
-            axes.plot(_mm(path.movement_m), force, color="0.0", linewidth=WIDTHS[contacts], label=named)
+            along, width = mm * np.asarray(path.movement_m), WIDTHS[contacts]
+            axes.plot(along, force, color="0.0", linewidth=width, label=named)
         axes.set(xlabel=label("movement_m", words), ylabel=label(f"reaction_{component}_kN", words))
         reactions = [
             f for path in content.pushdown.values() for f in (*path.reaction_x_kN, *path.reaction_z_kN)
@@ -40,13 +41,13 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
         applied = max(path.applied_movement_m for path in content.pushdown.values())
         if applied > 0.0:
             named = words.plain("figure.applied", movement=words.millimetres(applied))
-            axes.axvline(1000.0 * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
+            axes.axvline(mm * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
         for contacts, path in content.pushdown.items():
             if (ultimate := path.ultimate_movement_m) is not None:
                 movement = words.millimetres(ultimate)
                 named = words.plain("figure.ultimate_line", contacts=contacts, movement=movement)
                 style = {"linewidth": 0.5 * WIDTHS[contacts], "linestyle": DASHES[2], "label": named}
-                axes.axvline(1000.0 * ultimate, color="0.0", **style)
+                axes.axvline(mm * ultimate, color="0.0", **style)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2)
     return figure
 
@@ -73,7 +74,7 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
         for contacts, width in WIDTHS.items()
         if any(contacts in pushover.by_contacts for pushover in every)
     ]
-    columns = 2 if yields else 1
+    columns, mm = 2 if yields else 1, scale("displacement_m")
     foot = 4.0 + 4.0 * -(-len(handles) // 3)
     figure, panels = chart(words, columns=columns, rows=len(directions), height_mm=58.0, foot_mm=foot)
     for at, axes in enumerate(panels):
@@ -82,9 +83,9 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
             style = state_style(names.index(name))
             for contacts, push in pushover.by_contacts.items():
                 for other in push.members or []:  # of the ensemble
-                    others = sense(direction) * _mm(other.displacement_m), other.multiplier
+                    others = sense(direction) * mm * np.asarray(other.displacement_m), other.multiplier
                     axes.plot(*others, color="0.65", linewidth=0.4, linestyle=style["linestyle"])
-                along = sense(direction) * _mm(push.curve.displacement_m)
+                along = sense(direction) * mm * np.asarray(push.curve.displacement_m)
                 axes.plot(along, push.curve.multiplier, linewidth=WIDTHS[contacts], **style)
             _key_points(axes, pushover, COLOURS[names.index(name) % len(COLOURS)])
         title = direction_name(direction)
@@ -92,7 +93,7 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
             title += ", " + words.plain(f"figure.{'first_branch' if at % 2 else 'whole_curve'}")
         axes.set(xlabel=label("displacement_m", words), ylabel=label("multiplier", words), title=title)
         axes.set_ylim(bottom=0.0)
-        axes.set_xlim(0.0, 6000.0 * max(yields) if at % columns else None)
+        axes.set_xlim(0.0, 6.0 * mm * max(yields) if at % columns else None)
     figure.legend(handles=handles, loc="lower center", ncols=3)
     return figure
 
@@ -105,20 +106,16 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
 
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
     """Mark α0, d_0 and (d_y, α_y): named in the legend, beside a point they met others."""
-    rigid, elastic = pushover.rigid, pushover.elastic
+    rigid, elastic, mm = pushover.rigid, pushover.elastic, scale("displacement_m")
     if rigid:
         peak = int(np.argmax(rigid.curve.multiplier))
-        onset = 1000.0 * abs(rigid.curve.displacement_m[peak]), rigid.curve.multiplier[peak]
+        onset = mm * abs(rigid.curve.displacement_m[peak]), rigid.curve.multiplier[peak]
         axes.plot(*onset, color=colour, clip_on=False, **MARKS[ONSET])
         if rigid.d_0_m is not None:
             left = alpha_at_d_0(rigid) or 0.0
-            axes.plot(1000.0 * rigid.d_0_m, left, color=colour, clip_on=False, **MARKS[END])
+            axes.plot(mm * rigid.d_0_m, left, color=colour, clip_on=False, **MARKS[END])
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
-        axes.plot(1000.0 * elastic.d_y_m, elastic.alpha_y, color=colour, **MARKS[YIELD])
-
-
-def _mm(metres: Sequence[float]) -> Array:
-    return 1000.0 * np.asarray(metres, dtype=float)
+        axes.plot(mm * elastic.d_y_m, elastic.alpha_y, color=colour, **MARKS[YIELD])
 
 
 LONGEST = 4.0  # s: what is drawn of the spectra
@@ -135,7 +132,7 @@ def draw_spectra(
     Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
     latter meets the line of period T of the limit state at d*. The curve with elastic joints is grey.
     """
-    columns = min(2, len(views))
+    columns, mm = min(2, len(views)), scale("d_star_m")
     figure, panels = chart(
         words, columns=columns, rows=-(-len(views) // columns), height_mm=60.0, foot_mm=14.0
     )
@@ -144,18 +141,18 @@ def draw_spectra(
     for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=False):
         capacity = results.states[name].capacity[direction]
         point = capacity.checks[limit]
-        axes.set(xlim=(0.0, 1000.0 * reach), ylim=(0.0, top), title=words.at(name, direction))
+        axes.set(xlim=(0.0, mm * reach), ylim=(0.0, top), title=words.at(name, direction))
         axes.set(xlabel=label("d_star_m", words), ylabel=label("a_star_g", words))
         _periods(axes, words, reach, top)
         if found := elastic_capacity(results, name, direction):
-            axes.plot(1000.0 * found[0], found[1], **ELASTIC)
+            axes.plot(mm * found[0], found[1], **ELASTIC)
         curve = capacity.curve
-        axes.plot(1000.0 * np.asarray(curve.d_star_m), curve.a_star_g, color="0.0", linewidth=1.9)
+        axes.plot(mm * np.asarray(curve.d_star_m), curve.a_star_g, color="0.0", linewidth=1.9)
         if spectrum is not None:
             shown = np.asarray(spectrum.T_s) <= max(LONGEST, 1.2 * (point.T_s or 0.0))
             for level, dashes in ((point.demand_a_g_g, DASHES[2]), (point.a_g_g, DASHES[0])):
                 factor = (level or np.nan) / spectrum.a_g_g
-                displacement = 1000.0 * factor * np.asarray(spectrum.damped_S_De_m)[shown]
+                displacement = mm * factor * np.asarray(spectrum.damped_S_De_m)[shown]
                 acceleration = factor * np.asarray(spectrum.damped_S_e_g)[shown]
                 axes.plot(displacement, acceleration, color="0.0", linewidth=0.9, linestyle=dashes)
         if point.d_star_m is not None:
@@ -184,7 +181,7 @@ def draw_demand(results: Results, words: Words) -> Figure:
     for axes, name in zip(panels, ("S_e_g", "S_De_m"), strict=True):
         for dashes, (limit, spectrum) in zip(DASHES, known(results.spectra).items(), strict=False):
             T = np.asarray(spectrum.T_s, dtype=float)
-            values = np.asarray(getattr(spectrum, name), dtype=float) * (1000.0 if name == "S_De_m" else 1.0)
+            values = np.asarray(getattr(spectrum, name), dtype=float) * scale(name)
             line: dict[str, Any] = {"color": "0.0", "linewidth": 1.2, "linestyle": dashes, "label": limit}
             axes.plot(T[T <= LONGEST], values[T <= LONGEST], **line)
         axes.set(xlabel=label("T_s", words), ylabel=label(name, words), xlim=(0.0, LONGEST))
@@ -220,22 +217,22 @@ def _secant(displacement: float, period: float) -> float:
 def _periods(axes: Axes, words: Words, reach: float, top: float) -> None:
     """Draw the lines of round periods, each named where it leaves the frame."""
     for period in PERIODS:
-        edge = min(reach, top / _secant(1.0, period))
+        edge, mm = min(reach, top / _secant(1.0, period)), scale("d_star_m")
         height = _secant(edge, period)
-        axes.plot([0.0, 1000.0 * edge], [0.0, height], color="0.7", linewidth=0.5, zorder=1.2)
+        axes.plot([0.0, mm * edge], [0.0, height], color="0.7", linewidth=0.5, zorder=1.2)
         style: dict[str, Any] = {"color": "0.45", "fontsize": 6.0, "bbox": OVER_LINES, "zorder": 1.5}
         text, steep = words.comma(f"{period:g} s"), edge < reach
-        axes.annotate(text, (1000.0 * edge, height), (0, -7) if steep else (-3, 0), textcoords="offset points",
+        axes.annotate(text, (mm * edge, height), (0, -7) if steep else (-3, 0), textcoords="offset points",
                       ha="center" if steep else "right", va="center", **style)  # fmt: skip
 
 
 def _limit_point(axes: Axes, point: Check, limit: str) -> None:
-    d_star = 1000.0 * known(point.d_star_m)
+    d_star = scale("d_star_m") * known(point.d_star_m)
     axes.plot(d_star, known(point.a_star_g), marker="s", color="0.0", markersize=4.5, linestyle="none")
     named: dict[str, Any] = {"textcoords": "offset points", "bbox": OVER_LINES, "zorder": 1.6}
     axes.annotate(f"d*_{limit}", (d_star, 0.0), (3.0, 7.0), **named)
     if point.T_s:
-        height = _secant(d_star / 1000.0, point.T_s)
+        height = _secant(known(point.d_star_m), point.T_s)
         axes.plot([0.0, d_star], [0.0, height], color="0.0", linewidth=0.6, linestyle=DASHES[1])
         axes.plot([d_star, d_star], [0.0, height], color="0.0", linewidth=0.4)
         circle: dict[str, Any] = {"marker": "o", "color": "0.0", "markerfacecolor": "1.0", "markersize": 5}

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
-from assessment.report.text.language import COARSE, Words, label
+from assessment.report.text.language import COARSE, Words, label, scale
 from assessment.results.configurations.faces import outlines
 from assessment.results.schema import Results, dynamic
 from assessment.results.schema.part import known
@@ -76,7 +76,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     """Draw the control displacement of every state under one record; a cross marks collapse."""
     found = shaken(results, known(results.motions)[index].name)
     figure, (axes,) = chart(words, height_mm=68.0)
-    size = outlines(results).size
+    size, mm = outlines(results).size, scale("displacement_m")
     falls = [entry for entry in found.values() if entry.collapsed]
     sustained = [1.3 * known(entry.sustained_displacement_m) for entry in found.values()]
     bound = max([*sustained, *(min(FALLING * size, known(entry.peak_displacement_m)) for entry in falls)])
@@ -85,12 +85,12 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
         curve, style = known(entry.curve), {"linewidth": 0.9} | state_style(number)
         time, displacement = np.asarray(curve.time_s), np.asarray(curve.displacement_m)
         if entry.band:
-            low, high = 1000.0 * np.asarray(entry.band.low_m), 1000.0 * np.asarray(entry.band.high_m)
+            low, high = mm * np.array([entry.band.low_m, entry.band.high_m])
             axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
-        axes.plot(time, 1000.0 * displacement, **style)
+        axes.plot(time, mm * displacement, **style)
         if entry.collapsed:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
-            at = time[out], 1000.0 * displacement[out]
+            at = time[out], mm * displacement[out]
             axes.plot(*at, marker="x", color="0.0", markersize=6.0, clip_on=False)
         peak = words.millimetres(entry.peak_displacement_m)
         name = f"figure.{'collapses' if entry.collapsed else 'peak'}"
@@ -100,7 +100,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     if until:
         axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
     axes.set(xlabel=label("time_s", words), ylabel=label("displacement_m", words))
-    axes.set_ylim(*(1050.0 * max(bound, LEAST_M) * side for side in (-1.0, 1.0)))
+    axes.set_ylim(*(1.05 * mm * max(bound, LEAST_M) * side for side in (-1.0, 1.0)))
     if falls:
         handles.append(key(words.plain("figure.collapse"), marker="x", linestyle="none"))
     if any(entry.band for entry in found.values()):
@@ -142,7 +142,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
 
     Dotted: the levels of which 16, 50 and 84 % of the records and signs collapse.
     """
-    figure, panels = _grid(words, len(states), 75.0)
+    (figure, panels), mm = _grid(words, len(states), 75.0), scale("peak_displacement_m")
     found = [results.states[name].incremental for name in states]
     records = [record for each in found for record in known(each.records)]
     stood = [point for record in records for point in record.points if not point.collapsed]
@@ -155,7 +155,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[1]}
     for axes, name, each in zip(panels, states, found, strict=True):
         for marker, record in zip(cycle(MARKERS), known(each.records), strict=False):
-            _curve(axes, record, marker, 1000.0 * reach)
+            _curve(axes, record, marker, mm * reach)
         low, high = each.pga_collapse_g_range or (None, None)
         if low is not None and high is not None and high > low:
             axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
@@ -166,7 +166,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
                 axes.axhline(known(level), **dotted)
         axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
         axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
-        axes.set_xlim(0.0, 1000.0 * reach if reach > 0.0 else None)
+        axes.set_xlim(0.0, mm * reach if reach > 0.0 else None)
         pushes = [p.rigid for p in results.states[name].pushover.values() if p.control == asked and p.rigid]
         d_0 = min((rigid.d_0_m for rigid in pushes if rigid.d_0_m), default=None)
         if d_0 and reach > 0.0:  # a second axis inside the upper edge: displacements over d_0
@@ -220,7 +220,9 @@ def _curve(axes: Axes, record: dynamic.Search, marker: str, edge: float) -> None
 def _path(points: Iterable[dynamic.Level]) -> tuple[list[float], list[float]]:
     """Return peak displacements, mm, and PGA, g, of levels that were withstood."""
     found = list(points)
-    return [1000.0 * known(p.peak_displacement_m) for p in found], [p.pga_g for p in found]
+    return [scale("peak_displacement_m") * known(p.peak_displacement_m) for p in found], [
+        p.pga_g for p in found
+    ]
 
 
 class Fit(NamedTuple):
@@ -292,7 +294,11 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     figure, panels = _grid(words, len(shares), 54.0)
     points = [point for row in rows for point in _points(row, runs)]
     bounds = [bound for row in rows for bound in (row.lowest_collapse_g, row.pga_safe_g)]
-    peaks = [1000.0 * p.peak_displacement_m for p in points if p.peak_displacement_m is not None]
+    peaks = [
+        scale("peak_displacement_m") * p.peak_displacement_m
+        for p in points
+        if p.peak_displacement_m is not None
+    ]
     reach, top = 1.1 * max(peaks, default=1.0) or 1.0, 1.15 * max(filter(None, bounds), default=1.0)
     line: dict[str, Any] = {"color": FAINT, "linewidth": 0.6, "marker": "o", "markersize": 1.5}
     cross: dict[str, Any] = {"color": "0.0", "marker": "x", "markersize": 3.5}
@@ -340,7 +346,8 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     losses = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
     drawn = [loss for loss in losses if loss is not None]
     least, most = min([0.0, *drawn]), max([0.01, *drawn])
-    room = 5.0 * (most - least)  # per cent
+    mm, per_cent = scale("movement_m"), scale("capacity_loss")
+    room = 0.05 * per_cent * (most - least)
     line: dict[str, Any] = {"color": "0.0", "marker": "o", "markersize": 3.5}
     solid: dict[str, Any] = line | {"linestyle": "-", "markerfacecolor": "0.0"}
     static: dict[str, Any] = line | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
@@ -348,15 +355,17 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
         own = [row for row in campaign.loss if row.settlement == name]
         known_rows = (row for row in own if None not in row.dynamic_range)
         band = np.array([(row.movement_m, *row.dynamic_range) for row in known_rows])
-        x, low, high = band.reshape(-1, 3).T * [[1000.0], [100.0], [100.0]]
+        x, low, high = band.reshape(-1, 3).T * [[mm], [per_cent], [per_cent]]
         axes.fill_between(x, low, high, color=LOSS_BAND, linewidth=0.0)
         for losses_of, style in (("dynamic", solid), ("static", static)):
             pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
-            shown = [(1000.0 * movement, 100.0 * loss) for movement, loss in pairs if loss is not None]
+            shown = [(mm * movement, per_cent * loss) for movement, loss in pairs if loss is not None]
             axes.plot([x for x, _ in shown], [y for _, y in shown], **style)
         axes.set(xlabel=label("movement_m", words), ylabel=label("capacity_loss", words), title=name)
         axes.set_xlim(left=0.0)
-        axes.set_ylim(100.0 * least - room, 100.0 * most + room)  # the same in all: movements are compared
+        axes.set_ylim(
+            per_cent * least - room, per_cent * most + room
+        )  # the same in all: movements are compared
     bounds = Patch(color=LOSS_BAND, linewidth=0.0, label=words.plain("figure.loss_band"))
     handles: list[Artist] = [key(words.plain("figure.dynamic_loss"), **solid)]
     handles += [] if campaign.method == "stripes" else [bounds]

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from assessment.report.figures.style import chart, key, state_style
 from assessment.report.tables.studies import ROUNDING, Bar, bars
-from assessment.report.text.language import Words, label
+from assessment.report.text.language import Words, label, scale
 from assessment.results.schema import Results, known
 from assessment.results.table import compared, reference_of
 
@@ -30,7 +30,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
 
     Ultimate movements (the smallest of the contact behaviours) are crosses on the axis: nothing is left there.
     """
-    found = known(results.scenarios)
+    found, mm = known(results.scenarios), scale("movement_m")
     names = list(dict.fromkeys(point.state for point in found.points if point.movement_m > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
     labels: list[tuple[str, float, float]] = []
@@ -44,17 +44,17 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
                 and (capacity := compared(point, found.quantity)) is not None
                 and (point.state == name or point.movement_m == 0.0)
             ]
-            x, y = [1000.0 * point.movement_m for point, _ in own], [capacity for _, capacity in own]
+            x, y = [mm * point.movement_m for point, _ in own], [capacity for _, capacity in own]
             inside = style["color"] if face != "1.0" else face
             axes.plot(x, y, marker=marker, markerfacecolor=inside, markersize=4.5, **style)
             if own and own[-1][0].state == name:
                 labels.append((str(number), x[-1], y[-1]))
         if (ultimate := _ultimate(results, name)) is not None:
-            axes.plot(1000.0 * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
-            labels.append((str(number), 1000.0 * ultimate, 0.0))
+            axes.plot(mm * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
+            labels.append((str(number), mm * ultimate, 0.0))
     if worst := found.worst:  # where the structure has fallen no capacity is left
         height = 0.0 if worst.collapses else known(compared(worst, found.quantity))
-        axes.plot(1000.0 * worst.movement_m, height, markersize=11, color="0.0", clip_on=False, **RING)
+        axes.plot(mm * worst.movement_m, height, markersize=11, color="0.0", clip_on=False, **RING)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(label("movement_m", words))

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import QUOTED
 from assessment.report.tables.rows import moves, pushes
-from assessment.report.text.language import Words, label
+from assessment.report.text.language import Words, label, scale
 from assessment.results.configurations.faces import faces_of
 from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
 from assessment.results.configurations.ties import ties_of
@@ -71,7 +71,7 @@ def viewer(results: Results, words: Words) -> Viewer | None:
 
 def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
     for where, path in moves(results):
-        movement = _mm(path.movement_m)
+        movement = _shown("movement_m", path.movement_m)
         series = [_series("Rx", movement, path.reaction_x_kN), _series("Rz", movement, path.reaction_z_kN)]
         labels = label("movement_m", words), words.plain("viewer.reactions")
         kept = _frames(results, path.frames, series) | _ties(results, where["state"], path.frames, path.ties)
@@ -81,7 +81,7 @@ def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
 
 def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
     for where, push in pushes(results):
-        along = _mm(push.curve.displacement_m)
+        along = _shown("displacement_m", push.curve.displacement_m)
         series = [_series("α", along, push.curve.multiplier)]
         labels = label("displacement_m", words), label("multiplier", words)
         kept = _frames(results, push.frames, series) | _ties(results, where["state"], push.frames, push.ties)
@@ -122,7 +122,7 @@ def _jumps(state: State, direction: Direction, reach: float) -> Iterator[dict[st
         checks = (capacity.checks.get(name) for name in (limit, f"{limit} elastic"))
         d_star = next((check.d_star_m for check in checks if check and check.d_star_m is not None), None)
         if d_star is not None:
-            along = [1000.0 * displacement for displacement in rigid.curve.displacement_m]
+            along = _shown("displacement_m", rigid.curve.displacement_m)
             d = float(np.interp(d_star, np.maximum.accumulate(rigid.d_star_m), along))
             if abs(d) <= (1.0 + NEAR) * reach:
                 yield {"label": f"d_{limit}", "x": float(f"{d:.6g}")}
@@ -135,8 +135,9 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
             if kept and curve:
                 place = f"{words.state(name)}, {entry.record}"
                 labels = label("time_s", words), label("displacement_m", words)
-                series = [_series("d", curve.time_s, _mm(curve.displacement_m))]
-                frames = {"x": kept.time_s, "y": [_mm(kept.displacement_m)]} | _drawn(results, kept)
+                series = [_series("d", curve.time_s, _shown("displacement_m", curve.displacement_m))]
+                y = _shown("displacement_m", kept.displacement_m)
+                frames = {"x": kept.time_s, "y": [y]} | _drawn(results, kept)
                 frames |= _ties(results, name, kept, None)
                 yield _path(words, "history", place, labels, series, frames)
 
@@ -209,5 +210,5 @@ def _coded(values: Any, kind: str) -> str:
     return base64.b64encode(np.asarray(values, dtype=float).astype(kind).tobytes()).decode()
 
 
-def _mm(metres: Sequence[float]) -> list[float]:
-    return [1000.0 * value for value in metres]
+def _shown(name: str, values: Sequence[float]) -> list[float]:
+    return [scale(name) * value for value in values]

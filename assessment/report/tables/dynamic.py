@@ -6,15 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from assessment.report.tables.rows import Curves, Found, curves, table, without
 from assessment.results.schema import Results
-from assessment.results.schema.dynamic import (
-    CampaignRecord,
-    History,
-    Incremental,
-    Loss,
-    MeasureFit,
-    Range,
-    Scanned,
-)
+from assessment.results.schema import dynamic as parts
 from assessment.results.schema.part import present
 from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
@@ -151,7 +143,7 @@ def static_dynamic(results: Results) -> Found:
             yield {"state": name} | {key: value for key, value in row.items() if key not in gone}
 
 
-def lost(loss: Loss | None) -> Row:
+def lost(loss: parts.Loss | None) -> Row:
     """Return the loss of motions, its bounds, and whether it is distinguishable from none."""
     if loss is None or loss.dynamic is None:
         return {}
@@ -160,7 +152,7 @@ def lost(loss: Loss | None) -> Row:
     return row | present({"distinguishable": loss.distinguishable})
 
 
-def bands(found: Scanned, range_: Range | None) -> Row:
+def bands(found: parts.Scanned, range_: parts.Range | None) -> Row:
     """Return levels above the lowest collapse that stand, the widest gap, and from where all levels run collapse."""
     gap = "–".join(f"{level:.3f}" for level in found.widest_gap_g or [] if level is not None)
     stands = "; ".join(f"{level:.3f}" for level in found.resurrections_g)
@@ -168,11 +160,11 @@ def bands(found: Scanned, range_: Range | None) -> Row:
     return {"resurrections": stands, "widest_gap": gap} | all_collapse
 
 
-def _histories(results: Results) -> Iterator[tuple[str, History]]:
+def _histories(results: Results) -> Iterator[tuple[str, parts.History]]:
     return ((name, entry) for name, state in results.states.items() for entry in state.history)
 
 
-def _incrementals(results: Results) -> Iterator[tuple[str, Incremental]]:
+def _incrementals(results: Results) -> Iterator[tuple[str, parts.Incremental]]:
     for name, state in results.states.items():
         if state.incremental.records is not None:
             yield name, state.incremental
@@ -188,7 +180,7 @@ def reported_campaign(results: Results) -> list[Table]:
     return [records(results), spread, without(lost, "share", *counted)]
 
 
-records = table("campaign_records", CampaignRecord)(
+records = table("campaign_records", parts.CampaignRecord)(
     lambda results: results.campaign.records if results.campaign else []
 )
 
@@ -244,7 +236,7 @@ def losses(results: Results) -> Found:
 @table("fragility_measures", "analysis state share measure unit median_of_measure beta_of_measure efficient")
 def measures(results: Results) -> Found:
     """List the fragilities by every measure of intensity; the most efficient one has the least β."""
-    fits: list[tuple[Row, Sequence[MeasureFit]]] = []
+    fits: list[tuple[Row, Sequence[parts.MeasureFit]]] = []
     for name, found in _incrementals(results):
         if found.fragility:
             fits.append(({"analysis": "incremental", "state": name}, found.fragility.measures))

@@ -7,14 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from assessment.report.tables.rows import Found, table
-from assessment.results.configurations.hand_check import (
-    HandCheck,
-    MacroBlockFigures,
-    figures_of,
-    hand_checks,
-    mechanisms,
-    weights,
-)
+from assessment.results.configurations import hand_check as by_hand
 from assessment.results.configurations.joint_states import Situation, joint_states, loaded, situations
 from assessment.results.configurations.ties import tie_ends, ties_of
 from assessment.results.schema import Results
@@ -43,7 +36,7 @@ def balance(results: Results) -> Found:
     `unbalanced` is the larger component of what is left over, per weight of the blocks that move.
     """
     movable = np.array([block.support is None for block in results.geometry.blocks])
-    weight, seismic = (float(each[movable].sum()) for each in weights(results))
+    weight, seismic = (float(each[movable].sum()) for each in by_hand.weights(results))
     for each in situations(results):
         reaction = sum((force for _, force in _forces(results, each)), np.zeros(2))
         load = np.array([each.alpha * seismic * sense(each.direction or "+x"), -weight])
@@ -68,11 +61,15 @@ def joint_table(results: Results) -> Found:
             yield _where(each) | dict(zip(JOINT.split(), (*number, *value, condition), strict=True))
 
 
-macro_block_table = table("macro_blocks", MacroBlockFigures)(
-    lambda results: [each for name, way, _ in mechanisms(results) for each in figures_of(results, name, way)]
-)
+@table("macro_blocks", by_hand.MacroBlockFigures)
+def macro_block_table(results: Results) -> Found:
+    """List the macro-blocks of every mechanism."""
+    for name, direction, _ in by_hand.mechanisms(results):
+        yield from by_hand.figures_of(results, name, direction)
+
+
 # the program's multiplier beside virtual work over all its blocks, and over the macro-blocks as printed
-hand_check = table("hand_check", HandCheck)(hand_checks)
+hand_check = table("hand_check", by_hand.HandCheck)(by_hand.hand_checks)
 
 
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:

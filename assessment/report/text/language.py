@@ -279,6 +279,11 @@ def label(name: str, words: Words, reference: str = ROCK) -> str:
     return f"{text} [{words.name('unit', found.printed_unit)}]" if found.printed_unit else text
 
 
+def scale(name: str) -> float:
+    """Return the factor from a quantity in results.json to the unit that its `label` tells, for figures."""
+    return QUANTITIES[name].factor
+
+
 def heading(name: str, words: Words, reference: str = ROCK) -> Markup:
     """Return the heading of a column: see `label`."""
     return indexed(label(name, words, reference))
