@@ -154,7 +154,7 @@ def _reach(
             raise stop
         if higher is not None:
             return higher, False
-    if problem.system.dilation < LIMIT.slight:
+    if rigid and problem.system.dilation < LIMIT.slight:
         with suppress(NoEquilibriumError, ConvergenceError):
             return sound(find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last)), False
     unsettled = isinstance(stop, UnsettledError)
@@ -168,7 +168,7 @@ def _reach(
             stop = error
     if not shortest:
         raise stop
-    if problem.system.dilation < 1.0:  # the lift of the shortest step is small
+    if rigid and problem.system.dilation < 1.0:  # the lift of the shortest step is small
         with suppress(NoEquilibriumError, ConvergenceError):
             return sound(find_equilibrium(replace(problem, dilation=1.0), guess, last)), False
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)

@@ -101,7 +101,7 @@ def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Roun
         return Round(guess, None, None, STEP.begin)
     forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
-    reference = iterate.forces if iterate is not None and system.rigid and system.dilation < 1.0 else None
+    reference = iterate.forces if iterate is not None and system.dilation < 1.0 else None
     return Round(guess, forces, iterate, STEP.begin, reference=reference)
 
 
@@ -117,7 +117,7 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
             program = proximal(program, last.reference[index])
     found, solves = solve_program(program, system.layout.take(index), near, residual)
     reference = last.reference
-    if system.rigid and system.dilation < 1.0 and last.stage < STEP.memory:
+    if system.dilation < 1.0 and last.stage < STEP.memory:
         reference = spread(found.forces, index, len(system.contacts))
     at = displaced(system.model, last.at, found.displacement)
     check_motion(problem, at)
