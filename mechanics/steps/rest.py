@@ -22,7 +22,7 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
-from mechanics.steps.static_step import Equilibrium, StepProblem, displaced
+from mechanics.steps.static_step import Equilibrium, StepProblem, displaced, proximal
 from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import LIMIT, REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
@@ -47,6 +47,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     model, solves = problem.system.model, 0
     still, least = tolerances.still * model.size, tolerances.way * model.size
     now, at, time, longest = replace(problem, size=least), begun, tolerances.first, tolerances.longest
+    exact = USABLE if problem.system.rigid else STEP.slow
     last: Round | None = None
     half_way, slowing = np.inf, False
     for step in range(tolerances.steps):
@@ -77,12 +78,13 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         now, at = replace(now, start=start, work=work, size=size), moved
         if force > still:
             continue
-        found = _rest_near(replace(now, size=problem.size), moved, tolerances.jump * problem.size)
+        held = certified(replace(now, size=problem.size), last)
+        found = _rest_near(replace(now, size=problem.size), held, tolerances.jump * problem.size)
         if found is not None:
             return replace(found, solves=found.solves + solves)
         # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
-        found = certified(replace(now, size=problem.size), last)
-        if slowing and found.stable and found.certificate.worst(problem.size) <= USABLE:
+        found = held
+        if slowing and found.stable and found.certificate.worst(least) <= exact:
             return replace(found, solves=solves)
         if left <= tolerances.balanced * model.size and not found.stable:
             raise RunawayError(UNSTABLE)
@@ -92,14 +94,15 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     raise kind(_goes_on(left))
 
 
-def _rest_near(problem: StepProblem, moved: Array, farthest: float) -> Equilibrium | None:
+def _rest_near(problem: StepProblem, last: Equilibrium, farthest: float) -> Equilibrium | None:
     """Return the equilibrium at positions (b, 3) at which a motion is slow; None: none is.
 
     Next to an unstable equilibrium a motion is slow too, and another may lie on its other side: that of rigid joints,
     whose stability is not known, lies at most `farthest` (m) away.
     """
+    moved = last.state.positions
     try:
-        found = find_equilibrium(problem, moved)
+        found = find_equilibrium(problem, moved, last)
     except (NoEquilibriumError, ConvergenceError):
         return None
     far = way(moved, found.state.positions, problem.system.model.size)
@@ -143,6 +146,9 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
     program, index = problem.pose(at, None if last is None else last.forces)
     layout, frozen, curved = system.layout.take(index), interior.frozen(program), program.curved is not None
     warm = last and last.iterate and taken(last.iterate, index)
+    if warm and system.dilation < 1.0:
+        program = proximal(program, warm.forces)
+        frozen = interior.frozen(program)
     full, held, solves = None, None, 0  # solutions with the geometry that changes, and with the geometry held
     if warm and curved:
         full, solves = _solved(program, layout, warm.warm(program, STEP.begin)), 1

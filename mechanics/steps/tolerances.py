@@ -44,7 +44,7 @@ class StepTolerances:
     rigid_rounds: int = 8
     elastic_rounds: int = 12
     solved: float = 1e-8
-    stalled: float = 1e-6
+    stalled: float = 1e-5
     begin: float = 0.3
     go_on: float = 0.1
     bend: float = 1e-2
