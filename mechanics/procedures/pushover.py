@@ -317,8 +317,7 @@ class _Curve:
         self.spent, last = True, len(self.multiplier) - 1
         while last > 0 and self.multiplier[last - 1] < self.multiplier[last]:
             last -= 1
-        del self.states[last + 1 :], self.multiplier[last + 1 :], self.displacement[last + 1 :]
-        del self.certificates[last + 1 :], self.steps[last + 1 - self.system.rigid :]
+        self._cut(last)
 
     def _next(self, length: float, shortest: bool) -> None:
         """Add the next point, or the last one before α = 0; the errors are those of `advance`."""
@@ -550,6 +549,7 @@ class _Curve:
                     reason=self.end,
                 )
             )
+        self._end_where_it_falls()
         check_path(self.steps)
         formed, mechanism, forces, contacts = self._mechanism()
         return Pushover(
@@ -573,6 +573,42 @@ class _Curve:
             self.model,
             self.push.direction,
         )
+
+    def _end_where_it_falls(self) -> None:
+        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls.
+
+        Held at a peak, the load drives the structure through the trough behind it: it stands if what it gains there, by
+        the work of all loads, is taken up farther on. What impacts take is left out.
+        """
+        alpha, jumps = self.multiplier, set(self.crossed)
+        held, gained, above = 0, 0.0, 0  # the peak; work (kNm) gained since; the first point that exceeds it
+        for k in range(1, len(alpha)):
+            if not gained and alpha[k] >= alpha[held]:
+                held = k
+                continue
+            moved = self.states[k].positions - self.states[k - 1].positions
+            work = float((self.lateral * moved).sum())
+            if (self.displacement[k - 1], self.displacement[k]) in jumps:
+                against = -float((self.model.dead_load * moved).sum())
+            else:
+                against = 0.5 * (alpha[k - 1] + alpha[k]) * work
+            gained += alpha[held] * work - against
+            if gained <= 0.0:
+                held, gained, above = k, 0.0, 0
+            elif alpha[k] > (1.0 + self.tolerances.flat) * alpha[held] and not above:
+                above = k
+        zero, behind = self.tolerances.zero * max(alpha), above or len(alpha)
+        spent = [k for k in range(held + 1, behind) if alpha[k] <= zero]
+        last = spent[0] if spent else behind - 1
+        if last < len(alpha) - 1:
+            self.reached, self.lost = bool(spent), not spent
+            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=alpha[held])
+            self._cut(last)
+
+    def _cut(self, last: int) -> None:
+        """Leave out the points behind the one of index `last`."""
+        del self.states[last + 1 :], self.multiplier[last + 1 :], self.displacement[last + 1 :]
+        del self.certificates[last + 1 :], self.steps[last + 1 - self.system.rigid :]
 
     def _mechanism(self) -> tuple[int, Array, Array, Contacts]:
         """Return the point at which the mechanism forms, its displacements (b, 3), forces (j, 3) and contacts."""
