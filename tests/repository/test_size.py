@@ -27,10 +27,10 @@ LINES = {
     "mechanics": 962,
     "mechanics/kernels": 3528,
     "mechanics/model": 3383,
-    "mechanics/procedures": 3385,
+    "mechanics/procedures": 3421,
     "mechanics/records": 1086,
     "mechanics/solvers": 1135,
-    "mechanics/steps": 1885,
+    "mechanics/steps": 1891,
 }
 
 
