@@ -578,21 +578,29 @@ class _Curve:
         """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls.
 
         Held at a peak, the load drives the structure through the trough behind it: it stands if what it gains there, by
-        the work of all loads, is taken up farther on. What impacts take is left out.
+        the work of all loads, is taken up farther on. Where the direction of its motion changes from Δ to Δ', as in an
+        impact, it keeps (ΔᵀMΔ')² / (ΔᵀMΔ Δ'ᵀMΔ') of its energy, and none if it turns back.
         """
         alpha, jumps = self.multiplier, set(self.crossed)
-        held, gained, above = 0, 0.0, 0  # the peak; work (kNm) gained since; the first point that exceeds it
+        held, gained, above = (
+            0,
+            0.0,
+            0,
+        )  # the peak; energy (kNm) gained since; the first point that exceeds it
+        moves = np.diff([state.positions for state in self.states], axis=0)
+        inertia = np.einsum("kbi,bi,kbi->k", moves, self.model.mass, moves)
+        turning = np.einsum("kbi,bi,kbi->k", moves[:-1], self.model.mass, moves[1:])
+        kept = np.r_[0.0, np.maximum(turning, 0.0) ** 2 / np.maximum(inertia[:-1] * inertia[1:], 1e-300)]
         for k in range(1, len(alpha)):
             if not gained and alpha[k] >= alpha[held]:
                 held = k
                 continue
-            moved = self.states[k].positions - self.states[k - 1].positions
-            work = float((self.lateral * moved).sum())
+            work = float((self.lateral * moves[k - 1]).sum())
             if (self.displacement[k - 1], self.displacement[k]) in jumps:
-                against = -float((self.model.dead_load * moved).sum())
+                against = -float((self.model.dead_load * moves[k - 1]).sum())
             else:
                 against = 0.5 * (alpha[k - 1] + alpha[k]) * work
-            gained += alpha[held] * work - against
+            gained = kept[k - 1] * gained + alpha[held] * work - against
             if gained <= 0.0:
                 held, gained, above = k, 0.0, 0
             elif alpha[k] > (1.0 + self.tolerances.flat) * alpha[held] and not above:
