@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 962,
     "mechanics/kernels": 3528,
     "mechanics/model": 3383,
-    "mechanics/procedures": 3421,
+    "mechanics/procedures": 3429,
     "mechanics/records": 1086,
     "mechanics/solvers": 1135,
     "mechanics/steps": 1891,
