@@ -23,9 +23,9 @@ class StepTolerances:
     within the sequence.
 
     Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
-    to; `slow`: the same if these approach each other only slowly: of rigid joints, and of a rest of elastic ones. `fall`: a motion of
-    this many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more
-    leaves the range in which its geometry is linear.
+    to; `slow`: the same if these approach each other only slowly: of rigid joints, and of a rest of elastic ones.
+    `fall`: a motion of this many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block
+    by more leaves the range in which its geometry is linear.
 
     Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
     `no_overlap`, overlap that does not count; `inside`, least penetration that counts; `look_ahead`, distance beyond a
