@@ -22,10 +22,12 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.jit import compiler
+from mechanics.kernels.law import FRICTION
 from mechanics.types import Array
 
 compiled = compiler(allocates=False)
 
+LEAST = 1e-9  # rad: the angle of friction that is left where two corners meet at a wider angle
 LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
 
 # columns of what a joint is (faces, j × 14): reference point and unit tangent of either face, in its block's axes, from
@@ -100,6 +102,19 @@ def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None
         out[BETA], out[ARM], out[ALONG] = beta, arm, along
         out[BEND] = -((1.0 - beta) ** 2) * np.sin((1.0 - beta) * delta) - beta**2 * sin
         out[TIED] = 0.0
+
+
+@compiled
+def friction_between(places: Array, law: Array) -> None:
+    """Bound the friction in `law` (j, LAW) of joints at `places` (j, PLACE) by the faces that their frame lies between.
+
+    Where two corners nearly meet either may bear on the other's face. The cone about the frame lies within that of the
+    nearer face: its half-angle is less by the angle to it. At level faces, and beyond `MEET`, nothing changes.
+    """
+    for k in range(len(places)):
+        turned = min(places[k, BETA], 1.0 - places[k, BETA]) * abs(places[k, PHI])
+        if turned > 0.0:
+            law[k, FRICTION] = np.tan(max(np.arctan(law[k, FRICTION]) - turned, LEAST))
 
 
 @compiled

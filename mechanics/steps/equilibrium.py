@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.joint import PHI, H, U, V, friction_between
 from mechanics.kernels.law import SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -84,6 +84,7 @@ def closed_program(
     index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > system.no_overlap))
     law = system.law.copy()
     law[:, SLID] = 0.0
+    friction_between(places, law)
     turned = (closed.sum(axis=1) == 1) & ~system.contacts.ties
     edges = np.column_stack([places[:, H], np.where(turned, law[:, STRENGTH], np.inf)])
     crushed = np.isfinite(edges[:, 1])

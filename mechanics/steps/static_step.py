@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.joint import ARM, BETA, CURVED, MV, PHI, H, U, V, curvatures
+from mechanics.kernels.joint import ARM, BETA, CURVED, MV, PHI, H, U, V, curvatures, friction_between
 from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
@@ -96,6 +96,7 @@ class StepProblem:
         places[~overlapping, H] = system.no_overlap
         law = system.law[index].copy()
         law[:, SLID] = self.slid[index]
+        friction_between(places[index], law)
         if self.dilation is not None:
             law[:, DILATION] = self.dilation
         moved = (at - self.start.positions)[movable].ravel()

@@ -38,7 +38,7 @@ from mechanics.kernels.dynamics.motion import (
 )
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V
+from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V, friction_between
 from mechanics.kernels.law import CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
@@ -100,6 +100,7 @@ def attempt(
     while True:
         chosen = touching[inside]
         at, laws, dx = places[chosen], law[chosen], begun.copy()
+        friction_between(at, laws)
         f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:MIDDLE].copy()
         near = joints[chosen][:, MIDDLE:SPRING].copy()
         # the error of velocities has at most the energy of all products, for the program is strongly convex: where
