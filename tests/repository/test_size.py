@@ -25,12 +25,12 @@ LINES = {
     "assessment/studies": 2494,
     "assessment/workflow": 1111,
     "mechanics": 962,
-    "mechanics/kernels": 3528,
+    "mechanics/kernels": 3542,
     "mechanics/model": 3383,
     "mechanics/procedures": 3429,
     "mechanics/records": 1086,
     "mechanics/solvers": 1135,
-    "mechanics/steps": 1891,
+    "mechanics/steps": 1893,
 }
 
 
