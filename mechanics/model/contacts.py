@@ -45,7 +45,7 @@ from mechanics.types import Array, Index, Mask
 MOST_FRICTION = 1e3  # tangent of the friction angle that stands for infinite friction
 # of the shorter face of a joint: how near two corners meet. Their normal turns as they slide past each other: if it
 # turned over less slip than joints yield in shear, hinges at corners would be unstable
-CORNER = 1e-2
+CORNER = 3e-3
 
 
 @dataclass(frozen=True, eq=False)
