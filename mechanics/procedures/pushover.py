@@ -599,7 +599,9 @@ class _Curve:
             if (self.displacement[k - 1], self.displacement[k]) in jumps:
                 against = -float((self.model.dead_load * moves[k - 1]).sum())
             else:
-                against = max(0.5 * (alpha[k - 1] + alpha[k]), alpha[k]) * work  # α rises at once where joints close
+                against = (
+                    max(0.5 * (alpha[k - 1] + alpha[k]), alpha[k]) * work
+                )  # α rises at once where joints close
             gained = kept[k - 1] * gained + alpha[held] * work - against
             if gained <= 0.0:
                 held, gained, above = k, 0.0, 0
