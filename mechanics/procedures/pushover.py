@@ -599,9 +599,8 @@ class _Curve:
             if (self.displacement[k - 1], self.displacement[k]) in jumps:
                 against = -float((self.model.dead_load * moves[k - 1]).sum())
             else:
-                against = (
-                    max(0.5 * (alpha[k - 1] + alpha[k]), alpha[k]) * work
-                )  # α rises at once where joints close
+                # where joints close α rises at once
+                against = max(0.5 * (alpha[k - 1] + alpha[k]), alpha[k]) * work
             gained = kept[k - 1] * gained + alpha[held] * work - against
             if gained <= 0.0:
                 held, gained, above = k, 0.0, 0

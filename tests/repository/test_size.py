@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 962,
     "mechanics/kernels": 3542,
     "mechanics/model": 3383,
-    "mechanics/procedures": 3429,
+    "mechanics/procedures": 3430,
     "mechanics/records": 1086,
     "mechanics/solvers": 1135,
     "mechanics/steps": 1893,
