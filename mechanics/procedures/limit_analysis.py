@@ -10,8 +10,9 @@ form a continuum of multipliers. The interior point finds one amid them, the *ce
         A ← the gaps and slips of another mechanism that fits f, or of        another one
             the central flow of other frictions, in turns                     by chance
 
-Each pair is a flow, certified on its own. Where ψ = 0 has no flow of the given work (blocks
-wedge, slips grow without bound), a slight dilation has one: its multiplier is returned with that dilation.
+Each pair is a flow, certified on its own. Ends that are open bear nothing: by the static theorem no flow has more than
+the associative law. Where ψ = 0 has no flow of the given work (blocks wedge, slips grow without bound), a slight
+dilation has one: its multiplier is returned with that dilation.
 """
 
 from __future__ import annotations
@@ -139,7 +140,8 @@ def _limit(
     closed = standing.pushed(model, model.lateral_load(direction))
     flow = _associative if sliding == "associative" else _coulomb
     for _ in range(LIMIT.repeats):
-        found, central, dilation = flow(closed)
+        on_edges, lever = closed.on_edges()
+        found, central, dilation = flow(on_edges)
         again = closed.hinged(found.forces[:, 0])
         if again is None:
             break
@@ -158,6 +160,7 @@ def _limit(
     mechanism[model.movable] = found.displacement.reshape(-1, 3)
     forces = np.zeros((len(closed.contacts), 3))
     forces[closed.index] = found.forces
+    forces[closed.index, 1] += lever * found.forces[:, 0]
     return Limit(
         found.alpha,
         central,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import PHI, H, U, V, friction_between
+from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, friction_between
 from mechanics.kernels.law import SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -63,6 +63,22 @@ class ClosedProgram:
         moved = places.copy()
         moved[:, H], moved[:, PHI] = now, places[:, PHI] * places[:, H] / now
         return replace(self, program=replace(self.program, places=moved))
+
+    def on_edges(self) -> tuple[ClosedProgram, Array]:
+        """Return the program whose joints with one open end are hinges at the other, N and T alone.
+
+        And the lever (j,) m of N about the middle of each overlap: there such a hinge has P = lever · N. At its onset a
+        mechanism is infinitesimal: an open end bears nothing, however little work the mechanism does and however far it
+        moves for the work of the program.
+        """
+        places = self.program.places.copy()
+        first, second = (end_gaps(places) > 0.5 * LIMIT.far * self.program.step).T
+        hinge = first ^ second
+        lever = np.where(hinge, np.where(first, 1.0, -1.0) * places[:, H], 0.0)
+        places[:, MU] += lever * places[:, MPHI]
+        places[hinge, H] *= LIMIT.hinge
+        places[hinge, U], places[hinge, PHI] = 0.0, 0.0
+        return replace(self, program=replace(self.program, places=places)), lever
 
 
 def closed_program(

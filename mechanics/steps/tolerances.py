@@ -116,7 +116,8 @@ class LimitTolerances:
 
     As shares of the block size: `closed`, gap that counts as closed; `exact`, that of a state whose forces are known,
     which is in equilibrium to 1e-8 or better: wider ones are cracks; `onset`, displacement of a mechanism at its onset.
-    `far`: gap of an open end, in such displacements. `repeats`: most programs for hinges that crush; `tries`: as many
+    `far`: gap of an open end, in such displacements; `hinge`: length of a joint that is open at one end, as a share of
+    its overlap: none but for rounding. `repeats`: most programs for hinges that crush; `tries`: as many
     flows in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in all;
     `other`: most that their frictions are changed by, as a share; `turn`: each so many of them is of the same
     frictions; `hinged`: distance of a hinge from where its force crushes the edge, as a share of the block size.
@@ -129,6 +130,7 @@ class LimitTolerances:
     exact: float = 1e-6
     onset: float = 1e-3
     far: float = 1e3
+    hinge: float = 1e-12
     repeats: int = 12
     tries: int = 64
     tried: int = 6000

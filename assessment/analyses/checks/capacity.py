@@ -205,7 +205,7 @@ def _other_law(rigid: RigidPush) -> _Law | None:
     first = None
     if other.onset is not None and other.alpha_onset is not None:
         first = Activation(other.alpha_onset, known(other.onset.e_star))
-    return _Law(other.sliding, other.mechanism, first, other.alpha_0 / rigid.mechanism.alpha)
+    return _Law(other.sliding, other.mechanism, first, other.mechanism.alpha / rigid.mechanism.alpha)
 
 
 class _ByLaw(NamedTuple):

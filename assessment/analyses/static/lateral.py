@@ -198,7 +198,7 @@ def _way_of_blocks(path: Pushover, mechanism: Mechanism) -> list[float] | None:
 def _other_law(found: RigidPush, control: ControlTable, path: Pushover, met: Met) -> OtherLaw | None:
     """Return limit analysis by the other law of friction, if its multipliers differ by DIFFERS; None without a flow."""
     law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
-    own = {0: found.alpha_onset, path.formed: found.mechanism.alpha}
+    own = {0: found.alpha_onset, path.formed: found.mechanism.alpha, path.peak: found.alpha_0}
     try:
         limits = {k: limit_in(path.model, path.direction, path.states[k], law) for k in own}
     except (NoEquilibriumError, ConvergenceError):  # the curve has its own multiplier
@@ -206,9 +206,10 @@ def _other_law(found: RigidPush, control: ControlTable, path: Pushover, met: Met
     if all(abs(limits[k].alpha - alpha) <= DIFFERS * abs(alpha) for k, alpha in own.items()):
         return None
     moving = {
-        k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k]) for k in [*own][::-1]
+        k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k])
+        for k in dict.fromkeys((path.formed, 0))
     }
-    other = OtherLaw(sliding=law, alpha_0=limits[path.formed].alpha, mechanism=moving[path.formed])
+    other = OtherLaw(sliding=law, alpha_0=limits[path.peak].alpha, mechanism=moving[path.formed])
     return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
 
 
@@ -371,12 +372,13 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
             displacement=float(path.displacement[path.peak]),
             multiplier=curve.alpha_0,
         )
-    if curve.other_law is not None:
+    other = curve.other_law  # it may be the onset alone that differs
+    if other is not None and abs(other.alpha_0 - curve.alpha_0) > DIFFERS * abs(curve.alpha_0):
         yield message(
             "by {law} α0 is {other:.4g}, not {multiplier:.4g}",
-            law=FRICTION[curve.other_law.sliding],
-            other=curve.other_law.alpha_0,
-            multiplier=curve.mechanism.alpha,
+            law=FRICTION[other.sliding],
+            other=other.alpha_0,
+            multiplier=curve.alpha_0,
         )
     if curve.local_loss is not None:
         yield loss_sentence(curve.local_loss)
