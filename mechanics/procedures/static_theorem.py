@@ -6,7 +6,7 @@ import numpy as np
 
 from mechanics.errors import ArgumentError
 from mechanics.kernels.joint import BETA, NX, NZ
-from mechanics.kernels.law import STRENGTH
+from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_gaps, end_points
 from mechanics.solvers.lp_point_forces import PointForces, largest_multiplier
@@ -25,17 +25,17 @@ def static_theorem(model: Assembly, direction: Direction = "+x", state: State | 
     """
     state = model.starting(state)
     closed = closed_program(model, state)
-    contacts, strength = closed.contacts.take(closed.index), closed.program.law[:, STRENGTH]
-    if np.isfinite(strength[~contacts.ties]).any():
+    contacts, law = closed.contacts.take(closed.index), closed.program.law
+    if np.isfinite(law[~contacts.ties, STRENGTH]).any():
         raise ArgumentError("joints that crush make no linear program")
     bears = end_gaps(closed.program.places) < 0.5 * LIMIT.far * closed.program.step
-    points = _points(contacts, bears, state.positions)
+    points = _points(contacts, bears, law[:, FRICTION], state.positions)
     loads = model.dead_load, model.lateral_load(direction)
     return largest_multiplier(points, state.positions[:, :2], model.movable, loads, model.size)
 
 
-def _points(contacts: Contacts, bears: Mask, positions: Array) -> PointForces:
-    """Return the forces that contacts can carry at their ends that bear (j, 2), at block positions (b, 3).
+def _points(contacts: Contacts, bears: Mask, friction: Array, positions: Array) -> PointForces:
+    """Return the forces that contacts of a friction (j,) can carry at their ends that bear (j, 2), at positions (b, 3).
 
     Sliding that lifts leaves a gap: the forces act at the corner that touches the other block's face, and T where the
     joint is the more closed.
@@ -48,7 +48,7 @@ def _points(contacts: Contacts, bears: Mask, positions: Array) -> PointForces:
         a=contacts.a,
         b=contacts.b,
         normal=normal,
-        friction=contacts.friction,
+        friction=friction,
         joint=np.nonzero(bears)[0],
         pressure_at=at[bears],
         most=np.where(contacts.ties, 0.5 * contacts.strength, np.inf)[np.nonzero(bears)[0]],
