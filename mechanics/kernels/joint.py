@@ -112,7 +112,9 @@ def friction_between(places: Array, law: Array) -> None:
     nearer face: its half-angle is less by the angle to it. At level faces, and beyond `MEET`, nothing changes.
     """
     for k in range(len(places)):
-        turned = min(places[k, BETA], 1.0 - places[k, BETA]) * abs(places[k, PHI])
+        beta, phi = places[k, BETA], abs(places[k, PHI])
+        # δ of φ = sin (1 − β)δ + sin βδ, to the third order
+        turned = min(beta, 1.0 - beta) * phi * (1.0 + phi**2 * ((1.0 - beta) ** 3 + beta**3) / 6.0)
         if turned > 0.0:
             law[k, FRICTION] = np.tan(max(np.arctan(law[k, FRICTION]) - turned, LEAST))
 

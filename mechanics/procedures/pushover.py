@@ -27,6 +27,7 @@ from mechanics.procedures.limit_analysis import limit_analysis, limit_in
 from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.model_check import check_path
 from mechanics.procedures.path_start import (
+    START,
     PathStart,
     elastic_start,
     mechanism_start,
@@ -537,7 +538,7 @@ class _Curve:
         assert self.end is not None
         if len(self.states) == 1 and self.spent:
             raise NoEquilibriumError(self.end)
-        if len(self.states) == 1 and not self.system.rigid and self.drawn:
+        if not self.system.rigid and self.drawn and (len(self.states) == 1 or self._is_hidden_by_rounding):
             raise no_way_from_rest(self.model, self.end)
         if len(self.states) == 1 or not self._takes_part_by(max(self.displacement)):
             raise ControlError(
@@ -573,6 +574,11 @@ class _Curve:
             self.model,
             self.push.direction,
         )
+
+    @property
+    def _is_hidden_by_rounding(self) -> bool:
+        """Whether an elastic curve ends as it rises, and joints are compressed by hardly more than rounding."""
+        return self.model.rounding > START.resolved and self.multiplier[-1] >= max(self.multiplier)
 
     def _end_where_it_falls(self) -> None:
         """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls.

@@ -168,9 +168,8 @@ def _reach(
             stop = error
     if not shortest:
         raise stop
-    if rigid and problem.system.dilation < 1.0:  # the lift of the shortest step is small
-        with suppress(NoEquilibriumError, ConvergenceError):
-            return sound(find_equilibrium(replace(problem, dilation=1.0), guess, last)), False
+    if rigid and (lifting := _lifting(problem, guess, last)) is not None:
+        return lifting, False
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         rested = sound(motion_to_rest(problem, begun))
@@ -179,5 +178,17 @@ def _reach(
         raise RunawayError(
             fall.message if same else message("{reason} ({stop})", reason=fall.message, stop=stop.message)
         ) from stop
+    except ConvergenceError:  # undecided
+        if not rigid and (lifting := _lifting(problem, guess, last)) is not None:
+            return lifting, False
+        raise
     jumped = way(begun, rested.state.positions, problem.system.model.size) > PATH.jump * problem.size
     return rested, jumped
+
+
+def _lifting(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Equilibrium | None:
+    """Return the equilibrium of a shortest step by the associative law, whose lift is small; None if there is none."""
+    if problem.system.dilation < 1.0:
+        with suppress(NoEquilibriumError, ConvergenceError):
+            return sound(find_equilibrium(replace(problem, dilation=1.0), guess, last))
+    return None

@@ -103,7 +103,7 @@ class RestTolerances:
     still: float = 1e-5
     balanced: float = 1e-12
     lifted: float = 5e-5
-    steps: int = 200
+    steps: int = 400
     farthest: float = 0.3
     growth: float = 1.2
     jump: float = 2.0

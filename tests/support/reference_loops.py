@@ -60,7 +60,7 @@ class Pair:
     def beta(self) -> float:
         """0 where a corner of a ends the overlap there, 1 where one of b does, linear within 1/100 of the face."""
         f = self.face
-        meet = 0.01 * min(f[A2] - f[A1], f[B2] - f[B1])
+        meet = 0.003 * min(f[A2] - f[A1], f[B2] - f[B1])
         return float(np.clip(0.5 - 0.5 * self.beyond / meet, 0.0, 1.0))
 
     def arm(self) -> float:

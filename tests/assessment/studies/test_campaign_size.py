@@ -65,7 +65,7 @@ class MadeUp:
                     collapsed=strength > 1.0, collapse_reason="it fell", worst=1e-12, notes=(), steps=SAMPLES,
                     skipped=0, lifting=0, programs=SAMPLES, iterations=SAMPLES, halvings=0,
                     model=model,
-                    energy=SimpleNamespace(**dict.fromkeys(ENERGIES, np.zeros(2)), turnover=1.0),
+                    energy=SimpleNamespace(**dict.fromkeys((*ENERGIES, "dissipated"), np.zeros(2))),
                 ),
             ),
         )  # fmt: skip

@@ -57,7 +57,7 @@ def test_ties_are_mirrored_and_one_that_has_no_image_breaks_the_symmetry():
     assert Mirror.of(model, "rigid") is None
     chain = model.tied(model.ties[:1])
     mirror = Mirror.of(chain, "rigid")
-    one, other = (pushover(chain, (x, 0.84), way, increment=0.01) for x, way in ((0.6, "+x"), (-0.6, "-x")))
+    one, other = (pushover(chain, (x, 0.84), way, increment=0.006) for x, way in ((0.6, "+x"), (-0.6, "-x")))
     image = mirror.pushover(one)
     np.testing.assert_allclose(image.multiplier, other.multiplier, atol=1e-6)
     found, expected = (path.states[-2].lengthened for path in (image, other))
