@@ -83,7 +83,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
         relaxation = relaxation.after(way)
         now = replace(now, at=before.at + relaxation.factor * (now.at - before.at))
-    if best is not None and best.stable and best.certificate.worst(problem.size) <= STEP.slow:
+    if system.rigid and best is not None and best.certificate.worst(problem.size) <= STEP.slow:
         return best
     assert now.iterate is not None
     block = int(np.flatnonzero(model.movable)[_farthest(now.iterate.displacement)])

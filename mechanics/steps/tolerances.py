@@ -23,7 +23,7 @@ class StepTolerances:
     within the sequence.
 
     Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
-    to; `slow`: the same if these approach each other only slowly.
+    to; `slow`: the same if these approach each other only slowly: of rigid joints, and of a rest of elastic ones.
     `fall`: a motion of this many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block
     by more leaves the range in which its geometry is linear.
 
