@@ -588,11 +588,8 @@ class _Curve:
         impact, it keeps (ΔᵀMΔ')² / (ΔᵀMΔ Δ'ᵀMΔ') of its energy, and none if it turns back.
         """
         alpha, jumps = self.multiplier, set(self.crossed)
-        held, gained, above = (
-            0,
-            0.0,
-            0,
-        )  # the peak; energy (kNm) gained since; the first point that exceeds it
+        # index of the peak; energy (kNm) gained since; index of the first point that exceeds the peak
+        held, gained, above = 0, 0.0, 0
         moves = np.diff([state.positions for state in self.states], axis=0)
         inertia = np.einsum("kbi,bi,kbi->k", moves, self.model.mass, moves)
         turning = np.einsum("kbi,bi,kbi->k", moves[:-1], self.model.mass, moves[1:])

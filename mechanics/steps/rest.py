@@ -83,10 +83,9 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if found is not None:
             return replace(found, solves=found.solves + solves)
         # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
-        found = held
-        if slowing and found.stable and found.certificate.worst(least) <= exact:
-            return replace(found, solves=solves)
-        if left <= tolerances.balanced * model.size and not found.stable:
+        if slowing and held.stable and held.certificate.worst(least) <= exact:
+            return replace(held, solves=solves)
+        if left <= tolerances.balanced * model.size and not held.stable:
             raise RunawayError(UNSTABLE)
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
@@ -95,7 +94,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
 
 
 def _rest_near(problem: StepProblem, last: Equilibrium, farthest: float) -> Equilibrium | None:
-    """Return the equilibrium at positions (b, 3) at which a motion is slow; None: none is.
+    """Return the equilibrium near the `last` point, at which a motion is slow; None if there is none.
 
     Next to an unstable equilibrium a motion is slow too, and another may lie on its other side: that of rigid joints,
     whose stability is not known, lies at most `farthest` (m) away.

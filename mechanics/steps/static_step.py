@@ -171,9 +171,9 @@ def held(problem: StepProblem, forces: Array) -> Equilibrium:
 
 
 def proximal(program: Program, forces: Array) -> Program:
-    """Return the program whose rigid joints yield a little to what their forces change from given ones.
+    """Return the program whose joints yield a little to changes of T, rigid ones also to changes of N₁ and N₂.
 
-    `forces` (j, 3): N₁, N₂ and T, kN, of the last solution. Forces of rigid joints that Coulomb's law leaves open then
+    `forces` (j, 3): N₁, N₂ and T, kN, of the last solution. Forces that Coulomb's law leaves open then
     stay near those that were there, and what they yield vanishes as the solutions settle (a proximal point method).
     """
     p, law, places = program, program.law.copy(), program.places.copy()

@@ -85,7 +85,7 @@ def _kinds(annotation: Any) -> set[Any]:
 
 
 def enter(name: str, annotation: Any, told: dict[str, Any]) -> None:
-    """Enter a quantity with what is told of it, and tell its unit. Raises ValueError for one that is there already."""
+    """Register a quantity with its unit. Raises ValueError for a name that is registered already."""
     if unit := told.pop("unit", _unit(name, annotation)):
         told["unit"] = unit
     if "label" in told:
@@ -107,7 +107,7 @@ def plain_value(annotation: Any) -> bool:
 class Part(BaseModel):
     """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
 
-    Both are None as attributes; where a reader is told which, `cells` of assessment/results/table.py tells them apart.
+    Both are None as attributes; `cells` of assessment/results/table.py prints them differently.
     """
 
     model_config = ConfigDict(
@@ -181,7 +181,7 @@ def _unit(name: str, annotation: Any) -> str:
 
 
 def named(label: str, **look: Any) -> dict[str, Any]:
-    """Return what is told of a quantity; `Annotated` has it in a class of rows that are not in the file."""
+    """Return the description of a quantity, for `Annotated` fields of rows that are not in the file."""
     italian, _, english = label.partition("|")
     told: dict[str, Any] = {"label": {"it": italian, "en": english or italian}} if label else {}
     if look.get("ground") == "rock" or look.get("ratio") or look.get("change"):
