@@ -69,16 +69,6 @@ def test_no_other_server_of_this_machine_is_asked(tmp_path, path):
             other.accept()
 
 
-def test_an_address_that_nobody_answers_is_not_opened(tmp_path):
-    folder = write_block(tmp_path / "block")
-    (folder / ".assesto").mkdir()
-    (folder / ".assesto" / "at").write_text("http://127.0.0.1:1/?token=x", encoding="utf-8")
-    server = started(folder)
-    assert server.stdout.readline().strip() != "http://127.0.0.1:1/?token=x"
-    server.send_signal(signal.SIGINT)
-    server.communicate()
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

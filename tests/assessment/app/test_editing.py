@@ -120,17 +120,6 @@ def test_a_file_that_an_editor_broke_is_not_written_and_can_be_undone(tmp_path):
     assert history.step(-1, digest_of(b"title = ")) == known
 
 
-def test_no_more_versions_are_kept_than_wanted(tmp_path, monkeypatch):
-    monkeypatch.setattr("assessment.app.editing.VERSIONS", 3)
-    file = tmp_path / "project.toml"
-    file.write_text(COMMENTED, encoding="utf-8")
-    history, known = Versions(tmp_path), digest_of(COMMENTED.encode())
-    for number in range(6):
-        known = history.write([(("scatter",), number + 1)], known)
-    assert len([*history.folder.glob("*.toml")]) == 3
-    assert history.steps() == (True, False)
-
-
 def test_a_full_disk_changes_nothing(tmp_path, monkeypatch):
     file = tmp_path / "project.toml"
     file.write_text(COMMENTED, encoding="utf-8")

@@ -13,7 +13,6 @@ import uvicorn
 from assessment.app import server
 from assessment.app.server import application
 from assessment.app.session import Session
-from assessment.app.worker import WorkerError
 from tests.support.block_project import write_block
 
 TOKEN = "t" * 32
@@ -239,12 +238,6 @@ def test_no_other_method_is_answered(served, method):
     assert served.ask(method, "/state").status in (404, 405)
 
 
-def test_half_a_character_is_no_text(served):
-    """Neither a file nor an answer could hold it: U+D800 alone."""
-    answer = served.post("judgement", {"text": "\ud800"})
-    assert (answer.status, json.loads(answer.text)) == (422, {"error": "no JSON"})
-
-
 def test_an_unknown_question_is_told(served):
     assert served.post("delete").status == 404
     assert served.post("edit", {"digest": 1}).status == 422
@@ -261,16 +254,6 @@ def test_a_page_of_another_project_gets_nothing(served):
     assert served.post("judgement", X_Project=known).status == 200
 
 
-def test_one_connection_answers_many_questions(served):
-    connection = http.client.HTTPConnection("127.0.0.1", served.port)
-    headers = {"Cookie": served.cookie, "Content-Type": "application/json"}
-    for _ in range(3):
-        connection.request("POST", "/state", b"{}", headers)
-        answer = connection.getresponse()
-        assert json.loads(answer.read())["ok"]
-    connection.close()
-
-
 def test_a_bug_is_told_with_its_number_and_its_place_is_in_the_log(served, monkeypatch):
     def broken(*_):
         raise KeyError("inside")
@@ -283,12 +266,3 @@ def test_a_bug_is_told_with_its_number_and_its_place_is_in_the_log(served, monke
     log = (served.folder / ".assesto" / "faults").read_text(encoding="utf-8")
     assert said.split()[2].rstrip(":") in log
     assert "in broken" in log
-
-
-def test_a_worker_that_was_ended_from_outside_is_no_bug(served, monkeypatch):
-    def ended(*_):
-        raise WorkerError("the process that draws was ended from outside; it begins anew")
-
-    monkeypatch.setitem(server.ANSWERS, "state", ended)
-    answer = served.post("state")
-    assert (answer.status, json.loads(answer.text)["error"][:17]) == (500, "the process that ")

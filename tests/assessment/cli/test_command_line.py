@@ -9,7 +9,6 @@ import pytest
 from assessment.cli import arguments as cli
 from assessment.cli.commands import WRONG_INPUT
 from assessment.cli.main import main
-from assessment.workflow.run import STAGES
 from tests.support.block_project import edit
 
 
@@ -41,13 +40,6 @@ def test_what_is_misspelt_is_told_with_the_nearest_name(capsys, arguments, says)
     assert says in err and err.startswith("error: ") and err.count("\n") == 1
 
 
-def test_a_stage_and_a_benchmark_too(project, capsys):
-    assert main(["run", str(project), "--only", "pushovr"]) == 2
-    assert 'error: --only: pushovr: no such stage; did you mean "pushover"?' in capsys.readouterr().err
-    assert main(["benchmark", "stattics"]) == 2
-    assert 'benchmark: stattics: no such benchmark; did you mean "statics"?' in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("command", ["", *cli.COMMANDS])
 def test_help_ends_with_examples_and_the_exit_codes(capsys, command):
     with pytest.raises(SystemExit) as stop:
@@ -65,14 +57,6 @@ def test_the_examples_of_the_help_can_be_typed(command):
     for example in cli.COMMANDS[command].examples if command else cli.EXAMPLES:
         words = example.partition(" > ")[0].split()
         assert words[0] == "assesto" and callable(cli.options_of(words[1:]).command)
-
-
-def test_help_lists_the_stages(capsys):
-    assert tuple(STAGES) == cli.STAGES
-    with pytest.raises(SystemExit):
-        main(["run", "--help"])
-    said = " ".join(capsys.readouterr().out.split())
-    assert ", ".join(STAGES) in said
 
 
 @pytest.mark.parametrize(
@@ -98,25 +82,6 @@ def test_a_decimal_comma_is_told_as_such(project, capsys, old, new, says):
     assert says in err and err.startswith("error: project.toml: ")
 
 
-def test_what_argparse_finds_is_told_as_every_other_message(capsys):
-    for arguments, says in {
-        (): "error: assesto: the following arguments are required: COMMAND; see assesto --help\n",
-        (
-            "run",
-        ): "error: assesto run: the following arguments are required: PROJECT; see assesto run --help\n",
-        (
-            "run",
-            "arch",
-            "--jobs",
-            "0",
-        ): "error: assesto run: argument --jobs: '0' is no number of processes; ",
-    }.items():
-        with pytest.raises(SystemExit) as end:
-            main(list(arguments))
-        assert end.value.code == 2
-        assert capsys.readouterr().err.startswith(says)
-
-
 def test_the_examples_of_the_help_are_accepted(tmp_path, monkeypatch, capsys):
     """Those of `assesto new`: a folder each; the drawing that one of them begins with is a template's."""
     monkeypatch.chdir(tmp_path)
@@ -124,9 +89,3 @@ def test_the_examples_of_the_help_are_accepted(tmp_path, monkeypatch, capsys):
     (tmp_path / "drawn" / "geometry.dxf").rename(tmp_path / "survey.dxf")
     for example in cli.COMMANDS["new"].examples:
         assert main(example.split()[1:]) == 0
-
-
-def test_a_comma_in_a_text_is_no_decimal_comma(project, capsys):
-    edit(project, 'title = "Block"', 'title = "Block 1,5 m" m')
-    assert main(["check", str(project)]) == 2
-    assert "texts stand in quotes, decimals have a point" in capsys.readouterr().err

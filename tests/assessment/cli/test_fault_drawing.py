@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
-import pytest
-
 from assessment.cli.main import main
-from assessment.report.figures.drawings.model import draw_faults
-from assessment.report.text.language import Words
-from mechanics.faults import Fault, FaultyDrawingError, Outline
 from tests.support.dxf import drawing, outline
 
 PROJECT = """title = "Wall"
@@ -99,45 +93,6 @@ def test_faults_of_outlines_and_of_blocks_are_told_together(tmp_path, capsys):
         "error: geometry.dxf: gaps, and blocks that touch nothing, are looked for once these are mended"
     )
     assert numbers(picture) == {"1", "2", "3"}
-
-
-def test_a_layer_that_is_not_there_shows_the_drawing(tmp_path, capsys):
-    document, space = drawing(unit="m")
-    outline(space, rectangle(-1, -1, 4, 0), "BASES")
-    lines, picture = checked(tmp_path, capsys, document)
-    assert lines[0] == 'error: geometry.dxf: layer "BASE" is not in the drawing; did you mean "BASES"?'
-    assert "<path" in picture
-
-
-def test_an_earlier_picture_is_kept_where_the_file_cannot_be_read(tmp_path, capsys):
-    (tmp_path / "output").mkdir()
-    (tmp_path / "output" / "model.svg").write_text("earlier", encoding="utf-8")
-    (tmp_path / "geometry.dxf").write_text("no drawing", encoding="utf-8")
-    (tmp_path / "project.toml").write_text(PROJECT, encoding="utf-8")
-    assert main(["check", str(tmp_path)]) == 2
-    assert (tmp_path / "output" / "model.svg").read_text(encoding="utf-8") == "earlier"
-    assert "drawing with the faults" not in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("size", [1e-6, 1.0, 1e7])
-def test_drawings_of_any_size_are_drawn(size):
-    ring = size * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
-    kinds = ("outline", "layer", "thin", "short", "twice", "frame", "overlap", "floating", "gap")
-    faults = [Fault(kind, kind, ring[:1], (ring,)) for kind in kinds]
-    outlines = [Outline(ring, "A"), Outline(ring, "B", closed=False)]
-    figure = draw_faults(FaultyDrawingError("x.dxf", faults, outlines), Words.of("en"))
-    assert [text.get_text() for text in figure.axes[0].texts] == [str(n) for n in range(1, len(kinds) + 1)]
-
-
-def test_many_faults_are_marked_by_as_many_artists_as_few():
-    """99 000 open lines took minutes to be marked, each by an artist of its own."""
-    ring = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
-    outlines, counts = [Outline(ring, "A")], []
-    for count in (1, 50):
-        faults = [Fault(kind, kind, ring[:1], (ring,)) for kind in ("outline", "overlap", "gap")] * count
-        axes = draw_faults(FaultyDrawingError("x.dxf", faults, outlines), Words.of("en")).axes[0]
-        counts.append(len(axes.get_children()) - len(axes.texts))
-    assert counts[0] == counts[1]
 
 
 def test_a_control_point_outside_a_drawing_of_another_unit_names_the_unit(tmp_path, capsys):

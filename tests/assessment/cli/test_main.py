@@ -14,7 +14,7 @@ from assessment.project.catalogue.new_project import examples
 from assessment.project.project import load_project
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.journal import NAME as JOURNAL
-from tests.support.block_project import ASSESSMENT, PROJECT, command, edit, read_results, run
+from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
 
 pytestmark = pytest.mark.usefixtures("quick")
 
@@ -153,15 +153,6 @@ def test_displacements_are_along_the_axes_of_the_model(project):
         assert sign * (peak - rest) > 0.0
 
 
-def test_the_same_project_gives_the_same_numbers(project):
-    found = []
-    for name in ("one", "two"):
-        assert run(project, "--out", str(project / name)) == 0
-        found.append(read_results(project / name))
-        del found[-1]["timing_s"]
-    assert found[0] == found[1]
-
-
 def test_several_processes_give_what_one_gives(project):
     edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
     states = []
@@ -181,15 +172,6 @@ def test_only_the_stages_asked_for(project):
     states = read_results(project / "output")["states"]
     assert "rigid" in states["base turned"]["pushdown"]
     assert all(state["pushover"] == {} for state in states.values())
-
-
-def test_the_stage_pushdown_moves_supports_under_all_contacts_of_the_project(project):
-    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
-    assert run(project) == 0
-    whole = read_results(project / "output")["states"]["base turned"]["pushdown"]
-    assert run(project, "--only", "pushdown") == 0
-    assert read_results(project / "output")["states"]["base turned"]["pushdown"] == whole
-    assert set(whole) == {"rigid", "elastic"}
 
 
 def test_a_table_that_is_absent_switches_its_stage_off(project):
@@ -242,28 +224,6 @@ def test_check_repairs_a_drawing_beside_the_original_and_tells_every_change(proj
     assert not (project / "geometry-repaired-repaired.dxf").exists()
 
 
-def test_what_no_repair_can_mend_is_still_refused(project, capsys):
-    drawn = project / "geometry.dxf"
-    document = readfile(drawn)
-    document.modelspace().add_lwpolyline([(9, 0), (10, 1), (10, 0), (9, 1)], close=True)
-    document.saveas(drawn)
-    assert main(["check", str(project)]) == 2
-    assert "--repair" not in capsys.readouterr().err, "it was offered, and then had nothing to repair"
-    assert main(["check", str(project), "--repair"]) == 2
-    out, err = capsys.readouterr()
-    assert "crosses or touches itself" in err and "nothing that can be repaired" in out
-    assert not (project / "geometry-repaired.dxf").exists()
-
-
-def test_new_writes_a_project_that_checks(tmp_path, capsys):
-    assert (
-        main(["new", str(tmp_path / "w"), "--template", "wall", "--set", "courses=3", "--set", "blocks=3"])
-        == 0
-    )
-    assert main(["check", str(tmp_path / "w")]) == 0
-    assert "own weight: yes" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize("name", examples())
 def test_an_example_is_a_project_of_ones_own(tmp_path, capsys, name):
     folder = tmp_path / name
@@ -274,13 +234,6 @@ def test_an_example_is_a_project_of_ones_own(tmp_path, capsys, name):
     capsys.readouterr()
     assert main(["new", str(folder), "--example", name]) == 2
     assert "exists and is not empty" in capsys.readouterr().err
-
-
-def test_an_example_as_a_spreadsheet(tmp_path):
-    assert main(["new", str(tmp_path / "a"), "--example", "triumphal_arch", "--excel"]) == 0
-    names = {path.name for path in (tmp_path / "a").iterdir()}
-    assert names == {"project.xlsx", "geometry.dxf", "README.md", "records"}
-    assert load_project(tmp_path / "a").content() == load_project(examples()["triumphal_arch"]).content()
 
 
 @pytest.mark.parametrize(
@@ -305,12 +258,6 @@ def test_new_lists_the_dimensions(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "beam_side_m" in out and all(name in out for name in examples())
     assert not list(tmp_path.iterdir())
-
-
-def test_help_as_a_command():
-    done = command("--help")
-    assert done.returncode == 0
-    assert all(verb in done.stdout for verb in ("run", "check", "new", "report"))
 
 
 def test_e_star_and_gamma_star_without_an_assessment(project):

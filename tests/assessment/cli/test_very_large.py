@@ -8,10 +8,7 @@ from pathlib import Path
 import pytest
 
 from assessment.cli.main import main
-from assessment.runtime import journal
-from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.files import MOST_BYTES, file_digest
-from assessment.workflow.output import ENTRY
 from tests.support.block_project import HAZARD, edit, run, write_block
 from tests.support.campaign_project import STRIPES, write_campaign
 
@@ -49,7 +46,6 @@ use_class = "II"
 """
 
 
-@pytest.mark.parametrize("command", ["check", "run"])
 @pytest.mark.parametrize(
     ("name", "told"),
     [
@@ -61,7 +57,7 @@ use_class = "II"
         ("photo.png", "photo.png"),
     ],
 )
-def test_inputs(tmp_path, capsys, name, told, command):
+def test_inputs(tmp_path, capsys, name, told):
     folder = write_campaign(tmp_path / "block", STRIPES, 1)
     if name == "grid.csv":
         edit(folder, HAZARD, GRID)
@@ -71,7 +67,7 @@ def test_inputs(tmp_path, capsys, name, told, command):
     if name == "project.xlsx":
         (folder / "project.toml").unlink()
     swell(folder / name)
-    assert main([command, str(folder)]) == 2
+    assert main(["check", str(folder)]) == 2
     err = capsys.readouterr().err
     assert err.count("error: ") == 1 and told in err
 
@@ -99,21 +95,6 @@ def test_the_judgement(finished, capsys, command):
     assert main([command, str(finished)]) == 2
     err = capsys.readouterr().err
     assert "judgement.md: more than 1000000 bytes; shorten it, or delete it to have a new draft" in err
-
-
-def test_what_is_kept_for_later_runs(finished, capsys):
-    for path in (finished / "output" / FOLDER).iterdir():
-        swell(path)
-    assert Store(finished / "output" / FOLDER).read(ENTRY) is None
-    assert run(finished) == 0
-    assert "taken over" not in capsys.readouterr().out
-
-
-def test_the_journal(finished, capsys):
-    swell(finished / "output" / journal.NAME)
-    assert main(["status", str(finished)]) == 0
-    assert capsys.readouterr().out.startswith("finished: ")
-    assert run(finished, "--fresh") == 0
 
 
 def test_a_digest_of_what_nothing_reads_changes_with_its_size_and_date(tmp_path):

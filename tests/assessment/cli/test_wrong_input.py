@@ -7,10 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from assessment.analyses.static import lateral
 from assessment.cli.main import main
-from assessment.results.schema import FORMAT
-from tests.support.block_project import ASSESSMENT, PROJECT, command, contents, edit, run, write_block
+from tests.support.block_project import ASSESSMENT, PROJECT, contents, edit, run, write_block
 
 pytestmark = pytest.mark.usefixtures("quick")
 
@@ -22,19 +20,7 @@ WRONG = {
         "fricton = 0.7",
         'material.fricton: unknown key; did you mean "friction"',
     ),
-    "wrong type": ("depth_m = 1.0", 'depth_m = "1"', "geometry.depth_m: "),
-    "not positive": ("unit_weight_kN_m3 = 18.0", "unit_weight_kN_m3 = -1.0", "material.unit_weight_kN_m3: "),
     "missing file": ("geometry.dxf", "geometri.dxf", 'geometry.drawing: no file "geometri.dxf"'),
-    "unknown support": (
-        '"base"\nrotation',
-        '"bse"\nrotation',
-        'settlements[1].support: no support "bse"; did you',
-    ),
-    "unknown control": (
-        "_m = 0.2",
-        '_m = 0.2\ncontrol = "rigth"',
-        'pushover.control: no control point "rigth"; did you',
-    ),
     "no stiffness": ("normal_stiffness_kN_m3 = 1e6\n", "", "material.normal_stiffness_kN_m3: missing"),
     "control outside": (
         "[0.3, 4.2]",
@@ -47,7 +33,6 @@ WRONG = {
         'control.right.point_m: [0.3, -0.1] is in the support "base", which no push moves; move it',
     ),
     "unknown layer": ("[layers.BASE]", "[layers.BASIS]", "BASIS"),
-    "no support": ('support = "base"\n[[control', "friction = 0.6\n[[control", "support"),
     "not TOML": ("[geometry]", "[geometry", ""),
 }
 
@@ -97,20 +82,6 @@ def test_stages_that_the_project_has_not_are_told_and_leave_its_results(project,
     assert run(project, "--only", f"{stages},pushover") == 0
 
 
-def test_an_empty_address_of_a_scheduler_is_refused(project, capsys):
-    """The processes of this machine computed instead."""
-    with pytest.raises(SystemExit) as stop:
-        run(project, "--scheduler", "")
-    assert stop.value.code == 2
-    assert "argument --scheduler: is empty; give an address such as" in capsys.readouterr().err
-
-
-def test_a_drawing_that_is_none(project, capsys):
-    (project / "geometry.dxf").write_text("not a drawing", encoding="utf-8")
-    assert run(project) == 2
-    assert capsys.readouterr().err.startswith("error: ")
-
-
 @pytest.mark.parametrize("stored", ["", "{", "[]", "{}", '{"echo": {}}'])
 def test_results_that_are_none(project, capsys, stored):
     (project / "output").mkdir()
@@ -118,16 +89,6 @@ def test_results_that_are_none(project, capsys, stored):
     assert main(["report", str(project)]) == 2
     assert "results.json: not readable as results" in capsys.readouterr().err
     assert (project / "output" / "results.json").read_text(encoding="utf-8") == stored
-
-
-def test_results_cut_short(project, capsys):
-    (project / "output").mkdir()
-    content = {"assesto": "0.1.0", "format": FORMAT, "title": "Block", "model": {}, "states": {}}
-    (project / "output" / "results.json").write_text(json.dumps(content), encoding="utf-8")
-    assert main(["report", str(project)]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"error: {project / 'output' / 'results.json'}: summary: missing (and ")
-    assert said.endswith("; run the project again\n")
 
 
 def test_results_of_another_version(project, capsys):
@@ -142,77 +103,6 @@ def test_results_of_another_version(project, capsys):
         in capsys.readouterr().err
     )
     assert json.loads(stored.read_text(encoding="utf-8")) == content
-
-
-def test_the_report_needs_results(project, capsys):
-    assert main(["report", str(project)]) == 2
-    assert "no stored results; run the project first" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ([], "--template, --drawing or --example: missing; assesto new --list names what there is"),
-        (["--template", "arc"], "no such template; did you mean"),
-        (["--template", "block", "--set", "width=1"], 'no such option; did you mean "width_m"'),
-        (["--template", "block", "--set", "width_m"], "--set width_m: not KEY=NUMBER"),
-        (["--template", "block", "--set", "width_m=-1"], "must be a number, in m, from 0.001 to 1000"),
-    ],
-)
-def test_new_says_what_is_wrong(tmp_path, capsys, options, message):
-    assert main(["new", str(tmp_path / "n"), *options]) == 2
-    err = capsys.readouterr().err
-    assert err.startswith("error: ")
-    assert message in err
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("name", ["buttressed arch", "Buttressed_Arch"])
-def test_new_takes_the_name_of_a_template_as_it_is_spoken(tmp_path, capsys, name):
-    assert main(["new", str(tmp_path / "n"), "--template", name]) == 0
-    assert (tmp_path / "n" / "project.toml").exists()
-
-
-def test_new_leaves_what_is_there(project, capsys):
-    before = contents(project)
-    assert main(["new", str(project), "--template", "arch"]) == 2
-    assert "exists and is not empty" in capsys.readouterr().err
-    assert contents(project) == before
-
-
-def test_a_layer_without_stiffness_is_named(project, capsys):
-    edit(project, "normal_stiffness_kN_m3 = 1e6\n", "")
-    edit(
-        project,
-        '[layers.BASE]\nsupport = "base"',
-        '[layers.BASE]\nsupport = "base"\nnormal_stiffness_kN_m3 = 1e6',
-    )
-    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
-    assert main(["check", str(project)]) == 2
-    message = capsys.readouterr().err
-    assert message.startswith("error: project.toml: layers.")
-    assert "normal_stiffness_kN_m3: missing" in message
-
-
-def test_no_traceback_as_a_command(project):
-    edit(project, "friction = 0.7", "fricton = 0.7")
-    done = command("run", str(project))
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: project.toml: material.fricton: ")
-    assert "Traceback" not in done.stderr
-    assert done.stdout == ""
-
-
-def test_a_bug_is_no_input_error(project, monkeypatch):
-    monkeypatch.setattr(lateral, "pushover", lambda *_, **__: {}["bug"])
-    with pytest.raises(KeyError, match="bug"):
-        run(project, "--jobs", "1")
-
-
-def test_a_value_error_of_a_library_is_a_bug_and_not_the_users(project, monkeypatch):
-    monkeypatch.setattr("assessment.project.project.load_project", lambda _: np.array_split(np.zeros(3), 0))
-    with pytest.raises(ValueError, match="number sections"):
-        main(["check", str(project)])
 
 
 OPENED = ("geometry.dxf", "grid.txt", "shaking.csv", "upward.csv", "more.csv")

@@ -19,10 +19,8 @@ from assessment.ntc.hazard import (
     stated,
 )
 from assessment.ntc.tables import return_period
-from tests import ROOT
 
 DIGEST = "060961e1a03e9b8d0af155e2632f74e7abfeae77e592d626848b9ddab3b8eb16"  # of the lines of the act
-GRID_FILE = ROOT / ".." / "shared" / "data" / "allegato_b.txt"
 
 
 @pytest.fixture(scope="module")
@@ -42,17 +40,6 @@ def test_the_grid_that_comes_with_the_program_has_every_digit_of_the_act(grid):
     assert hashlib.sha256("\n".join(lines).encode()).hexdigest() == DIGEST
 
 
-@pytest.mark.skipif(not GRID_FILE.exists(), reason="the table of the act is not beside the checkout")
-def test_the_grid_is_that_of_the_table_to_the_last_bit(grid):
-    table = read_grid(GRID_FILE)
-    for own, read in (
-        (grid.longitude, table.longitude),
-        (grid.latitude, table.latitude),
-        (grid.values, table.values),
-    ):
-        assert np.array_equal(own, read)
-
-
 def test_coordinates_suffice(grid):
     assert site_hazard(latitude=42.35, longitude=13.40, return_period=475) == site_hazard(
         grid, 42.35, 13.40, 475
@@ -61,13 +48,6 @@ def test_coordinates_suffice(grid):
         site_hazard(latitude=42.35, longitude=13.40)
     with pytest.raises(ValueError, match="give the latitude and longitude of the site"):
         site_hazard(return_period=475)
-
-
-def test_a_grid_that_is_not_there_is_named():
-    with pytest.raises(
-        ValueError, match=r"grid = 'none.txt': must be a file that can be read \(No such file"
-    ):
-        site_hazard("none.txt", latitude=42.35, longitude=13.40, return_period=475)
 
 
 def _row(i, j, turn=0.1):

@@ -196,17 +196,3 @@ def test_largest_displacement_of_a_record():
     assert 0.5 <= at <= 3.0
     assert largest >= max(spectrum.displacement([0.5, 3.0]))
     assert largest == pytest.approx(spectrum.displacement(np.linspace(0.5, 3.0, 400)).max(), rel=5e-3)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "named"),
-    [
-        (([0.0, 0.0, 0.0], 0.01), "acceleration_g"),
-        (([0.1, np.nan], 0.01), "acceleration_g"),
-        (([0.1, 0.2], 0.0), "time_step"),
-        (([0.1, 0.2], 0.01, 5.0), "damping"),
-    ],
-)
-def test_wrong_records_are_named(arguments, named):
-    with pytest.raises(ValueError, match=named):
-        RecordSpectrum(*arguments)

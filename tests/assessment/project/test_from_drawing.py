@@ -80,38 +80,6 @@ def test_supports_without_a_layer_of_their_own_are_regions(tmp_path, capsys):
     assert all(block.polygon[:, 1].min() < 0.0 for block in blocks if block.support), "the bases"
 
 
-def test_a_wall_on_one_base_has_one_support_and_no_movement(tmp_path):
-    survey(tmp_path / "g.dxf", template="facade", layers={"MURI": "NORD"})
-    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
-    survey(tmp_path / "h.dxf", template="tympanum")
-    assert main(["new", str(tmp_path / "q"), "--drawing", str(tmp_path / "h.dxf")]) == 0
-    project = load_project(tmp_path / "q")
-    assert project.layers["BASE"].support == "base"
-    assert not project.settlements
-
-
-def test_where_all_are_lowest_the_ground_is_asked_for(tmp_path, capsys):
-    document, space = drawing(unit="m")
-    outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)])
-    document.saveas(tmp_path / "g.dxf")
-    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
-    assert "no support: every block is a lowest one; draw the ground below them" in capsys.readouterr().out
-    assert main(["check", str(tmp_path / "p")]) == 2
-
-
-def test_an_outline_that_is_nearly_closed_is_left_to_check(tmp_path, capsys):
-    document, space = drawing(unit="m")
-    outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)])
-    outline(space, [(-1, -1), (2, -1), (2, 0), (-1, 0)], "BASE")
-    outline(space, [(0, 2), (1, 2), (1, 3), (0, 3), (0, 2.01)], "TOP", close=False)
-    document.saveas(tmp_path / "g.dxf")
-    assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
-    assert "outlines with faults, taken as they seem meant: 1" in capsys.readouterr().out
-    assert not any(layer.ignore for layer in load_project(tmp_path / "p").layers.values())
-    assert main(["check", str(tmp_path / "p")]) == 2
-    assert 'layer "TOP"' in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("broken", [(0, 0), (0, 1), (2, 0)])
 @pytest.mark.parametrize("lines", [False, True])
 def test_what_rests_on_an_outline_with_a_fault_is_no_support(broken, lines, tmp_path, capsys):
@@ -133,16 +101,6 @@ def test_what_rests_on_an_outline_with_a_fault_is_no_support(broken, lines, tmp_
     project = load_project(tmp_path / "p")
     assert list(project.supports) == ["base"]
     assert not project.region
-
-
-def test_the_spreadsheet_says_the_same(tmp_path):
-    survey(tmp_path / "g.dxf", "cm")
-    for name, flags in (("toml", []), ("xlsx", ["--excel"])):
-        assert main(["new", str(tmp_path / name), "--drawing", str(tmp_path / "g.dxf"), *flags]) == 0
-    one, other = (load_project(tmp_path / name) for name in ("toml", "xlsx"))
-    assert other.source == "project.xlsx"
-    kept = {key: value for key, value in one.content().items() if key != "report"}
-    assert kept == {key: value for key, value in other.content().items() if key != "report"}
 
 
 def lines(folder):
@@ -169,11 +127,6 @@ def test_what_is_no_drawing_of_blocks_is_refused_and_nothing_written(make, said,
     assert error.startswith("error: ")
     assert said in error
     assert not (tmp_path / "p").exists()
-
-
-def test_one_origin_is_asked_for(tmp_path, capsys):
-    assert main(["new", str(tmp_path / "p"), "--drawing", "g.dxf", "--template", "wall"]) == 2
-    assert "--template, --drawing or --example: more than one given; choose one" in capsys.readouterr().err
 
 
 def test_a_wall_with_openings_is_cut_into_blocks(tmp_path, capsys):

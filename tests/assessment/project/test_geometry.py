@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import re
 import tomllib
 from pathlib import Path
@@ -15,7 +13,6 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from assessment.cli.main import main
 from assessment.project.catalogue import new_project as module
 from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
 from assessment.project.catalogue.new_project import (
@@ -23,7 +20,6 @@ from assessment.project.catalogue.new_project import (
     made,
     new_project,
     template_layout,
-    template_options,
 )
 from assessment.project.project import load_project
 from assessment.project.schema.index import keys_at
@@ -66,15 +62,6 @@ def assert_tiled(layout: Layout, openings: int = 0) -> None:
 def test_default_masonry_is_tiled_without_gaps_or_overlaps(template: str) -> None:
     openings = {"wall-with-openings": 4, "bell-gable": 2}
     assert_tiled(template_layout(template), openings.get(template, 0))
-
-
-@pytest.mark.parametrize(
-    "template",
-    [name for name in TEMPLATES if name not in {"wall", "wall-with-openings", "facade", "bell-gable"}],
-)
-def test_layout_is_symmetric(template: str) -> None:
-    layout = template_layout(template)
-    assert corners(layout) == corners(layout, sign=-1.0)
 
 
 @templates
@@ -192,13 +179,6 @@ def test_every_key_of_a_new_project_is_explained(template: str, tmp_path: Path) 
     assert tomllib.loads(text)["title"]
 
 
-def test_options_change_the_dimensions(tmp_path: Path) -> None:
-    new_project(tmp_path / "new", "block", {"width_m": 0.5, "height_m": 3.5})
-    project = load_project(tmp_path / "new")
-    assert project.control[0].point_m == (0.25, 3.5)
-    assert template_options("block")["width_m"] == (0.6, "m", "width of the block")
-
-
 @pytest.mark.parametrize(
     ("template", "options", "message"),
     [
@@ -242,11 +222,6 @@ def test_an_existing_project_is_not_overwritten(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
 
 
-def test_an_empty_folder_is_used(tmp_path: Path) -> None:
-    new_project(tmp_path, "block", {})
-    load_project(tmp_path)
-
-
 def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise OSError("disk full")
@@ -255,24 +230,6 @@ def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(OSError, match="disk full"):
         new_project(tmp_path / "new", "block", {})
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("name", ["geometry.dxf", "project.toml", "records/artificial.csv"])
-def test_a_full_disk_is_told_with_the_name_of_the_file(tmp_path, monkeypatch, capsys, name) -> None:
-    """That of the drawing had none, that of the record was in a folder that is gone by then."""
-    write = Path.write_bytes
-
-    def fail(path: Path, data: object) -> None:
-        if path.name == Path(name).name:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / ".new.x" / "file"))
-        write(path, data)
-
-    monkeypatch.setattr(Path, "write_bytes", fail)
-    if name == "geometry.dxf":
-        monkeypatch.setattr(module, "write_drawing", fail)
-    assert main(["new", str(tmp_path / "new"), "--template", "block"]) == 2
-    told = f"error: {tmp_path / 'new' / name}: No space left on device; change it or choose another place\n"
-    assert capsys.readouterr().err == told
 
 
 @pytest.mark.parametrize(

@@ -12,15 +12,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-from assessment.analyses.checks.demand import demand_spectra
 from assessment.cli.main import main
 from assessment.project.formats.xlsx import to_xlsx
-from assessment.project.project import load_project
 from tests import ROOT
-from tests.support.block_project import ASSESSMENT, PROJECT, PUSHED, block, command, write_block
+from tests.support.block_project import PUSHED, block, command, write_block
 from tests.support.hostile.corpus import KINDS, SHEETS, tried
 from tests.support.hostile.judge import COMPLETED, REFUSED
-from tests.support.hostile.named import COMPLETE, FLOOR, REFUSALS
+from tests.support.hostile.named import COMPLETE, REFUSALS
 
 SHARE = 0.15  # of the inputs; `python -m tests.support.hostile` tries all
 
@@ -53,15 +51,6 @@ def test_what_is_refused_by_name(tmp_path, case):
 @pytest.mark.parametrize("case", COMPLETE)
 def test_what_completes_by_name(tmp_path, case):
     assert COMPLETE[case](tmp_path) == COMPLETED
-
-
-def test_a_floor_at_height_zero_is_the_ground(tmp_path):
-    """It divided by zero."""
-    folder = write_block(tmp_path / "block", PROJECT + ASSESSMENT)
-    ground = demand_spectra(load_project(folder)).spectra
-    write_block(folder, PROJECT + ASSESSMENT + FLOOR)
-    floor = demand_spectra(load_project(folder)).spectra
-    assert floor == ground
 
 
 STATE, CONTROL = "a, b contacts: c; =cmd|'/c calc'!A0", "=<script>alert(1)</script> $x^{$"

@@ -1,11 +1,7 @@
 """[identification] and [[measurement]]: what is said of wrong ones, and that a spreadsheet holds them."""
 
-import tomllib
-
 import pytest
 
-from assessment.project.formats.toml import commented_toml
-from assessment.project.formats.xlsx import read_xlsx, to_xlsx
 from assessment.project.project import ProjectError, load_project
 from assessment.project.structure.model import build_model
 from tests.support.surveyed_arch import CROWN, PIER, SPRINGING, entry, write_surveyed
@@ -94,26 +90,3 @@ def said(folder, hypotheses, *entries):
 def test_one_message_for_each_slip(tmp_path, hypotheses, entries, expected):
     found = said(tmp_path, hypotheses, *entries)
     assert expected in found and len(found.splitlines()) <= 2
-
-
-def test_measurements_that_nothing_uses_are_told(tmp_path):
-    folder = write_surveyed(tmp_path, GOOD, CRACK)
-    text = (folder / "project.toml").read_text().replace(f"[identification]\nhypotheses = {GOOD}\n", "")
-    (folder / "project.toml").write_text(text)
-    with pytest.raises(
-        ProjectError, match=r"measurement: nothing uses the measurements; add \[identification\]"
-    ):
-        load_project(folder)
-
-
-def test_a_spreadsheet_and_a_commented_file_hold_the_same(tmp_path):
-    hypotheses = '[{ "a.b c" = ["x", "z"], destro = ["rotation"] }, { sinistro = ["x"] }]'
-    benchmark = entry("foot", "foot", SPRINGING, -1.5)
-    folder = write_surveyed(tmp_path, hypotheses, CRACK, LEAN, SPAN, benchmark)
-    content = tomllib.loads((folder / "project.toml").read_text())
-    (tmp_path / "project.xlsx").write_bytes(to_xlsx(content))
-    read, places, _ = read_xlsx(tmp_path / "project.xlsx")
-    assert read["identification"] == content["identification"]
-    assert read["measurement"] == content["measurement"]
-    assert any("identification" in place for place in places.values())
-    assert tomllib.loads(commented_toml(content))["identification"] == content["identification"]

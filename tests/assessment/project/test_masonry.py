@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon, box
 
-from assessment.project.formats import convert
 from assessment.project.project import load_project
 from assessment.project.schema import BondTable
 from assessment.project.structure.masonry import running
@@ -89,16 +88,6 @@ def test_openings_are_left_out_below_lintels_and_doors_reach_the_ground(tmp_path
     from mechanics import limit_analysis
 
     assert limit_analysis(model).alpha > 0.0, "the wall stands"
-
-
-def test_blocks_of_other_layers_take_their_place_in_the_bond(tmp_path):
-    window, lintel = (
-        [(1, 0.9), (2, 0.9), (2, 2.1), (1, 2.1)],
-        [(0.8, 2.1), (2.2, 2.1), (2.2, 2.4), (0.8, 2.4)],
-    )
-    model = built(tmp_path, WALL=[WALL, window], LINTEL=[lintel])
-    assert area(model) == pytest.approx(12.0 - 1.2)
-    assert [block.layer for block in model.blocks].count("LINTEL") == 1
 
 
 @pytest.mark.parametrize("scale", [0.1, 1.0, 10.0])
@@ -227,11 +216,3 @@ def test_a_region_may_be_a_support_or_be_ignored(tmp_path):
 def test_regions_that_cannot_be(old, new, said, tmp_path):
     assert old in REGION
     assert said in refusal(tmp_path, TOML + REGION.replace(old, new), WALL=[WALL])
-
-
-def test_bonds_and_regions_go_to_a_spreadsheet_and_back(tmp_path):
-    given = project(tmp_path, TOML + REGION, WALL=[WALL])
-    convert(tmp_path / "project.toml", given.content(defaults=False))
-    read = load_project(tmp_path)
-    assert read.source == "project.xlsx"
-    assert read.content() == given.content()

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.catalogue.new_project import TEMPLATES, new_project
-from assessment.project.plausibility import implausible, implausible_hazard
+from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.tables.structure import layers
@@ -116,26 +114,6 @@ def test_what_was_probably_meant_is_said(tmp_path, case):
     assert len(others) == (case == "a_g in m/s²")  # SLC is then below SLV
 
 
-@pytest.mark.usefixtures("no_figures")
-def test_a_check_and_a_run_say_it(tmp_path, capsys):
-    folder = write_block(tmp_path / "block", SITE.replace("ag_g = 0.261", "ag_g = 2.61"))
-    for verb in (["check"], ["run", "--no-report"]):
-        assert main([verb[0], str(folder), *verb[1:]]) == 0
-        assert (
-            "warning: project.toml: assessment.site.SLV.ag_g: 2.61 g at SLV is outside"
-            in capsys.readouterr().out
-        )
-
-
-@pytest.mark.parametrize("friction", ["inf", "1e7", "1e9", "1e300"])
-def test_friction_without_sliding_is_accepted(tmp_path, friction):
-    folder = write_block(tmp_path / "block")
-    edit(folder, "friction = 0.7", f"friction = {friction}")
-    edit(folder, "[layers.BASE]", f"[layers.BASE]\nfriction = {friction}")
-    project = load_project(folder)
-    assert project.material.friction == project.layers["BASE"].friction == float(friction)
-
-
 def test_infinite_inputs_are_echoed_as_they_are_written(project):
     """JSON has no infinity, and null means that a result was not reached."""
     described = describe(load_project(project), build_model(load_project(project)))
@@ -143,23 +121,6 @@ def test_infinite_inputs_are_echoed_as_they_are_written(project):
     assert "tangential_stiffness_kN_m3" in layers(described).rows[0]
     row = layers(described).rows[0]
     assert cell("tangential_stiffness_kN_m3", row, Words.of("en")) == "∞"
-
-
-def test_no_sliding_is_not_implausible_and_a_large_number_for_it_is_told_of_inf(tmp_path):
-    folder = write_block(tmp_path / "block")
-    project = load_project(folder)
-    for friction, count in ((math.inf, 0), (1e9, 1)):
-        table = project.material.model_copy(update={"friction": friction})
-        changed = project.model_copy(update={"material": table})
-        found = implausible(changed, build_model(project).assembly)
-        assert len(found) == count
-        assert all("write inf where joints do not slide" in text for text in found)
-
-
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_a_new_project_has_nothing_implausible(tmp_path, template):
-    new_project(tmp_path / "new", template, {})
-    assert warned(tmp_path / "new") == []
 
 
 @pytest.mark.parametrize("example", sorted(path.name for path in (ROOT / "projects").iterdir()))

@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from assessment.project import problems as project_files
 from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from assessment.project.problems import matches
-from assessment.project.project import json_schema, load_project
-from tests.support.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
+from assessment.project.project import json_schema
+from tests.support.contract_project import CONTRACT, MINIMAL, load, write_named_files
 from tests.support.project_toml import to_toml
 
 
@@ -68,48 +67,6 @@ def test_steps_keep_within_both_increments(folder):
         folder, text.replace("displacement_m = [0.020, -0.020]", "").replace("increment_m = 0.001\nto", "to")
     )
     assert turned.settlements[0].displacement_m == (0.0, 0.0)
-
-
-def test_free_text_loses_the_blanks_around_it(folder):
-    text = CONTRACT.replace('"Comune"', '"""\nVia Roma\nL\'Aquila\n"""')
-    assert load(folder, text).report.client == "Via Roma\nL'Aquila"
-
-
-def test_typed_in_hazard_replaces_coordinates_and_grid(folder):
-    place = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"'
-    typed = "\n".join(f"{state} = {HAZARD}" for state in ("SLD", "SLV", "SLC"))
-    assert load(folder, CONTRACT.replace(place, typed)).assessment.site.SLV.Tc_star_s == 0.35
-
-
-def test_coordinates_need_no_grid_of_ones_own(folder):
-    project = load(folder, CONTRACT.replace('grid = "allegato_b.txt"\n', ""))
-    assert "allegato_b.txt" not in project.digests() and not project.assessment.site.typed
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("window_s = [15.0, 22.0]", 'window_s = "arias"'),
-        ('control = "C1"\nvertical', 'states = ["original"]\ndamping_ratio = 0.05\nname = "H1"\nvertical'),
-        ("max_scale = 5.0", 'max_scale = 5\nwindow_s = [0, 3]\nstates = ["right support 20 mm"]'),
-        (
-            'spectrum = "ntc"',
-            'spectrum = "ntc"\ncircular = 2009\nmethod = "grid"\nlocal_displacement_limit_m = 0.1',
-        ),
-        ("depth_m = 0.10", "depth_m = 0.10\ntolerance_m = 0.001\nsagitta_m = 0.001"),
-        ("friction = 0.6", "friction = 0\ntangential_stiffness_kN_m3 = inf"),
-        ("vertical_load_kN = 9.1\nload_has_mass = true", "vertical_load_kN = -9.1\nload_has_mass = false"),
-        ("depth_m = 5.5", "depth_m = 5.5\nsegments_per_joint = 2\nfriction = 0.4"),
-    ],
-)
-def test_what_may_be_written_too(folder, old, new):
-    assert old in CONTRACT
-    load(folder, CONTRACT.replace(old, new))
-
-
-def test_a_byte_order_mark_is_no_error(folder):
-    (folder / "project.toml").write_bytes(b"\xef\xbb\xbf" + MINIMAL.replace("\n", "\r\n").encode())
-    assert load_project(folder).title == "Wall"
 
 
 def test_content_is_what_the_file_says_and_can_be_written_again(folder, tmp_path):
@@ -179,22 +136,6 @@ def test_patterns_of_records(folder, pattern, found):
     (folder / "records" / "deep").mkdir()
     for each in (pattern, str(folder / pattern)):
         assert [file.name for file in matches(folder, each)] == found
-
-
-@pytest.mark.parametrize(
-    ("limit", "pattern", "said"),
-    [
-        ("", "*/*/*.acc", "patterns in more than two parts; name the folders"),
-        ("MOST_ENTRIES", "records/*", "more than 2 files; choose among them"),
-        ("", "/**/*", "is not understood; name the folders"),
-    ],
-)
-def test_patterns_have_limits(folder, monkeypatch, limit, pattern, said):
-    if limit:
-        monkeypatch.setattr(project_files, limit, 2)
-    text = CONTRACT.replace('"records/*.acc"', f'"{pattern}"')
-    (line,) = message(folder, text).splitlines()
-    assert line.startswith(f'project.toml: incremental.records[1]: "{pattern}": ') and said in line
 
 
 KNOWN = """[assessment.knowledge]

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
-from openpyxl import load_workbook
 
 from assessment.cli.main import main
 from assessment.project import formats
@@ -89,23 +88,6 @@ def test_a_new_spreadsheet_says_what_the_toml_says(template, tmp_path):
     assert load_project(tmp_path / "xlsx").content() == load_project(tmp_path / "toml").content()
 
 
-def test_a_new_spreadsheet_explains_every_key(tmp_path):
-    book = load_workbook(made(tmp_path / "p", "--excel") / "project.xlsx")
-    for path in tables():
-        sheet, *inner = path[1:] if path[:2] == ("assessment", "site") else path or ("project",)
-        if "NAME" in inner[1:]:  # a column where a layer is changed
-            continue
-        beside = {row[0].value: row[2].value for row in book[sheet].iter_rows() if len(row) > 2}
-        notes = {cell.value: cell.comment.text for cell in book[sheet][1] if cell.comment}
-        for key, meaning in keys_at(path, "it").items():
-            if key not in tables_of(table_at(path)):
-                below = inner[1:] if inner[:1] in (["NAME"], [0]) else inner  # the name of a row
-                named = ".".join([*(part for part in below if isinstance(part, str)), key])
-                told = beside | notes
-                assert told.get(named, told.get(f"{named}.+x")) == meaning
-    assert {cell.value for cell in book["settlements"][1]} == set(keys_at(("settlements", 0)))
-
-
 def test_conversion_either_way(tmp_path, capsys):
     folder = made(tmp_path / "p")
     before, text = load_project(folder).content(), (folder / "project.toml").read_bytes()
@@ -155,25 +137,6 @@ def test_a_conversion_that_is_killed_at_any_moment_leaves_a_project(tmp_path, mo
     assert load_project(folder).content() == before
 
 
-def test_two_project_files_that_are_not_of_one_conversion_are_refused(tmp_path, capsys):
-    folder = made(tmp_path / "p")
-    assert main(["convert", str(folder)]) == 0
-    (folder / "project.toml").write_text("title = 'another'", encoding="utf-8")
-    assert main(["check", str(folder)]) == 2
-    assert "holds project.toml and project.xlsx; keep one of them" in capsys.readouterr().err
-
-
-def test_comments_stay_in_the_file_that_is_kept(tmp_path):
-    folder = made(tmp_path / "p")
-    file = folder / "project.toml"
-    file.write_text("# Drawn in March.\n" + file.read_text(encoding="utf-8"), encoding="utf-8")
-    before = load_project(folder).content()
-    assert main(["convert", str(folder)]) == 0
-    assert (folder / "project.toml.old").read_text(encoding="utf-8").startswith("# Drawn in March.")
-    assert main(["convert", str(folder)]) == 0
-    assert "# Drawn" not in file.read_text(encoding="utf-8") and load_project(folder).content() == before
-
-
 @settings(max_examples=8)
 @given(old=project_contents(), new=project_contents())
 def test_a_text_that_is_brought_to_say_something_says_it(old, new):
@@ -181,23 +144,6 @@ def test_a_text_that_is_brought_to_say_something_says_it(old, new):
     said, meant = (tomllib.loads(each) for each in (updated_toml(text, new), to_toml(new)))
     assert ProjectContent.model_validate(said) == ProjectContent.model_validate(meant)
     assert updated_toml(text, old) == text
-
-
-def test_a_table_that_loses_all_its_tables_is_still_there():
-    """[pushover] switches its stage on, also with nothing in it; with its only table it went as a whole."""
-    text = updated_toml('[pushover.control]\n"+x" = "C1"\n[report]\nlanguage = "it"\n', {"pushover": {}})
-    assert tomllib.loads(text) == {"pushover": {}}
-
-
-def test_what_is_wrong_is_not_converted(tmp_path, capsys):
-    folder = made(tmp_path / "p")
-    file = folder / "project.toml"
-    file.write_text(
-        file.read_text(encoding="utf-8").replace("depth_m = 1.0", "depth_m = -1.0"), encoding="utf-8"
-    )
-    assert main(["convert", str(folder)]) == 2
-    assert "geometry.depth_m: -1.0 is wrong" in capsys.readouterr().err
-    assert {each.name for each in folder.iterdir()} == {"geometry.dxf", "project.toml", "records"}
 
 
 def test_the_schema_is_printed(capsys):

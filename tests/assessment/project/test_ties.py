@@ -9,19 +9,14 @@ import pytest
 
 from assessment.analyses.checks.governing import shaken_corners
 from assessment.analyses.static.states import Request, _beginnings
-from assessment.project.formats import convert
-from assessment.project.formats.toml import read_toml
-from assessment.project.plausibility import HEAVIEST_TIE
 from assessment.project.project import ProjectError, load_project
-from assessment.project.schema.structure import SHORTEST_TIE as SHORTEST
 from assessment.project.structure.model import build_model, tie_lengths
 from assessment.results.configurations.ties import determined, ties_of
 from assessment.runtime.tasks import Workers
 from assessment.studies.variants import with_factor
 from assessment.workflow.checking import describe
-from mechanics import State
 from tests import ROOT
-from tests.support.block_project import PROJECT, PUSHED, TURNED, block, edit, write_block
+from tests.support.block_project import PROJECT, TURNED, block, write_block
 from tests.support.tied_project import STRENGTHENED, TIE, strengthening, tie
 
 LAYER = "[strengthening.layers.BASE]\n"
@@ -112,15 +107,6 @@ def test_what_no_bar_has_is_warned_of(tmp_path, case):
     assert [said in warning for warning in build_model(load_project(folder)).warnings] == [True]
 
 
-def test_usual_ties_are_not_warned_of(tmp_path):
-    """A bar of 5 kN and 235 N/mm², 210 kN/mm²: E A/L = 1090 kN/m."""
-    usual = ({"stiffness_kN_m": "1090.0"}, {"yield_force_kN": f"{HEAVIEST_TIE}"}, {"yield_force_kN": "inf"})
-    for number, keys in enumerate(usual):
-        folder = write_block(tmp_path / str(number), PROJECT + tie(**keys))
-        assert not build_model(load_project(folder)).warnings
-    assert SHORTEST < 1e-3  # a tie may be as short as a joint is thick
-
-
 def ties_by_state(tmp_path, text: str) -> dict[str, list[str]]:
     states = build_model(load_project(write_block(tmp_path / "block", text))).states
     return {name: [each.name for each in state.assembly.ties] for name, state in states.items()}
@@ -151,37 +137,12 @@ def test_ties_are_set_without_slack_where_the_structure_has_come_to(tmp_path):
     assert old.taut_length == pytest.approx(4.1, rel=1e-12)
 
 
-def test_a_settled_state_is_taken_over_with_nothing_in_the_new_tie(tmp_path):
-    text = PROJECT + STRENGTHENED
-    state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
-    at = state.settling.initial.positions
-    taken = state.taken_over(State(at, np.zeros_like(at), np.array([2.0]), None, np.array([True])))
-    assert taken.shear.tolist() == [2.0, 0.0] and taken.carrying.tolist() == [True, False]
-
-
 def test_a_changed_layer_is_another_material_of_the_same_weight(tmp_path):
     text = PROJECT + strengthening() + LAYER + "friction = 0.9\ncompressive_strength_kN_m2 = 3000.0\n"
     state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
     before, after = (model.blocks[0].material for model in (state.settling, state.assembly))
     assert (after.friction, after.compressive_strength) == (0.9, 3000.0) != (before.friction, math.inf)
     assert after.unit_weight == before.unit_weight and after.normal_stiffness == before.normal_stiffness
-
-
-def test_the_spreadsheet_has_ties_and_layers(tmp_path):
-    """What a strengthening changes of a layer stands in columns of its row."""
-    folder = write_block(tmp_path / "block", PROJECT + STRENGTHENED + LAYER + "friction = 0.9\n")
-    said = load_project(folder)
-    convert(folder / "project.toml", read_toml(folder / "project.toml"))
-    sheet = load_project(folder)
-    assert sheet.tie == said.tie and sheet.strengthening == said.strengthening
-    assert sheet.strengthening[0].layers["BASE"].friction == 0.9
-
-
-def test_a_push_is_enough(tmp_path):
-    """The message above is not of every project."""
-    folder = write_block(tmp_path / "block", block() + TURNED + STRENGTHENED + PUSHED)
-    edit(folder, "increment_m = 0.2", "increment_m = 0.1")
-    assert load_project(folder).states == ("original", "base turned", "strengthened")
 
 
 def test_an_ensemble_moves_the_corners_of_both_assemblies_of_a_strengthening(tmp_path):

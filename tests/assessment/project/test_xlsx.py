@@ -1,15 +1,13 @@
 """The spreadsheet form of the project file: the same content, and messages that name sheet and cell."""
 
 import math
-import re
 import tempfile
 import tomllib
 from pathlib import Path
-from zipfile import ZipFile
 
 import pytest
 from hypothesis import Phase, example, given, settings
-from openpyxl import Workbook, load_workbook
+from openpyxl import load_workbook
 
 from assessment.project.formats.toml import commented_toml
 from assessment.project.formats.xlsx import ACTIVE, read_xlsx, to_xlsx
@@ -62,39 +60,6 @@ def message(folder: Path, *cells: tuple[str, str, object]) -> str:
     with pytest.raises(ProjectError) as caught:
         changed(folder, *cells)
     return str(caught.value)
-
-
-def from_toml(folder: Path, content: dict) -> dict:
-    (folder / "project.xlsx").unlink(missing_ok=True)
-    (folder / "project.toml").write_text(to_toml(content), encoding="utf-8")
-    return load_project(folder).content()
-
-
-def from_xlsx(folder: Path, content: dict) -> dict:
-    (folder / "project.toml").unlink(missing_ok=True)
-    (folder / "project.xlsx").write_bytes(to_xlsx(content))
-    return load_project(folder).content()
-
-
-def test_both_forms_say_the_same(folder):
-    assert from_xlsx(folder, CONTENT) == from_toml(folder, CONTENT)
-    assert load_project(folder).source == "project.toml"
-
-
-def test_no_sliding_is_said_in_both_forms(folder):
-    friction = {"friction": math.inf}
-    content = CONTENT | {
-        "material": CONTENT["material"] | friction,
-        "layers": CONTENT["layers"] | {"ROOF": friction},
-    }
-    for form in (from_toml, from_xlsx):
-        found = form(folder, content)
-        assert found["material"]["friction"] == found["layers"]["ROOF"]["friction"] == math.inf
-
-
-@pytest.mark.parametrize("typed", ["inf", "INF", "1e9", 1e9, "Infinity"])
-def test_no_sliding_is_read_as_it_is_typed(folder, typed):
-    assert changed(folder, ("material", "B3", typed)).material.friction in {math.inf, 1e9}
 
 
 def test_a_sheet_explains_its_keys(folder):
@@ -197,11 +162,6 @@ def test_numbers_of_a_list_are_told_apart_however_they_are_written(folder, text)
     assert changed(folder, ("settlements", "C2", text)).settlements[0].displacement_m == (0.02, -0.035)
 
 
-def test_a_formula_without_a_stored_value_is_no_empty_cell(folder):
-    said = message(folder, ("material", "B3", "=0.3+0.4"))
-    assert 'sheet "material", cell B3: a formula whose value is not stored' in said
-
-
 def test_cells_are_read_as_their_keys_ask(folder):
     project = changed(
         folder,
@@ -231,20 +191,6 @@ def test_blank_rows_comments_and_a_blank_sheet_are_no_content(folder):
     book["settlements"]["A9"] = "  "
     book.save(folder / "project.xlsx")
     assert load_project(folder).content() == before
-
-
-def test_a_wrong_size_stored_in_a_sheet_hides_nothing(folder):
-    (folder / "right.xlsx").write_bytes(to_xlsx(CONTENT))
-    with ZipFile(folder / "right.xlsx") as right, ZipFile(folder / "project.xlsx", "w") as wrong:
-        for name in right.namelist():
-            wrong.writestr(name, re.sub(rb'<dimension ref="[^"]*"', b'<dimension ref="A1"', right.read(name)))
-    assert load_project(folder).content() == from_toml(folder, CONTENT)
-
-
-def test_an_empty_sheet_switches_its_stage_on_and_a_missing_one_off(folder):
-    content = {key: CONTENT[key] for key in ("title", "geometry", "material", "control")} | {"pushover": {}}
-    assert from_xlsx(folder, content)["pushover"]["contacts"] == ["rigid"]
-    assert load_project(folder).assessment is None
 
 
 @pytest.mark.parametrize(
@@ -296,44 +242,6 @@ def test_messages_about_what_stands_nowhere(folder, sheet, cell, value, said):
     assert first.startswith(f"project.xlsx: {said}")
 
 
-def test_a_list_written_as_a_value_is_told(folder):
-    content = {key: CONTENT[key] for key in ("title", "geometry", "material")}
-    (folder / "project.xlsx").write_bytes(to_xlsx(content))
-    book = load_workbook(folder / "project.xlsx")
-    book["project"].append(["control", 7])
-    book.save(folder / "project.xlsx")
-    with pytest.raises(
-        ProjectError, match=r'control\[1\] \(sheet "project", cell B5\): 7 is wrong; write a table'
-    ):
-        load_project(folder)
-
-
-def test_an_unknown_sheet_is_named_with_the_nearest(folder):
-    (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
-    book = load_workbook(folder / "project.xlsx")
-    book["settlements"].title = "Settlement"
-    book.save(folder / "project.xlsx")
-    with pytest.raises(
-        ProjectError, match=r'project.xlsx: sheet "Settlement": unknown sheet; did you mean "settlem'
-    ):
-        load_project(folder)
-
-
-@pytest.mark.parametrize("raw", [b"", b"title = 1", b"PK\x03\x04broken"])
-def test_what_is_no_workbook(folder, raw):
-    (folder / "project.xlsx").write_bytes(raw)
-    with pytest.raises(
-        ProjectError, match=r"^project.xlsx: file: not an XLSX workbook, or a damaged one; save it as .xlsx$"
-    ):
-        load_project(folder)
-
-
-def test_an_empty_workbook_lacks_its_keys(folder):
-    Workbook().save(folder / "project.xlsx")
-    with pytest.raises(ProjectError, match=r"^project.xlsx: title: missing; add it \(title of the project\)"):
-        load_project(folder)
-
-
 # Any valid project ------------------------------------------------------------------------------------
 
 
@@ -362,13 +270,3 @@ def test_a_sheet_that_is_neither_in_use_nor_left_out_is_told(folder, sheet):
         ProjectError, match=f'sheet "{sheet}", row "active": \'forse\' is neither sì nor no; write one'
     ):
         load_project(folder)
-
-
-def test_blanks_around_a_text_are_no_part_of_it(folder):
-    (folder / "project.xlsx").write_bytes(to_xlsx(CONTENT))
-    book = load_workbook(folder / "project.xlsx")
-    book["geometry"]["B3"].value += "\u00a0"
-    book["control"]["A2"].value = " C1 "
-    book.save(folder / "project.xlsx")
-    project = load_project(folder)
-    assert project.geometry.unit == CONTENT["geometry"]["unit"] and project.control[0].name == "C1"

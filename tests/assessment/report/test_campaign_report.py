@@ -10,7 +10,6 @@ import pytest
 from scipy.special import ndtr
 
 from assessment.cli.summary import dynamic_lines
-from assessment.report.chapters.grids import grid
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.lead import lead
 from assessment.report.document import render_html
@@ -23,10 +22,9 @@ from assessment.report.figures.motions import (
     moved,
 )
 from assessment.report.tables import tables as all_tables
-from assessment.report.tables.dynamic import LOSS, reported_campaign, static_dynamic
-from assessment.report.text.language import LANGUAGES, heading, words_of
+from assessment.report.tables.dynamic import reported_campaign, static_dynamic
+from assessment.report.text.language import LANGUAGES, words_of
 from assessment.results.schema import Campaign
-from tests.assessment.report.test_document import read
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -106,10 +104,6 @@ def lines_of(axes) -> list[tuple[np.ndarray, np.ndarray]]:
     return [tuple(map(np.asarray, line.get_data())) for line in axes.lines]
 
 
-def test_the_made_up_campaign_is_one():
-    Campaign.model_validate(results_with_campaign()["campaign"])
-
-
 def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collapse():
     results = results_with_campaign()
     figure = draw_campaign_curves(typed(results), words_of(typed(results)), SETTLED)
@@ -125,30 +119,6 @@ def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collaps
         for x, y in curves:
             assert (x[0], y[0]) == (0.0, 0.0) and x[-1] == pytest.approx(19.0)  # mm
         assert {x[0] for x, _ in crosses} == {axes.get_xlim()[1]}
-
-
-def test_the_mirror_image_of_a_combination_has_no_curve_of_its_own_but_its_cross():
-    results = results_with_campaign()
-    rows = [row for row in results["campaign"]["combinations"] if row["share"] == 0.0]
-    for row in rows[1::2]:
-        row |= {"same_as": {"settlement": SETTLED, "share": 0.0, "sign": 1}, "points": [], "runs": 0}
-    Campaign.model_validate(results["campaign"])
-    axes, *_ = draw_campaign_curves(typed(results), words_of(typed(results)), SETTLED).axes
-    assert sorted(len(x) for x, _ in lines_of(axes)) == [1] * 6 + [3] * 3
-
-
-def test_an_equal_combination_of_another_movement_has_its_curve():
-    results = results_with_campaign(settlements=(SETTLED, OTHER))
-    for row in results["campaign"]["combinations"]:
-        if row["settlement"] == OTHER and row["share"] == 0.0:
-            same = {"settlement": SETTLED, "share": 0.0, "sign": row["sign"]}
-            row |= {"same_as": same, "points": [], "runs": 0}
-    one, other = (
-        draw_campaign_curves(typed(results), words_of(typed(results)), name).axes[0]
-        for name in (SETTLED, OTHER)
-    )
-    for (x, y), (own_x, own_y) in zip(lines_of(one), lines_of(other), strict=True):
-        assert (x == own_x).all() and (y == own_y).all()
 
 
 def test_fragility_curves_are_the_lognormals_of_the_table_with_what_was_seen():
@@ -177,57 +147,6 @@ def test_losses_are_drawn_over_the_movement_in_per_cent_a_panel_each():
         assert static[1] == pytest.approx([0.0, 10.0, 20.0])
         [band] = axes.collections
         assert band.get_datalim(axes.transData).ymax == pytest.approx(30.0)
-
-
-def test_losses_of_two_movements_are_drawn_to_one_scale():
-    results = results_with_campaign(settlements=(SETTLED, OTHER))
-    for row in results["campaign"]["loss"]:
-        if row["settlement"] == OTHER:
-            row |= {
-                "dynamic": 0.3 * row["dynamic"],
-                "static": 0.3 * row["static"],
-                "dynamic_range": [0.0, 0.1],
-            }
-    low, high = {
-        axes.get_ylim() for axes in draw_campaign_loss(typed(results), words_of(typed(results))).axes
-    }.pop()
-    assert low < 0.0 and high > 30.0
-    limits = {axes.get_ylim() for axes in draw_campaign_loss(typed(results), words_of(typed(results))).axes}
-    assert limits == {(low, high)}
-
-
-def test_the_legend_of_the_fragility_has_the_circles_of_its_curves():
-    """White, grey and black circles stood in no legend; the axis began at 0, far below all of them."""
-    results = results_with_campaign()
-    figure = draw_campaign_fragility(typed(results), words_of(typed(results)), SETTLED)
-    [legend], [axes] = figure.legends, figure.axes
-    drawn = [line for line in axes.lines if line.get_marker() == "o"]
-    told = legend.get_lines()
-    assert [line.get_markerfacecolor() for line in told] == [line.get_markerfacecolor() for line in drawn]
-    assert [line.get_linestyle() for line in told] == [line.get_linestyle() for line in axes.lines[::2]]
-    assert [text.get_text().partition(":")[0] for text in legend.get_texts()] == [
-        "originale", "50\u00a0% del cedimento", "100\u00a0% del cedimento"
-    ]  # fmt: skip
-    least = min(min(line.get_xdata()) for line in drawn)
-    assert 0.1 <= axes.get_xlim()[0] < least
-
-
-def test_columns_say_what_they_are_and_have_no_more_digits_than_are_known():
-    results = results_with_campaign()
-    words = words_of(typed(results))
-    _, fits, lost = (
-        grid(table, words, words("section.campaign")) for table in reported_campaign(typed(results))
-    )
-    assert "Estremo inferiore, 95\u00a0% in superficie [g]" in fits.head[4] and "share" not in "".join(
-        lost.head
-    )
-    assert lost.head[-4:] == [heading(key, words) for key in LOSS.split()[-5:] if key != "left_out"]
-    assert [row[1] for row in fits.rows] == ["0", "50", "100"]
-    assert [row[-1] for row in lost.rows] == ["0", "10", "20"] and [row[4] for row in lost.rows] == [
-        "0",
-        "15",
-        "30",
-    ]
 
 
 def test_what_is_not_known_is_not_drawn():
@@ -297,26 +216,6 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
     assert words("text.campaign_static_a_g_g", limit="SLC") in text and words("text.campaign_pga") in text
 
 
-def test_of_single_runs_nothing_is_said_of_ensembles(tmp_path):
-    results = results_with_campaign("en")
-    words = words_of(typed(results))
-    for members in (5, 1):
-        results["campaign"]["members"] = members
-        draw_sections(typed(results), tmp_path, "campaign")
-        html = render_html(typed(results), tmp_path, words)
-        start = html.index(f"<h3>{words('section.campaign')}")
-        text = html[start : html.index("<h2", start + 4)]
-        assert ("ensemble" in text) == (members > 1)
-        assert ("beta_record" in reported_campaign(typed(results))[1].columns) == (members > 1)
-    assert "not reached" not in text
-
-
-def test_results_without_a_campaign_have_none_of_it():
-    results = results_example()
-    assert not any(table.rows for table in all_tables(typed(results)) if table.name.startswith("campaign"))
-    assert "campaign" not in {picture.section for picture in pictures(typed(results))}
-
-
 def few_records(language: str = "en") -> dict:
     """The campaign with fewer records than §7.3.5 asks for."""
     results = results_with_campaign(language)
@@ -360,26 +259,6 @@ def test_the_terminal_has_a_line_of_each_motion_and_movement():
     assert "loss +30.0 % (static +20.0 %)" in whole
     *_, few = dynamic_lines(typed(few_records()))
     assert few.endswith("no PGA of NTC 2018 §7.3.5, which needs three records")
-
-
-@pytest.mark.parametrize(("make", "few"), [(few_records, True), (results_with_campaign, False)])
-def test_the_page_says_why_few_records_have_no_interval_and_no_value(make, few, tmp_path):
-    results = make("en")
-    draw_sections(typed(results), tmp_path, "campaign")
-    html = read(render_html(typed(results), tmp_path, words_of(typed(results))))
-    for words in ("gives no PGA at collapse", "in place of the 95 % interval"):
-        assert (words in html) == few
-
-
-def test_levels_that_were_run_once_claim_no_accuracy(tmp_path):
-    """Capacities were said to be known to 5 % where each motion was run once."""
-    results = results_with_campaign("en")
-    draw_sections(typed(results), tmp_path, "campaign")
-    for members in (5, 1):
-        results["campaign"]["members"] = members
-        html = render_html(typed(results), tmp_path, words_of(typed(results)))
-        assert "is known to that" not in html and "is not seen" in html
-        assert ("Every level was run once" in html) == (members == 1)
 
 
 def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():

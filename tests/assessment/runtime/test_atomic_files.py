@@ -10,8 +10,6 @@ from assessment.cli.main import main
 from assessment.runtime.files import LONGEST, clear_left_over, temporary_of, write_atomically
 from tests.support.block_project import run, write_block
 
-POSIX = pytest.mark.skipif(os.name != "posix", reason="a process can only be asked for where signals are")
-
 
 def age(path, seconds):
     written = path.stat().st_mtime - seconds
@@ -50,16 +48,3 @@ def test_commands_remove_what_killed_ones_have_left(tmp_path):
     age(half, 2.0 * LONGEST)
     assert main(["new", str(tmp_path / "wall"), "--template", "wall"]) == 0
     assert not half.exists() and not temporary_of(tmp_path / "wall").exists()
-
-
-@POSIX
-def test_a_working_directory_that_is_gone_is_told(tmp_path, monkeypatch, capsys):
-    """The message was "error: None"."""
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    monkeypatch.chdir(gone)
-    gone.rmdir()
-    for arguments in (["check", "block"], ["new", "block", "--template", "wall"], ["status", "block"]):
-        assert main(arguments) == 2
-        said = capsys.readouterr().err
-        assert said == "error: the folder that the command is given in is gone; change to another one (cd)\n"

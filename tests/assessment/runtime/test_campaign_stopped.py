@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,7 +22,6 @@ from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.numbers import plain
-from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import read_journal
 from assessment.runtime.progress import Stage
@@ -173,35 +170,3 @@ def test_ctrl_c_leaves_a_cluster_at_work_and_a_scheduler_that_is_started_again_g
     with cluster(int(address.rpartition(":")[2])) as same:
         assert same == address
         check_rest(project, kept, whole, capsys, "--scheduler", address)
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="the child is not to write figures either")
-def test_killed_at_random_moments_it_comes_to_the_same_results(project, whole, capsys, monkeypatch):
-    """Each run goes on where the one before was killed; after one that came to its end all begins anew.
-
-    Moments of processor time: a timer of the system ends the process, which hears nothing of it.
-    """
-    monkeypatch.setattr(tasks, "processes", lambda _: 0)  # all in one process
-    arguments = ["run", str(project), "--no-report", "--json", "--jobs", "1"]
-    output, moments = project / "output", random.Random(23)
-    began = time.process_time()
-    assert main(arguments) == 0
-    length = time.process_time() - began
-    kept: set[str] = set()
-    killed = left = 0  # runs, and whole analyses that they left
-    while killed < 3:
-        if (output / "results.json").exists():
-            assert timeless(read_results(output))["campaign"] == whole
-            shutil.rmtree(output)
-            kept = set()
-        moment = moments.uniform(0.01, 0.5) * length
-        child = os.fork()
-        if child == 0:
-            signal.setitimer(signal.ITIMER_PROF, moment)
-            os._exit(main(arguments))
-        killed += exit_code(child) == -signal.SIGPROF
-        kept, before = entries(output), kept
-        assert kept >= before
-        left += len(kept - before)
-    assert left
-    check_rest(project, len(kept), whole, capsys, "--jobs", "1")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import socket
-from concurrent.futures import Future
 
 import pytest
 
@@ -20,7 +19,7 @@ from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import KilledError
 from assessment.runtime.progress import Show
 from assessment.workflow.stages import run
-from tests.support.block_project import command, contents, edit, timeless, write_block
+from tests.support.block_project import contents, edit, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.scheduler import LONG, scheduler
 
@@ -89,28 +88,6 @@ def test_work_under_way_when_the_connection_is_lost_is_no_bug(local):
         engine.submit(pow, 2, 3).result(timeout=LONG)
 
 
-@pytest.mark.parametrize(
-    ("outcome", "expected"),
-    [
-        (RuntimeError("IOLoop is closed"), cluster.LOST),
-        (distributed.CancelledError("of a task"), cluster.LOST),
-        (distributed.KilledWorker("a task", None, 3), cluster.LOST),
-        (cluster._Failed(RuntimeError("of the analysis")), "of the analysis"),
-        (MemoryError("of the result, here"), "of the result, here"),
-    ],
-)
-def test_a_lost_cluster_is_told_apart_from_an_error_of_the_analysis(outcome, expected):
-    ended: Future[object] = Future()
-    if isinstance(outcome, BaseException):
-        ended.set_exception(outcome)
-    else:
-        ended.set_result(outcome)
-    done: Future[object] = Future()
-    cluster._hand_over(ended, done)
-    found = done.exception()
-    assert str(found) == expected and isinstance(found, KilledError) == (expected == cluster.LOST)
-
-
 @pytest.fixture
 def mute():
     """The address of a server that accepts and says nothing."""
@@ -166,11 +143,3 @@ def test_no_scheduler_at_the_address_is_told():
     for address in ("tcp://127.0.0.1:1", "nowhere"):
         with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
             Cluster(address, Patience(answer=0.5))
-
-
-def test_an_address_that_needs_certificates_is_told_in_a_line(tmp_path):
-    """It was a traceback, and another one 20 s later, as what could not begin was deleted."""
-    folder = write_block(tmp_path / "block")
-    done = command("run", str(folder), "--no-report", "--scheduler", "tls://127.0.0.1:1")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert done.stderr.startswith("error: --scheduler: tls://127.0.0.1:1: no Dask scheduler answers")

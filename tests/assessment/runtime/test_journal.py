@@ -11,12 +11,8 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.runtime import journal as journals
-from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME, Journal, locked, read_journal, record_exit, status
 from assessment.runtime.progress import Show
-from tests.support.block_project import contents, read_results, timeless
-from tests.support.campaign_project import STRIPES, write_campaign
-from tests.support.forked import forked
 
 
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
@@ -108,31 +104,6 @@ def test_the_exit_code_of_every_run_is_kept(project, capsys):
     assert ", exit code 2\n" in capsys.readouterr().out
 
 
-def test_the_time_left_is_told_before_an_analysis_is_finished(tmp_path, monkeypatch):
-    """It was not known before; what is reached is written seldom, however often it is told."""
-    clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now, strftime=time.strftime))
-    with locked(tmp_path):
-        show = Journal(tmp_path, Show())
-        show.begin("history", 1, 0, 500.0)
-        clock.now += 0.5
-        show.reached(10.0)
-        assert "left: not known yet" in status(tmp_path)
-        clock.now += 39.5
-        show.reached(100.0)
-        assert "history: 0 of 1 done, 1 in flight or waiting; 0:00:40 gone, left: 0:02:40" in status(tmp_path)
-        clock.now += 60.0
-        assert "0:01:40 gone, left: 0:01:40" in status(tmp_path)
-        clock.now += 200.0
-        assert "0:05:00 gone, left: longer than expected" in status(tmp_path)
-        clock.now -= 200.0
-        lines = len((tmp_path / NAME).read_text().splitlines())
-        for number in range(100):
-            clock.now += 0.1
-            show.reached(200.0 + number)
-        assert 5 <= len((tmp_path / NAME).read_text().splitlines()) - lines <= 10
-
-
 def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
     lines = [
         {"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "work": 3.0, "time": 1.0},
@@ -177,32 +148,3 @@ def test_a_journal_that_is_damaged_is_read_as_far_as_it_tells_of_events(tmp_path
     assert status(tmp_path).splitlines()[1] == "campaign: 1 of 3 done"
     (tmp_path / NAME).write_bytes(line + b"\n" + done)
     assert status(tmp_path).startswith("nothing has been run in")
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="the child is not to write figures either")
-@pytest.mark.usefixtures("no_figures")
-def test_a_run_that_is_killed_again_and_again_is_told_of_and_goes_on_with_equal_results(tmp_path, capsys):
-    folder = write_campaign(tmp_path / "block", STRIPES, 1)
-    arguments = ["run", str(folder), "--no-report"]
-    for number in (1, 2, 3):  # times, each a little further on
-        with forked(*arguments, "--jobs", "1") as run:
-            while not any(
-                stage.name == "campaign" and stage.done and stage.taken + stage.done >= number
-                for stage in read_journal(folder / "output").stages
-            ):
-                assert run.at_work
-                time.sleep(0.02)
-        store = Store(folder / "output" / FOLDER)
-        assert all(store.read(key.name) for key in store.folder.iterdir() if not key.name.startswith("."))
-        assert not (folder / "output" / "results.json").exists()
-    assert main(["status", str(folder)]) == 0
-    told = capsys.readouterr().out
-    assert "not at work" in told and "campaign: " in told
-    assert main([*arguments, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["analyses"]["taken_over"] > 0
-    found, tables = timeless(read_results(folder / "output")), contents(folder / "output" / "tables")
-    assert main([*arguments, "--fresh"]) == 0
-    assert timeless(read_results(folder / "output")) == found
-    assert contents(folder / "output" / "tables") == tables
-    assert main(["status", str(folder)]) == 0
-    assert "finished: " in capsys.readouterr().out

@@ -28,16 +28,6 @@ def test_a_second_run_is_refused_and_told_by_which_process(project, capsys):
     assert not (project / "output").exists()
 
 
-def test_the_report_waits_for_nobody_either(project, capsys):
-    (project / "output").mkdir()
-    (project / "output" / "results.json").write_text("{}", encoding="utf-8")
-    with locked(project / "output"):
-        from assessment.cli.main import main
-
-        assert main(["report", str(project)]) == 2
-    assert LOCK in capsys.readouterr().err
-
-
 def test_a_killed_run_holds_nothing(tmp_path):
     held = subprocess.Popen(
         [sys.executable, "-c", HOLD, str(tmp_path)], cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE
@@ -52,15 +42,6 @@ def test_a_killed_run_holds_nothing(tmp_path):
     with locked(tmp_path):
         pass
     assert not (tmp_path / LOCK).exists()
-
-
-def test_a_folder_that_a_run_made_and_left_empty_goes_again(tmp_path):
-    with locked(tmp_path / "a" / "b"):
-        assert (tmp_path / "a" / "b" / LOCK).exists()
-    assert not (tmp_path / "a" / "b").exists()
-    with locked(tmp_path / "c"):
-        (tmp_path / "c" / "result").touch()
-    assert [path.name for path in (tmp_path / "c").iterdir()] == ["result"]
 
 
 def test_who_waits_for_a_lock_that_is_removed_meanwhile_gets_one_that_others_see(tmp_path):

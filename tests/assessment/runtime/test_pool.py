@@ -15,7 +15,7 @@ from assessment.runtime import pool as pools
 from assessment.runtime.pool import KilledError, Pool, finished, processes, result_of
 
 HELD = {"original": 4, "settled": 2}
-STARTS = multiprocessing.get_all_start_methods()
+STARTS = sorted({"fork", "spawn"} & {*multiprocessing.get_all_start_methods()})
 
 
 @pytest.fixture
@@ -85,14 +85,6 @@ def test_a_killed_process_is_told_and_what_the_others_have_finished_is_kept():
             seen.append(key)
     assert seen == ["done"]
     assert not multiprocessing.active_children()
-
-
-@of_processes
-def test_a_pool_in_which_a_process_was_killed_takes_nothing_more():
-    with pytest.raises(KilledError), Pool(1) as pool:
-        with pytest.raises(KilledError):
-            result_of(pool.submit(killed))
-        pool.submit(slept, 0.0)
 
 
 def test_an_answer_that_cannot_be_sent_is_a_bug_and_no_kill():

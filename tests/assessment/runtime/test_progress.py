@@ -69,19 +69,6 @@ def test_bars_on_a_terminal(project, capsys, monkeypatch):
     assert re.search(r"· pushover: 2, \d", second.err)
 
 
-def test_the_bar_moves_with_the_analyses(bars):
-    bars.begin("history", 4, 1, 900.0)
-    bars.under_way("original, history of [wave]")
-    bars.reached(150.0)
-    [task] = bars.progress.tasks
-    assert (task.completed, task.total, task.fields["count"]) == (150.0, 900.0, "1/4")
-    bars.advance(300.0)
-    assert (task.completed, task.total, task.fields["count"]) == (300.0, 900.0, "2/4")
-    assert str(task.description) == "history: 0:00:00 on original, history of [wave]"
-    bars.end()
-    assert not bars.progress.tasks
-
-
 @pytest.fixture
 def clock(monkeypatch):
     """The time that bars are drawn at, s."""
@@ -129,25 +116,6 @@ def test_the_time_left_is_known_before_an_analysis_is_finished(clock, bars, show
     assert "left longer than expected" in shown(), "it said 0:00:00 while nothing ended"
     bars.advance(2.0)
     assert "left 0:00:00" in shown()
-
-
-def test_what_is_at_work_is_shown_with_the_time_that_it_takes(clock, bars, shown):
-    """One large linear program, in which no share of the work is told: the line stood still for a minute."""
-    bars.begin("pushover", 4, 0, 4.0)
-    clock.now += 5.0
-    bars.under_way("original, +x, [rigid]")
-    clock.now += 46.0
-    assert shown().startswith("pushover: 0:00:46 on original, +x, [rigid] ")
-    clock.now += 15.0
-    assert shown().startswith("pushover: 0:01:01 on original, +x, [rigid] ")
-    bars.under_way("original, -x, [rigid]")
-    assert shown().startswith("pushover: 0:00:00 on original, -x, [rigid] ")
-    bars.under_way("right support 20 mm" * 5)
-    clock.now += 12.0
-    line = shown(80).rstrip()
-    assert line.startswith("pushover: 0:00:12 on right") and line.endswith(
-        "… ━━━━━━━━━━ 0/4 0:00:00 left -:--:--"
-    )
 
 
 class Titles(Show):
@@ -202,10 +170,3 @@ def test_the_summary_shows_slv_beside_slc():
     assert above.index("SLV") == head.index("a_g [g]") and above.index("SLC") == head.rindex("a_g [g]")
     assert first.split() == ["original", "+x", "0.1000", "0.2000", "0.150", "0.75", "0.300", "1.50"]
     assert second.split() == ["settled", "+x", "0.1000", "0.2000", "–", "–", "0.250", "1.25"]
-
-
-def test_the_ratio_at_sld_is_not_called_an_index():
-    lines = _table(capacities(typed({"states": {"original": row("original", "+x", SLD=0.05)}})))
-    assert "SLD" in lines[0] and "ratio" in lines[1] and not any("ζ" in line for line in lines)
-    bare = _table(capacities(typed({"states": {"original": row("original", "+x")}})))
-    assert len(bare) == 2 and "a_g" not in bare[0]

@@ -9,7 +9,6 @@ import pytest
 
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import SCRATCH, clear, put_in_place
-from tests.support.block_project import contents
 
 OLD = ("figures/a.svg", "figures/b.svg", "report.pdf", "results.json", "tables/t.csv")
 NEW = ("figures/b.svg", "figures/c.svg", "report.pdf", "results.json", "tables/t.csv")
@@ -123,24 +122,3 @@ def test_while_files_are_moved_no_results_are_there(folder, monkeypatch):
     put(folder)
     assert there == [True, *[False] * (len(there) - 1)]
     assert texts(folder) == AFTER
-
-
-def test_a_link_to_the_folder_stays_one(folder, tmp_path):
-    (tmp_path / "link").symlink_to(folder)
-    put(tmp_path / "link")
-    assert (tmp_path / "link").is_symlink()
-    assert texts(folder) == AFTER
-
-
-def test_a_folder_keeps_its_permissions(folder):
-    folder.chmod(0o750)
-    put(folder)
-    assert folder.stat().st_mode & 0o777 == 0o750
-
-
-def test_what_a_kill_left_is_cleared(folder):
-    write(folder / f"{SCRATCH}3", "half made", ("figures/a.svg",))
-    clear(folder)
-    assert contents(folder.parent).keys() == {f"output/{name}" for name in (*OLD, *OTHERS)} - {
-        "output/.stages/entry"
-    }

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import multiprocessing
 import operator
 import os
 import time
@@ -73,24 +71,3 @@ def test_an_argument_from_an_earlier_result(jobs, tmp_path):
 
 def _doubled(result: float) -> float:
     return 2.0 * result
-
-
-def test_an_error_in_another_process_is_the_error():
-    with pytest.raises(ZeroDivisionError), Workers(jobs=2) as workers:
-        workers.each("divide", _inverse, [(1,), (0,)], ["", ""], worthwhile=True)
-
-
-def _inverse(number: int) -> float:
-    return 1.0 / number
-
-
-@pytest.mark.skipif(multiprocessing.get_start_method() != "fork", reason="nothing is shared")
-def test_what_processes_share_is_looked_through_for_garbage_by_none():
-    with Workers(jobs=2) as workers:
-        [shared] = workers.each("count", _left_alone, [(0,)], [""], worthwhile=True)
-    assert shared > 0
-    assert gc.get_freeze_count() == 0
-
-
-def _left_alone(_: int) -> int:
-    return gc.get_freeze_count()

@@ -251,17 +251,6 @@ def test_equal_states_are_computed_once(block):
     assert any("1 of 2 combinations are the same" in text for text in results["quality"]["warnings"])
 
 
-def test_losses_that_are_not_told_are_told_why(block):
-    """They were null without a word."""
-    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
-    edit(block, "shares = [0.0, 1.0]", "shares = [1.0]")
-    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1]\n')
-    assert run(block, "--only", "campaign") == 0
-    found = read_results(block / "output")
-    assert found["campaign"]["loss"][0]["dynamic"] is None
-    assert any("add 0.0 to shares" in text for text in found["quality"]["warnings"])
-
-
 def test_both_signs_of_a_structure_that_is_its_own_mirror_image_are_one_run(block):
     """As drawn; the block whose base has turned is none. What is not run is what it would have been."""
     edit(block, "point_m = [0.3, 4.2]", "point_m = [0.0, 4.2]")
@@ -281,15 +270,6 @@ def test_both_signs_of_a_structure_that_is_its_own_mirror_image_are_one_run(bloc
     assert run(block, "--only", "campaign") == 0
     [alone] = read_results(block / "output")["campaign"]["combinations"]
     assert alone["pga_collapse_g"] == pytest.approx(image["pga_collapse_g"]) and alone["runs"] == one["runs"]
-
-
-def test_a_control_point_beside_the_axis_leaves_both_signs_to_be_run(block):
-    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
-    edit(block, "signs = [1]", "signs = [1, -1]")
-    edit(block, "shares = [0.0, 1.0]", "shares = [0.0]")
-    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1]\n')
-    assert run(block, "--only", "campaign") == 0
-    assert read_results(block / "output")["campaign"]["computed"] == 2
 
 
 def made_record(spectrum, seed) -> Record:

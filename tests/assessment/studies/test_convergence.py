@@ -10,11 +10,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from assessment.analyses.checks.demand import Demands
-from assessment.analyses.found import Accuracy, Found, accuracy_of, refined
+from assessment.analyses.found import Found, refined
 from assessment.analyses.static.lateral import Pushed
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
-from assessment.project.formats import convert
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.project.structure.model import build_model
@@ -22,7 +21,6 @@ from assessment.report.document import render_html
 from assessment.report.text.language import words_of
 from assessment.results.numbers import plain
 from assessment.results.schema.static import Pushovers, RigidPush
-from assessment.runtime.errors import ProjectError
 from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import Levels, converge, estimated_error
 from assessment.workflow.stages import run
@@ -89,11 +87,6 @@ def test_a_quantity_that_only_one_level_reaches_has_no_error():
     assert levels.row("s", "+x", 1, 0.5).relative_error is None
     neither = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None},) * 2)
     assert neither.errors == {"alpha_0": 0.0} and neither.within(0.5)
-
-
-def test_one_level_tells_no_error():
-    levels = Levels(1.0, ({"alpha_0": 0.1},))
-    assert not levels.within(0.5) and levels.row("s", "+x", 0, 0.5).met is False
 
 
 def test_values_of_rounding_size_are_none():
@@ -223,17 +216,6 @@ def test_where_the_tolerance_is_not_met_a_warning_says_so(tmp_path):
     assert "d_0_m is" in said[0] and "1/16" in said[0] and "alpha_0" not in said[0]
 
 
-def test_studies_take_the_increments_of_their_states(block):
-    """A property times one, and the whole of a sweep, are the state itself."""
-    table = "\n[sensitivity]\nfriction = [1.0, 1.2]\n"
-    results = results_of(block("0.001", TURNS.replace("steps = 4", "steps = 2"), PUSHOVER, ASSESSMENT, table))
-    assert {row["halvings"] for row in results["convergence"]["rows"]} == {1}
-    for each in results["sensitivity"]["runs"]:
-        if each["factor"] == 1.0:
-            rigid = results["states"][each["state"]]["pushover"][each["direction"]]["rigid"]
-            assert each["d_0_m"] == rigid["d_0_m"]
-
-
 def _stage(state: str, alpha_0: float, *failures: str) -> StateResult:
     pushed = Pushovers(control="C", rigid=made(RigidPush, {"alpha_0": alpha_0, "d_0_m": None}))
     found = Found(Pushed(pushed), failures=list(failures), seconds=1.0)
@@ -288,24 +270,6 @@ def test_a_finer_analysis_that_fails_leaves_the_coarser_one(arch):
 
 
 # The key
-
-
-def test_the_key_survives_both_forms(block, tmp_path):
-    for written, accuracy in (('"fine"', Accuracy(0.01, 4)), ("0.02", Accuracy(0.02, 4))):
-        project = block(written, PUSHOVER)
-        assert accuracy_of(project) == accuracy
-        convert(project.path(project.source), project.content(defaults=False))
-        assert (tmp_path / "project.xlsx").is_file()
-        again = load_project(tmp_path)
-        assert again.accuracy == project.accuracy and type(again.accuracy) is type(project.accuracy)
-        (tmp_path / "project.xlsx").unlink()
-        (tmp_path / "project.toml.old").unlink()
-
-
-@pytest.mark.parametrize("written", ['"finest"', "0.0", "1.0", "-0.1", "true"])
-def test_what_is_no_accuracy_is_told(block, written):
-    with pytest.raises(ProjectError, match=r"project\.toml: accuracy: .* is wrong; write"):
-        block(written, PUSHOVER)
 
 
 @pytest.mark.parametrize("language", ["it", "en"])

@@ -4,8 +4,6 @@ The measurements are made by a pushdown with other increments; the arch has no f
 open, so that a path predicts what any other path to the same movement does.
 """
 
-import warnings
-
 import numpy as np
 import pytest
 
@@ -22,7 +20,7 @@ from assessment.studies.identification.fit import (
     sureness,
     unknowns_of,
 )
-from assessment.studies.identification.stage import follow, open_movements, probability
+from assessment.studies.identification.stage import follow, probability
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.procedures import SupportMovement, pushdown_together
@@ -164,30 +162,6 @@ def test_a_movement_that_no_measurement_shows_is_named(identify, model, tmp_path
     assert any("the measurements do not determine" in text for text in study.findings)
 
 
-def test_unknowns_that_are_free_by_themselves_are_named_alone():
-    """Of two open directions in a plane no component needs the other: their sentence was there twice."""
-    unknowns = unknowns_of({"right": ["x", "z", "rotation"]}, 1.0, downward_only=True)
-    plane = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0]])
-    assert open_movements(unknowns, plane) == [
-        "the movement along x of the support right",
-        "the movement along z of the support right",
-    ]
-    line = np.array([[0.6, 0.8, 0.0]])
-    tied = "the movement along x of the support right together with the movement along z of the support right"
-    assert open_movements(unknowns, line) == [tied]
-    assert open_movements(unknowns, np.vstack([line, [0.0, 0.0, 1.0]])) == [
-        "the rotation of the support right",
-        tied,
-    ]
-    assert open_movements(unknowns, np.zeros((0, 3))) == []
-
-
-def test_no_movement_has_no_sign():
-    unknowns = unknowns_of({"right": ["x", "z"]}, 1.0, downward_only=True)
-    [movement] = unknowns.movements(np.array([-0.0, -0.0]))
-    assert [str(each) for each in movement.displacement] == ["0.0", "0.0"]
-
-
 @pytest.mark.usefixtures("short")
 def test_the_measurement_that_contradicts_the_rest_is_named(identify, model, tmp_path):
     wrong = entry("foot again", "foot", (0.27, 0.10), -2.0)
@@ -242,16 +216,6 @@ def test_what_was_followed_of_a_path_counts_and_why_it_was_stopped_is_kept(model
     _stopped(monkeypatch, None)
     nothing = follow(model, [whole], 16, "associative", [gauge])
     assert not nothing.share.size and "crushed" in nothing.stopped
-
-
-def test_movements_that_could_not_be_followed_are_told_with_their_reason(tmp_path, monkeypatch):
-    _stopped(monkeypatch, None)
-    folder = write_surveyed(tmp_path, '[{ destro = ["x"] }]', entry("span", "span", SPRINGING, 16.0))
-    with Workers(jobs=1) as workers:
-        _, study = identified(folder, workers)
-    [_, text] = study.findings
-    assert "2 movements" in text and "crushed" in text
-    assert "spostamenti provati" in in_italian(text)
 
 
 @pytest.mark.usefixtures("short")
@@ -361,19 +325,6 @@ def test_a_jump_beside_the_fit_and_a_kink_in_it():
     fit = refined(two(), start, np.zeros(2), kink)
     assert sureness(fit, 10.0).error == pytest.approx([0.1, 1.0])
     assert [len(slopes) for slopes in fit.slopes] == [1, 2]
-
-
-def test_identification_numpy_warning():
-    """Of the singular values 2, 0 and no damping 0/0 was taken, and left out afterwards: a warning of NumPy."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        fit = refined(
-            two(),
-            np.zeros(2),
-            np.array([-2.0, 0.0]),
-            lambda values: [np.array([2.0 * u[0] - 2.0, 0.0]) for u in values],
-        )
-    assert fit.u == pytest.approx([1.0, 0.0])
 
 
 def test_a_bound_holds_and_the_others_go_on():

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 
 import pytest
 
-from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.numbers import plain
-from assessment.results.schema.studies import ScenarioPoint, Sensitivity, SensitivityRun
+from assessment.results.schema.studies import ScenarioPoint, SensitivityRun
 from assessment.studies.variants import part, scatter, with_factor, without_effect, worst
-from assessment.workflow import stages
-from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests.support.block_project import block
@@ -123,12 +119,6 @@ def test_a_point_of_a_sweep_is_a_scenario_of_its_own(project):
         assert point["alpha_0"] == rigid["alpha_0"] and point["d_0_m"] == rigid["d_0_m"]
         assert point["a_g_g"] == check["a_g_g"] and point["zeta_E"] == check["zeta_E"]
         assert not point["collapses"]
-
-
-def test_several_processes_give_what_one_gives(project):
-    text = BLOCK + TURNS + PUSHOVER + ASSESSMENT + "[sensitivity]\nfriction = [0.5, 1.5]\n"
-    one, two = results_of(project(text)), results_of(project(text), jobs=2)
-    assert one["scenarios"] == two["scenarios"] and one["sensitivity"] == two["sensitivity"]
 
 
 def test_a_sweep_past_the_collapse_names_where_it_falls(project):
@@ -257,32 +247,6 @@ def test_scatter_is_told_where_a_capacity_depends_on_what_it_cannot(varied):
     assert not any("scatters" in text for text in results["quality"]["warnings"])
 
 
-def test_many_warnings_of_a_study_are_told_in_short(monkeypatch, project):
-    def noisy(*arguments):
-        arguments[-1].warnings += [f"w{number}" for number in range(count)]
-        arguments[-1].findings.append("found")
-        return made(Sensitivity, {"warnings": arguments[-1].warnings})
-
-    monkeypatch.setattr(stages, "sensitivity", noisy)
-    whole = project(BLOCK + PUSHOVER + ASSESSMENT + SENSITIVITY.replace("stiffness = [0.5, 2.0]\n", ""))
-    for count, told in (
-        (3, ["w0", "w1", "w2"]),
-        (4, ["sensitivity: 4 warnings of single runs, in results.json; the first: w0"]),
-    ):
-        results = results_of(whole)
-        assert results["quality"]["warnings"] == [*told, "found"]
-        assert results["sensitivity"]["warnings"] == [f"w{number}" for number in range(count)]
-
-
-def test_quality_and_time_of_the_studies_are_told(varied):
-    results, _ = varied
-    row = results["quality"]["by_stage"][-1]
-    assert row["stage"] == "sensitivity" and row["solves"] > 100
-    assert 0.0 <= row["worst_equilibrium_residual"] <= results["quality"]["worst_equilibrium_residual"]
-    assert results["timing_s"]["sensitivity"] > 0.0
-    json.dumps({key: results[key] for key in ("sensitivity", "quality")}, allow_nan=False)
-
-
 def test_a_factor_reaches_every_place_where_a_property_is_given(project):
     layers = '[layers.TOP]\nfriction = 0.5\ndepth_m = 2.0\nvertical_load_kN = 3.0\n[layers.BASE]\nsupport = "base"\n'
     base = project(BLOCK.replace('[layers.BASE]\nsupport = "base"\n', layers))
@@ -297,30 +261,3 @@ def test_a_factor_reaches_every_place_where_a_property_is_given(project):
     assert double["unit_weight"].material.unit_weight_kN_m3 == 36.0
     stiff = double["stiffness"].material
     assert stiff.normal_stiffness_kN_m3 == 4e4 and stiff.tangential_stiffness_kN_m3 == math.inf
-
-
-def test_only_the_studies_asked_for(project):
-    text = BLOCK + TURNS + PUSHOVER + ASSESSMENT + "[sensitivity]\nfriction = [0.5, 1.5]\n"
-    whole = project(text)
-    swept = select(whole, ["scenarios"])
-    assert swept.pushover and swept.assessment is None and swept.sensitivity is None
-    assert swept.settlements[0].steps == 4
-    varied = select(whole, ["sensitivity"])
-    assert varied.pushover and varied.assessment and varied.sensitivity
-    assert varied.settlements[0].steps is None
-    assert select(whole, ["pushover"]).sensitivity is None
-
-
-def test_one_settlement_without_steps_is_no_study(project):
-    _, first, _ = TURNS.replace("steps = 4", "").split("[[settlements]]")
-    text = BLOCK + "[[settlements]]" + first + PUSHOVER
-    results = results_of(project(text))
-    assert "scenarios" not in results and "sensitivity" not in results
-
-
-def test_the_worst_scenario_is_said_on_the_terminal(project, tmp_path, capsys):
-    folder = project(BLOCK + TURNS + PUSHOVER).folder
-    assert main(["run", str(folder), "--no-report"]) == 0
-    assert "worst scenario: turned at 24.74 mm, +x" in capsys.readouterr().out
-    assert {"scenarios.csv"} <= {file.name for file in (folder / "output" / "tables").iterdir()}
-    assert (folder / "output" / "figures" / "scenarios.svg").is_file()

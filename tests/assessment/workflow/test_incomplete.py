@@ -65,12 +65,6 @@ def test_a_settlement_beyond_collapse_keeps_what_was_completed(project, capsys):
     assert "collapses" in capsys.readouterr().out
 
 
-def test_the_report_of_what_was_completed(project, drawn):
-    edit(project, "rotation_rad = -0.02", "rotation_rad = -0.3")
-    assert main(["run", str(project)]) == 3
-    assert (project / "output" / "report.html").is_file()
-
-
 def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeypatch):
     def fail(*_: object, **__: object) -> None:
         raise ConvergenceError("equilibrium exists, but no solver found it")

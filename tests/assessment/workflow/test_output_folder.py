@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from assessment.cli.main import main
 from assessment.results.numbers import plain
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
-from tests.support.block_project import contents, edit, run
+from tests.support.block_project import contents, run
 
 pytestmark = pytest.mark.usefixtures("quick")
 
@@ -22,18 +21,6 @@ def test_out_is_where_results_go(project, tmp_path):
     assert run(project, "--out", str(tmp_path / "deep" / "there")) == 0
     assert (tmp_path / "deep" / "there" / "results.json").is_file()
     assert not (project / "output").exists()
-
-
-def test_without_report_there_is_none(project):
-    assert run(project) == 0
-    assert not list((project / "output").glob("report.*"))
-
-
-def test_check_leaves_earlier_results(project):
-    assert run(project) == 0
-    before = contents(project / "output")
-    assert main(["check", str(project)]) == 0
-    assert before.items() <= contents(project / "output").items()
 
 
 @pytest.mark.parametrize("verb", ["run", "check"])
@@ -58,16 +45,6 @@ def test_a_folder_without_write_permission_is_said_before_any_analysis(project, 
     assert contents(project) == before
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_that_may_not_be_written(project, capsys):
-    project.chmod(0o500)
-    try:
-        assert run(project) == 2
-    finally:
-        project.chmod(0o700)
-    assert "no permission to write" in capsys.readouterr().err
-
-
 def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypatch):
     assert run(project) == 0
     before = contents(project)
@@ -84,31 +61,6 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
         "output",
         "project.toml",
     ]
-
-
-def test_a_file_that_is_open_elsewhere_is_told_by_name_and_all_else_is_kept(project, capsys, monkeypatch):
-    """On Windows: the earlier results stay as they are, analyses are kept, and the next run writes them."""
-    assert run(project) == 0
-    edit(project, "increment_m = 0.2", "increment_m = 0.1")
-    before, replace = contents(project / "output"), Path.replace
-
-    def held(path: Path, target: Path) -> Path:
-        if path.name == "blocks.csv" and path.parent.parent.name == "output":
-            raise PermissionError(32, "used by another process", str(path))
-        return replace(path, target)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(Path, "replace", held)
-        assert run(project) == 2
-    path = project / "output" / "tables" / "blocks.csv"
-    said = capsys.readouterr().err
-    assert said.startswith(
-        f"error: {path}: cannot be replaced (used by another process); close it where it is open"
-    )
-    assert said.count("\n") == 1
-    assert contents(project / "output") == before
-    assert run(project, "--json") == 0
-    assert json.loads(capsys.readouterr().out)["analyses"]["computed"] == 0
 
 
 def test_a_full_disk_names_the_file_in_its_place(project, capsys, monkeypatch):
@@ -134,26 +86,6 @@ def test_a_number_of_processes_is_one_or_more(project, capsys, jobs):
         run(project, "--jobs", jobs)
     assert left.value.code == 2
     assert "is no number of processes; write 1 or more, or leave it out" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("command", [["run"], ["check"], ["report"]])
-def test_a_name_of_a_folder_is_not_empty(project, capsys, command, monkeypatch):
-    """It would be the folder the command is given in."""
-    monkeypatch.chdir(project)
-    for arguments in ([*command, ""], [*command, str(project), "--out", ""]):
-        with pytest.raises(SystemExit) as left:
-            main(arguments)
-        assert left.value.code == 2
-        assert "is empty; give the name of a folder" in capsys.readouterr().err
-
-
-def test_a_stale_figure_goes_and_a_stranger_stays(project):
-    assert run(project) == 0
-    (project / "output" / "figures" / "pushover_of_yesterday.svg").write_text("old", encoding="utf-8")
-    (project / "output" / "notes.txt").write_text("mine", encoding="utf-8")
-    assert run(project) == 0
-    assert [path.name for path in (project / "output" / "figures").iterdir()] == ["model.svg"]
-    assert (project / "output" / "notes.txt").read_text(encoding="utf-8") == "mine"
 
 
 def test_files_that_are_not_ours_stay(project, tmp_path):

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import shapely
 
-from mechanics import Assembly, pushover
 from mechanics.model import default_tolerance, read_drawing, repair_drawing, survey_drawing, survey_layout
 from mechanics.model.drawing import Layer
 from mechanics.model.layout import touching
@@ -60,16 +57,6 @@ def test_star_500(corners, close, said, tmp_path, monkeypatch):
     assert said in refused(document, tmp_path)
 
 
-def test_lwpolyline_versions(tmp_path):
-    for version in ("AC1006", "AC1009", "AC1012", "AC1014", "AC1015"):
-        corners = " 10\n0\n 20\n0\n 10\n1\n 20\n0\n 10\n1\n 20\n2\n 10\n0\n 20\n2\n"
-        entity = f"  0\nLWPOLYLINE\n  8\nWALL\n 90\n4\n 70\n1\n{corners}"
-        head = f"  0\nSECTION\n  2\nHEADER\n  9\n$ACADVER\n  1\n{version}\n  0\nENDSEC\n"
-        (tmp_path / "g.dxf").write_text(f"{head}  0\nSECTION\n  2\nENTITIES\n{entity}  0\nENDSEC\n  0\nEOF\n")
-        (block,) = read_drawing(tmp_path / "g.dxf", "m", STONE)
-        assert block.area == pytest.approx(2.0)
-
-
 @pytest.mark.parametrize("by", ["XZ", "OCS"])
 def test_front_view(by, tmp_path):
     document, space = drawing(unit="m")
@@ -95,19 +82,3 @@ def test_clipped_insert(tmp_path):
     assert len(read(document, tmp_path).blocks) == 7
     XClip(insert).set_block_clipping_path([(-1, -1), (21, 75)])
     assert "is cut by the clip of INSERT" in refused(document, tmp_path)
-
-
-def test_far_from_origin(tmp_path):
-    curves = []
-    stone = replace(STONE, material=replace(STONE.material, friction=0.7, normal_stiffness=1e9))
-    for x, z in ((0.0, 0.0), (498123.4, 4601237.4)):
-        document, space = drawing(unit="m")
-        for k, layer in enumerate(["BASE", "WALL", "WALL", "WALL"]):
-            ring = [(x, z + k), (x + 0.6, z + k), (x + 0.6, z + k + 1), (x, z + k + 1)]
-            outline(space, ring, layer)
-        document.saveas(tmp_path / "g.dxf")
-        blocks = read_drawing(tmp_path / "g.dxf", "m", stone, {"BASE": replace(stone, support="base")})
-        curves.append(pushover(Assembly(blocks), (x + 0.6, z + 4), "+x", "elastic", 0.02))
-    near, far = curves
-    assert len(near.multiplier) == len(far.multiplier)
-    assert far.multiplier == pytest.approx(near.multiplier, abs=1e-6)

@@ -55,13 +55,6 @@ def test_repeated_vertices_and_a_repeated_start(tmp_path):
     assert result.warnings == ()
 
 
-def test_spline_frame_vertices_are_not_on_the_outline(tmp_path):
-    document, space = drawing()
-    polyline = space.add_polyline2d(SQUARE, close=True)
-    polyline.append_vertex((50, 50), dxfattribs={"flags": 16})
-    assert read(document, tmp_path).blocks[0].area == pytest.approx(1e-4)
-
-
 @settings(max_examples=25, deadline=None)
 @given(
     radii=st.lists(st.floats(1.0, 10.0), min_size=3, max_size=9),
@@ -122,17 +115,6 @@ def polygon_area(p) -> float:
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
 
 
-def test_centroid_through_a_mirrored_insert(tmp_path):
-    document, space = drawing()
-    outline(document.blocks.new("STONE"), [(0, 0), (30, 0), (0, 60)], "0")
-    space.add_blockref("STONE", (100, 50), dxfattribs={"xscale": -2, "yscale": 1, "rotation": 90})
-    (block,) = read(document, tmp_path).blocks
-    assert block.centroid == pytest.approx(
-        [0.080, 0.030]
-    )  # (10, 20) → (−20, 20) → (−20, −20), then the shift
-    assert block.area == pytest.approx(1800e-6)
-
-
 def test_layer_zero_in_an_insert_and_other_layers_there(tmp_path):
     document, space = drawing()
     stone = document.blocks.new("STONE")
@@ -142,16 +124,8 @@ def test_layer_zero_in_an_insert_and_other_layers_there(tmp_path):
     assert [b.layer for b in read(document, tmp_path).blocks] == ["PIERS", "CAP"]
 
 
-def test_object_coordinates_seen_from_behind(tmp_path):
-    document, space = drawing()
-    mirrored = outline(space, SQUARE)
-    mirrored.dxf.extrusion = (0, 0, -1)
-    (block,) = read(document, tmp_path).blocks
-    assert block.centroid == pytest.approx([-0.005, 0.005])
-
-
-@pytest.mark.parametrize("bulge", [1e-3, 0.05, -0.05, 0.4, -0.4, 1.0, 2.5])
-@pytest.mark.parametrize("sagitta", [None, 1e-4, 1e-2])
+@pytest.mark.parametrize("bulge", [1e-3, -0.05, 0.4, 2.5])
+@pytest.mark.parametrize("sagitta", [None, 1e-4])
 def test_bulge_against_the_circular_segment(bulge, sagitta, tmp_path):
     """A square with one curved side: the area is off by less than arc length × sagitta, always inside."""
     document, space = drawing(unit="m")

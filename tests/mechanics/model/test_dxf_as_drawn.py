@@ -108,11 +108,9 @@ def file(entities: str, version: str | None = "AC1009", header: bool = True) -> 
     return f"{head}  0\nSECTION\n  2\nENTITIES\n{entities}  0\nENDSEC\n  0\nEOF\n"
 
 
-@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("ends", ["\n", "\r"])
 @pytest.mark.parametrize("markers", [True, False])
-@pytest.mark.parametrize(
-    "version", ["AC1006", "AC1009", "AC1012", "AC1014", "AC1015", "AC1032", None, "no header"]
-)
+@pytest.mark.parametrize("version", ["AC1006", "AC1014", "AC1032", None, "no header"])
 def test_an_lwpolyline_is_one_whatever_the_file_says_of_its_version(version, markers, ends, tmp_path):
     old = "  0\nPOLYLINE\n  8\nWALL\n 66\n1\n 70\n1\n" + "".join(
         f"  0\nVERTEX\n  8\nWALL\n 10\n{x}\n 20\n{y}\n" for x, y in SQUARE

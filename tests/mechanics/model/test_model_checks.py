@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,7 +11,6 @@ from mechanics.errors import DrawingError
 from mechanics.faults import LISTED, FaultyDrawingError
 from mechanics.model.block import Block, Material
 from mechanics.model.layout import survey_layout
-from mechanics.model.overlaps import find_overlaps
 
 STONE = Material(18.0)
 TOLERANCE = 1e-3
@@ -99,16 +95,6 @@ def test_small_block_inside_a_large_one():
     assert "handle A2) overlap by 4e-06 m²" in error(
         [BASE, rectangle(0, 0, 4, 4, "A1"), rectangle(2, 2, 2.002, 2.002, "A2")]
     )
-
-
-def test_slivers_that_cross():
-    upright, flat = rectangle(1, 0, 1.0015, 1, "A1"), rectangle(0.5, 0.5, 1.5, 0.5015, "A2")
-    assert "overlap by 2.25e-06 m² around (1.00075, 0.50075) m" in error([BASE, upright, flat])
-
-
-def test_slender_tip_inside_a_block():
-    wedge = Block([[2, -0.004], [2.2, 2], [1.8, 2]], 1.0, STONE, layer="WEDGE", handle="W")
-    assert 'layer "WEDGE", handle W) overlap' in error([BASE, rectangle(0, 0, 1, 1, "A1"), wedge])
 
 
 def test_slivers_wider_than_the_tolerance_are_blocks():
@@ -203,13 +189,6 @@ def test_gaps_that_are_meant():
         assert check_layout([BASE, *blocks], TOLERANCE) == ()
 
 
-def test_bond_moved_by_little_is_no_gap():
-    """The corners of bricks a few tolerances apart along a bed joint do not face each other."""
-    lower = [rectangle(0, 0, 1, 1), rectangle(1, 0, 2, 1)]
-    upper = [rectangle(0, 1, 1.005, 2), rectangle(1.005, 1, 2, 2)]
-    assert check_layout([BASE, *lower, *upper], TOLERANCE) == ()
-
-
 def test_support_that_touches_nothing():
     idle = rectangle(8, 0, 9, 1, "S9", support="right")
     (warning,) = check_layout([BASE, rectangle(0, 0, 1, 1, "A1"), idle], TOLERANCE)
@@ -239,83 +218,8 @@ def test_one_frame_is_one_fault_and_hides_no_other():
     assert "handle FLOATING) at (3.75, 3.5) m touches nothing" in message
 
 
-def test_a_frame_hides_no_gap():
-    blocks = [
-        BASE,
-        rectangle(0, 0, 1, 1, "A1"),
-        rectangle(0, 1.0026, 1, 2, "A2"),
-        rectangle(2, 0, 3, 1, "A3"),
-    ]
-    framed, gap, remedy = error([*blocks, rectangle(-2, -2, 6, 6, "FRAME")]).splitlines()
-    assert "encloses 4 other blocks" in framed
-    assert "face each other at (0.5, 1.0013) m" in gap and "tolerance_m = 0.004" in remedy
-
-
-def test_a_stack_of_copies_is_one_fault():
-    wall = [BASE, *(rectangle(0, 0, 1, 1, f"A{k}") for k in range(40))]
-    (line,) = error(wall).splitlines()
-    assert "handle A0) and block 2" in line and "and 37 more are the same outline drawn 40 times" in line
-
-
-def test_a_block_that_overlaps_many_is_told_once():
-    beam = rectangle(-0.5, 0.9, 4.5, 1.5, "BEAM")
-    message = error([BASE, *(rectangle(k, 0, k + 1, 1, f"A{k}") for k in range(4)), beam])
-    assert len(message.splitlines()) == 1
-    assert (
-        "handle BEAM)" in message and "overlaps 4 other blocks (1, 2, 3, …); correct its outline" in message
-    )
-
-
-def test_what_overlaps_is_not_told_to_touch_nothing_as_well():
-    sunk = [rectangle(0, -0.05, 1, 1, "A1"), rectangle(0, 1, 1, 2, "A2")]
-    (line,) = error([BASE, *sunk]).splitlines()
-    assert "overlap by 0.05 m²" in line
-
-
-def test_the_number_of_overlaps_is_bounded():
-    shifted = [rectangle(0.01 * k, 0, 1 + 0.01 * k, 1, f"A{k}") for k in range(40)]
-    polygons = shapely.polygons([block.polygon for block in shifted])
-    found = find_overlaps(shifted, polygons, 1e-3, most=30)
-    assert found.cut_short and len(found.pairs) == 30
-    assert any(
-        "more than 30 pairs of blocks overlap, and no more were looked for" in fault.text
-        for fault in found.faults
-    )
-    assert not find_overlaps(shifted, polygons, 1e-3).cut_short
-
-
 def test_a_tolerance_beyond_most_edges_is_refused_before_all_pairs_are_looked_at():
     angle = np.linspace(0.0, np.pi, 20_000)
     ring = np.stack([0.5 + np.cos(angle), np.sin(angle)], axis=1)
     message = error([BASE, Block(ring, 1.0, STONE)], 0.3)
     assert "it is too large for edges of 0.000157 m; write a smaller geometry.tolerance_m" in message
-
-
-def test_work_grows_no_faster_than_n_log_n_in_vertices():
-    """Two blocks along a wave of n chords, with a gap, an overlap and a copy: 16 times the vertices cost some 17 times.
-
-    What is quadratic costs 256 times. Of the processor's time, and the best of three of the small ones.
-    """
-
-    def seconds(count: int) -> float:
-        x = np.linspace(0.0, 10.0, count)
-        wave = np.stack([x, 1.0 + 0.3 * np.sin(x)], axis=1)
-        base = rectangle(-1, -1, 11, 0, support="base")
-        lower = Block(np.concatenate([[[0, 0], [10, 0]], wave[::-1]]), 1.0, STONE)
-        upper = Block(np.concatenate([np.add(wave, (0.0, 3e-6)), [[10, 3], [0, 3]]]), 1.0, STONE)
-        sunk = Block(np.concatenate([np.subtract(wave, (0.0, 0.05)), [[10, 3], [0, 3]]]), 1.0, STONE)
-        began = time.process_time()
-        for blocks in ([base, lower, upper], [base, lower, sunk], [base, lower, upper, upper]):
-            survey_layout(blocks, 1e-6)
-        return time.process_time() - began
-
-    seconds(100)
-    small = min(seconds(500) for _ in range(3))
-    assert seconds(8000) < 80.0 * small
-
-
-def test_open_head_joints_are_counted():
-    warnings = check_layout(running_bond(8, 5, joint=0.003), TOLERANCE)
-    assert len(warnings) == LISTED + 2
-    assert warnings[-2] == f"and {7 * 5 - LISTED} more of this kind"
-    assert warnings[-1] == "gaps of up to 3 mm: geometry.tolerance_m = 0.005 closes all of them"

@@ -85,29 +85,6 @@ def test_a_clip_drawn_in_model_space_goes_with_its_insert(at, turn, scale, base,
     assert handles(result) == [squares[1].dxf.handle, squares[2].dxf.handle]
 
 
-def test_clips_of_inserts_in_one_another_all_count(tmp_path):
-    document, space = drawing()
-    _, squares = row(document)
-    outer = document.blocks.new("OUTER")
-    inner = outer.add_blockref("ROW", (5, 5))
-    clip(inner, [(-1, -1), (42, 11)])
-    clip(space.add_blockref("OUTER", (0, 0)), [(18, 0), (100, 100)])
-    plain = space.add_blockref("OUTER", (0, 100))
-    result = read(document, tmp_path)
-    assert handles(result) == [squares[k].dxf.handle for k in (1, 2, 0, 1, 2)]
-    assert [b.handle.startswith(plain.dxf.handle) for b in result.blocks] == [False] * 2 + [True] * 3
-
-
-def test_a_clip_that_is_switched_off_hides_nothing(tmp_path):
-    document, space = drawing()
-    row(document)
-    insert = space.add_blockref("ROW", (0, 0))
-    clip(insert, [(-1, -1), (27, 11)])
-    XClip(insert).disable_clipping()
-    result = read(document, tmp_path)
-    assert len(result.blocks) == 4 and result.warnings == ()
-
-
 def test_clips_that_cannot_be_followed_are_refused(tmp_path):
     document, space = drawing()
     _, squares = row(document)

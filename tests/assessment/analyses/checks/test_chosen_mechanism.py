@@ -15,7 +15,6 @@ from assessment.analyses.checks.chosen_mechanism import (
 from assessment.analyses.checks.kinematics import (
     Hinge,
     KinematicsError,
-    _shared,
     _unhindered,
     finite_motion,
     virtual_displacements,
@@ -24,8 +23,6 @@ from assessment.cli.main import main
 from assessment.ntc.capacity_curve import mechanism_participation
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
-from assessment.project.formats.toml import read_toml
-from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.project.structure.places import Chosen, MacroBlock
@@ -217,14 +214,6 @@ def test_blocks_of_one_macro_block_do_not_run_into_each_other():
     assert answer.SLV.verified is not None
 
 
-def test_blocks_that_touch_share_no_area():
-    """The same motion: on its way the overlay in plain numbers gives a whole block once, 0.84 m²."""
-    model, chosen = column(3, height=1.4), mechanism(((0.6, 0.0), -1.0, [1, 2, 3]))
-    motion = finite_motion(model, model.initial.positions, chosen, [Hinge(0, None, (0.6, 0.0))])
-    shared = [_shared(model, positions, 1, 2) for positions in motion.positions]
-    assert len(shared) > 70 and max(shared) == pytest.approx(0.0, abs=1e-9)
-
-
 def test_the_last_configuration_of_a_motion_is_looked_at_too():
     """Of 41 every second one is looked at, from the second on; in the 41st the block has turned into the pillar."""
     blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
@@ -410,24 +399,3 @@ def test_a_wrong_choice_is_named_before_any_analysis(project, capsys, text, says
     written(project, f'\n[[mechanism]]\nname = "m"\nabout_m = [0.3, 0.0]\n{text}')
     assert main(["check", str(project)]) == 2
     assert f"error: project.toml: {says}" in capsys.readouterr().err
-
-
-def test_mechanisms_and_floor_survive_the_spreadsheet(project):
-    """The same content from project.toml and from project.xlsx: lists in one cell, a table within a table."""
-    site = "".join(f"{name} = {{ag_g = 0.2, F0 = 2.4, Tc_star_s = 0.3}}\n" for name in ("SLD", "SLV", "SLC"))
-    text = '[assessment]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n' + site + FLOOR + GIVEN
-    content = load_project(written(project, text))
-    (project / "project.xlsx").write_bytes(to_xlsx(read_toml(project / "project.toml")))
-    (project / "project.toml").unlink()
-    assert load_project(project).content() == content.content()
-    assert len(content.mechanism) == 5
-
-
-FLOOR = """[assessment.floor]
-height_m = 7.0
-building_height_m = 10.0
-storeys = 3
-period_s = 0.4
-higher_periods_s = [0.13, 0.08]
-higher_participations = [-0.24, 0.1]
-"""

@@ -66,14 +66,3 @@ def test_coulombs_law_counts_where_none_is_asked_for_and_both_indices_are_told(t
     for row in found["none"]["summary"]["rows"]:
         assert row["alpha_0"] == capacity["none"]["alpha_0"]
         assert row.get("other_law") == capacity["none"].get("other_law")
-
-
-@pytest.mark.usefixtures("no_figures")
-def test_a_mechanism_that_only_turns_has_one_law(tmp_path):
-    folder = tmp_path / "block"
-    folder.mkdir()
-    write_drawing(folder / "geometry.dxf", {"BASE": LAYERS["BASE"], "WALL": [rectangle(-0.3, 0.3, 0.0, 4.2)]})
-    (folder / "project.toml").write_text(block() + PUSHED + ASSESSMENT, encoding="utf-8")
-    assert main(["run", str(folder), "--no-report"]) == 0
-    state = read_results(folder / "output")["states"]["original"]
-    assert "other_law" not in state["capacity"]["+x"] and "other_law" not in state["pushover"]["+x"]["rigid"]

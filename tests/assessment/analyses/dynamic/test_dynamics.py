@@ -9,8 +9,6 @@ from assessment.analyses.dynamic import time_history as response
 from assessment.analyses.dynamic.time_history import TAIL as FREE
 from assessment.analyses.dynamic.time_history import (
     Setting,
-    Shaking,
-    history,
     respond,
     sustained_peak,
     thinned,
@@ -28,7 +26,6 @@ from assessment.report.text.language import words_of
 from assessment.results.numbers import plain
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import Pool
-from assessment.runtime.progress import Show
 from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
@@ -82,69 +79,6 @@ def outcome(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dynamic") / "block"
     project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0), INCREMENTAL)
     return run(project, build_model(project), jobs=1)
-
-
-class Told(Show):
-    """What was told of the analyses under way."""
-
-    def __init__(self):
-        self.lines = []
-
-    def begin(self, stage, total, taken, work):
-        self.lines.append(("begin", stage, total, taken))
-
-    def under_way(self, title):
-        self.lines.append(("under way", title))
-
-    def reached(self, done):
-        pass  # how often depends on the machine
-
-    def advance(self, done):
-        self.lines.append(("advance",))
-
-    def end(self):
-        self.lines.append(("end",))
-
-
-def test_incremental_analysis_tells_its_progress_and_is_the_same_on_several_processes(tmp_path):
-    table = INCREMENTAL.replace("0.1", "0.4") + 'states = ["original"]\n'
-    project = _project(tmp_path / "block", table)
-    for name, scale in (("wave", 0.5), ("later", 0.3)):
-        short = np.column_stack([TIME, scale * WAVE])[25:76]
-        np.savetxt(project.folder / f"{name}.csv", short - short[0], delimiter=",", fmt="%.8f")
-    found, told = [], []
-    for jobs in (1, 2):
-        show = Told()
-        states = plain(run(project, build_model(project), jobs, show=show).results)["states"]
-        found.append(states["original"]["incremental"]["records"])
-        begun = show.lines.index(("begin", "incremental", 4, 0))
-        told.append(show.lines[begun : show.lines.index(("end",), begun) + 1])
-        assert ("begin", "finer: incremental", 2, 0) in show.lines
-    for records in found:
-        assert len(records) == 2
-        assert all(record.pop("seconds") > 0.0 for record in records)
-    assert found[0] == found[1]
-    under_way = [f"original, {record}, {sign}" for record in ("later", "wave") for sign in "+−"]
-    one_by_one = [event for title in under_way for event in (("under way", title), ("advance",))]
-    assert told[0] == [("begin", "incremental", 4, 0), *one_by_one, ("end",)]
-    others = [line for line in told[1] if line[0] != "under way"]  # how often depends on the machine
-    assert others == [("begin", "incremental", 4, 0), *[("advance",)] * 4, ("end",)]
-
-
-def test_the_time_left_of_a_run_of_one_history_is_told_before_it_is_finished(tmp_path, monkeypatch):
-    """It was not known until the end. Of 501 steps 200 and 400 are reached, and the free motion after them counts."""
-    monkeypatch.setattr(Told, "interval", 0.0)  # however fast the machine is
-    project = _project(tmp_path / "block", TAIL.format(scale=0.2), 'states = ["original"]\n')
-    long = np.column_stack([STEP * np.arange(501), 0.3 * np.resize(WAVE, 501)])
-    np.savetxt(project.folder / "wave.csv", long, delimiter=",", fmt="%.8f")
-    monkeypatch.setattr(Told, "reached", lambda told, done: told.lines.append(("reached", done)))
-    show = Told()
-    run(load_project(project.folder), build_model(project), jobs=1, show=show)
-    begun = show.lines.index(("begin", "history", 2, 0))  # a pair of members
-    first = show.lines[begun + 1 : show.lines.index(("advance",), begun)]
-    reached = [line[1] for line in first if line[0] == "reached"]
-    record = 501 / (501 + FREE / STEP + 2)
-    assert reached[:3] == pytest.approx([share * 501 * record for share in (0.4, 0.8, 1.0)])
 
 
 def test_histories_of_both_states_and_records(outcome):
@@ -210,14 +144,6 @@ def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
     assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
 
 
-def test_results_are_json_and_every_solve_counts(outcome):
-    json.dumps(plain(outcome.results), allow_nan=False)
-    stages = {row.stage for row in outcome.results.quality.by_stage}
-    assert {"history, wave × 0.58", "incremental, wave"} <= stages
-    assert outcome.results.quality.worst_equilibrium_residual < 1e-6
-    assert "wave.csv" in outcome.results.inputs
-
-
 @pytest.mark.parametrize("language", ["it", "en"])
 def test_figures_tables_and_report(outcome, tmp_path, language):
     results = json.loads(json.dumps(plain(outcome.results)))
@@ -235,21 +161,6 @@ def test_figures_tables_and_report(outcome, tmp_path, language):
     html = render_html(typed(results), tmp_path, words_of(typed(results)))
     for chapter in ("history", "incremental"):
         assert f"<h3>{words_of(typed(results))(f'section.{chapter}')}</h3>" in html
-
-
-def test_without_dynamic_tables_nothing_changes(tmp_path):
-    project = _project(tmp_path / "block")
-    outcome = run(project, build_model(project), jobs=1)
-    assert outcome.complete
-    assert outcome.results.motions is None
-    assert list(outcome.results.states) == ["base ruotata 20 mrad"]
-    assert outcome.results.timing_s.keys() == {"pushdown"}
-    assert {picture.section for picture in pictures(outcome.results)} == {
-        "synthesis",
-        "structure",
-        "movement",
-        "cracks",
-    }
 
 
 def test_a_state_that_collapses_under_its_settlement(tmp_path):
@@ -315,12 +226,6 @@ def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, 
     np.testing.assert_allclose(motion.vertical, 2.0 * 0.1 * (1.5 + motion.record.time), atol=1e-9)
 
 
-def test_a_vertical_record_that_ends_within_a_step_of_the_horizontal_one_is_zero_beyond(tmp_path):
-    time = 0.0205 * np.arange(98)  # up to 1.9885 s, the horizontal one to 2 s
-    motion = _vertical_motion(tmp_path / "block", time, 0.1 + 0.1 * time)
-    np.testing.assert_allclose(motion.vertical, [*(0.2 + 0.2 * TIME[:-1]), 0.0], atol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("extra", "named"),
     [
@@ -363,17 +268,6 @@ def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
     assert response.positions.shape == (response.time.size, 2, 3)
     gentle = respond(model, _motion(Record(0.2 * WAVE, STEP, "gentle")), setting, model.initial)
     assert len(gentle.parts) == 1
-
-
-def test_a_step_that_is_not_solved_is_a_failure(setting, monkeypatch):
-    def refuse(*_, **__):
-        raise ConvergenceError(message("step 3: no solution"))
-
-    monkeypatch.setattr(response, "time_history", refuse)
-    model = block_on_base(0.6, 2.4)
-    result = history(Shaking(model, _motion(Record(WAVE, STEP, "wave")), setting, "original", model.initial))
-    assert result.failures == ["original, history of wave: step 3: no solution"]
-    assert result.numbers.collapsed is None
 
 
 def test_thinned_curves_keep_their_shape():
@@ -448,13 +342,6 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
     assert outcome.results.states["original"].history[0].reason == "step 3: no solution"
     assert outcome.results.states["original"].incremental.pga_collapse_g is None
     assert outcome.results.states[project.states[1]].pushdown["rigid"].movement_m
-
-
-def test_a_record_is_not_followed_along_the_grid(tmp_path):
-    project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
-    gridded = project.assessment.model_copy(update={"method": "grid"})
-    with pytest.raises(ProjectError, match=r"assessment\.method"):
-        run(project.model_copy(update={"assessment": gridded}), build_model(project), jobs=1)
 
 
 def test_free_motion_is_followed_to_rest_and_what_still_moves_is_told(tmp_path, monkeypatch):

@@ -13,12 +13,11 @@ from scipy.special import ndtr
 
 from assessment.analyses.dynamic.fragility import RecordLevel, observed, over_records
 from assessment.analyses.dynamic.histories import Scatter
-from assessment.analyses.dynamic.scan import CERTAIN, DOWN, Reach, Scan, scan, scan_levels
-from assessment.analyses.dynamic.time_history import Setting, Shaking
+from assessment.analyses.dynamic.scan import CERTAIN, DOWN, Reach, scan, scan_levels
+from assessment.analyses.dynamic.time_history import Setting
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
-from assessment.results.schema.dynamic import Level
-from assessment.studies.campaign.scans import Asked, _doubts, level_found, observed_in
+from assessment.studies.campaign.scans import level_found, observed_in
 from mechanics import Assembly, Block, Material
 from mechanics.records.record import Record
 from tests.support.structures import block_on_base, rectangle
@@ -211,18 +210,3 @@ def test_the_band_of_a_fragility_is_that_of_its_samples():
     assert half == found.median_range
     assert [low for _, low, _ in found.band] == sorted(low for _, low, _ in found.band)
     assert not over_records(levels[:2]).band  # two records tell no range
-
-
-@pytest.mark.parametrize(("scale", "told"), [(1.0, True), (0.5, False)])
-def test_a_record_scaled_far_is_told_also_where_it_is_withstood(scale: float, told: bool) -> None:
-    record = Record(np.array([0.0, 0.2, 0.0]), 0.01, "short")
-    motion = BaseMotion(record, record, 0.2, scale)
-    setting = Setting(MotionTable(contacts="rigid"), ControlTable(name="c", point_m=(0.0, 0.0)))
-    model = block_on_base(0.6, 4.2)
-    asked = Asked(Shaking(model, motion, setting, "original", model.initial), 1, 1, Reach(5.0))
-    stood = Level(
-        pga_g=0.9, peak_displacement_m=0.1, peak_displacement_m_range=[0.1, 0.1], residual_displacement_m=0.0,
-        members=1, members_collapsed=0, collapsed=False, time_of_collapse_s=None, reason=None, integrator_share=0.0,
-    )  # fmt: skip
-    notes = list(_doubts(asked, Scan([stood])))
-    assert any("scaled by" in note for note in notes) == told and any("no collapse" in note for note in notes)

@@ -77,16 +77,6 @@ def test_a_curve_is_not_thrown_away_for_its_control_point(tmp_path):
         assert ratios[0] == pytest.approx(ratios[1], rel=1e-6)
 
 
-@pytest.mark.usefixtures("no_figures")
-def test_a_history_alone_has_a_control_point(tmp_path):
-    record = "".join(f"{0.01 * k:.2f},{0.05 * (-1) ** (k // 10):.3f}\n" for k in range(40))
-    project = plinth(tmp_path / "wall", BARE + '[[history]]\nrecord = "r.csv"\ntime_step_s = 0.01\n')
-    (project / "r.csv").write_text(record, encoding="utf-8")
-    assert run(project) == 0
-    [history] = read_results(project / "output")["states"]["original"]["history"]
-    assert history["control"] == "scelto +x"
-
-
 def test_a_curve_whose_first_motion_is_not_found_is_told_and_the_others_go_on(monkeypatch):
     """Checks are of the first motion: without it there is no capacity, and none that is too large."""
     model, made = block_on_base(), lateral.rigid_push

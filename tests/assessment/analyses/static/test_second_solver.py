@@ -44,19 +44,6 @@ def test_with_coulomb_friction_the_associative_multiplier_is_compared(tmp_path):
     assert rigid["second_solver"]["alpha_linear_program"] == pytest.approx(1.0 / 7.0, rel=1e-9)
 
 
-def test_the_law_of_the_comparison_is_associative(monkeypatch):
-    laws = []
-
-    def listened(model, direction, state, sliding):
-        laws.append(sliding)
-        return limit_in(model, direction, state, sliding)
-
-    monkeypatch.setattr(module, "limit_in", listened)
-    model = column(0.5, 1.0, 2, friction=0.3)
-    assert second_solver(model, "original", "+x", model.initial, 0.2).value is not None
-    assert laws == ["associative"]
-
-
 @pytest.mark.parametrize(("share", "warned"), [(5e-7, False), (-5e-7, False), (2e-6, True), (-2e-6, True)])
 def test_a_difference_above_one_in_a_million_is_warned_of(monkeypatch, share, warned):
     def wrong(model, direction, state, sliding):

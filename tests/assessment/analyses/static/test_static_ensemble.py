@@ -29,7 +29,7 @@ from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush,
 from assessment.runtime.tasks import Workers
 from mechanics import Assembly, Block, Material, pushover
 from mechanics.messages import message
-from tests.support.block_project import TURNED, block, read_results, run, write_block
+from tests.support.block_project import TURNED, block, write_block
 from tests.support.structures import block_on_base, rectangle, running_bond
 from tests.support.typed import made
 
@@ -247,14 +247,3 @@ def test_a_run_without_capacity_does_not_govern():
     assert found.pushover["+x"].run.member == 1 and found.capacity["+x"].SLV.a_g_g_range == pytest.approx(
         widened(0.5, 0.6)
     )
-
-
-@pytest.mark.usefixtures("no_figures")
-@pytest.mark.parametrize("sliding", ["coulomb", "associative"])
-def test_every_curve_says_how_joints_slide(tmp_path, sliding):
-    text = block().replace("friction = 0.7", "friction = 0.1") + PUSHOVER
-    project = write_block(tmp_path, text + f'[contacts]\nsliding = "{sliding}"\n')
-    assert run(project) == 0
-    results = read_results(project / "output")
-    rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
-    assert rigid["sliding"] == sliding and rigid["alpha_0"] == pytest.approx(0.1, rel=1e-5)

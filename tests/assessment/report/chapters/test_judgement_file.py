@@ -13,7 +13,6 @@ from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
 from assessment.runtime.pool import Pool
 from assessment.workflow.output import write
-from tests.support.block_project import edit, run
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 
@@ -51,13 +50,6 @@ def test_an_edited_text_is_kept_and_a_change_of_the_numbers_is_said(results, tmp
     assert "changed" in later.warnings[0]
 
 
-def test_a_text_of_ones_own_without_the_mark_is_kept(results, tmp_path):
-    (tmp_path / NAME).write_text("Mine.\n", encoding="utf-8")
-    kept = judgement(typed(results), words_of(typed(results)), tmp_path)
-    assert kept.content.decode() == "Mine.\n"
-    assert kept.warnings
-
-
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
 def test_the_encodings_of_windows_editors_are_read_and_left(results, tmp_path, encoding, newline):
@@ -89,19 +81,6 @@ def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatc
         f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
     )
     assert path.read_bytes() == content
-
-
-def test_what_is_no_text_is_told_where_the_report_is_printed_again(project, capsys, quick):
-    """With a project file changed since the run, results.json was called damaged in its place."""
-    assert run(project) == 0
-    edit(project, "friction = 0.7", "friction = 0.6")
-    path = project / "output" / NAME
-    path.write_bytes(b"PK\x03\x04\x00\x00")
-    capsys.readouterr()
-    assert main(["report", str(project)]) == 2
-    assert capsys.readouterr().err == (
-        f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
-    )
 
 
 @pytest.mark.parametrize(

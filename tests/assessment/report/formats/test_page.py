@@ -1,6 +1,5 @@
 """report.html in a real browser: slider, keys and curve step shape and marker together; tooltips; no network."""
 
-import json
 import math
 import re
 
@@ -101,13 +100,6 @@ def test_data_cannot_close_the_script():
     results = analysed("it")
     results["geometry"]["blocks"][0]["layer"] = "</script><b>"
     assert "</script" not in viewer(typed(results), words_of(typed(results))).data
-
-
-def test_results_without_frames_have_no_viewer():
-    results = analysed()
-    for content in results["states"].values():
-        content["pushdown"], content["pushover"], content["history"] = {}, {}, []
-    assert viewer(typed(results), words_of(typed(results))) is None
 
 
 @needs_browser
@@ -220,42 +212,6 @@ def test_magnified_displacements_and_hidden_thrust(page):
         "(() => { const t = document.getElementById('viewer-times'); t.value = '1';"
         "t.dispatchEvent(new Event('change')) })()"
     )
-
-
-@needs_browser
-def test_play_runs_to_the_end_and_stops(page):
-    page.ask("document.getElementById('viewer-play').click()")
-    page.wait("document.getElementById('viewer-frame').value === document.getElementById('viewer-frame').max")
-    page.wait("document.getElementById('viewer-play').textContent === '▶'")
-
-
-@needs_browser
-def test_a_photograph_shows_a_drawing(page, tmp_path):
-    from matplotlib.image import imread
-
-    page.photograph(tmp_path / "page.png")
-    image = imread(tmp_path / "page.png")
-    dark = (image[..., :3].mean(axis=2) < 0.5).mean()
-    assert 0.001 < dark < 0.3
-
-
-def test_words_of_the_viewer_reach_the_script():
-    results = analysed("it")
-    data = json.loads(viewer(typed(results), words_of(typed(results))).data)
-    assert data["words"]["edge"] == words_of(typed(results)).plain("viewer.edge")
-    assert data["words"]["decimal_mark"] == ","
-
-
-def test_the_page_has_a_table_of_contents_and_fits_a_telephone(html):
-    text = html.read_text(encoding="utf-8")
-    controls = re.findall(r'<(?:select|button|input|svg) id="viewer-[^>]*>', text)
-    unnamed = [each for each in controls if "aria-label" not in each]
-    assert len(controls) > 6 and all(
-        re.search(r"viewer-(times|over|forces)", each) for each in unnamed
-    )  # in labels
-    assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in text
-    targets = re.findall(r'<a href="#(\w+)">', text)
-    assert len(targets) > 10 and all(f'id="{name}"' in text for name in targets)
 
 
 def test_pushovers_offer_the_displacements_of_the_limit_states():

@@ -1,21 +1,19 @@
 """The tables hold the numbers of the results; reductions compare settled states with the original."""
 
 import csv
-import io
 
 import pandas as pd
 import pytest
 
 from assessment.project.project import json_schema
-from assessment.report.chapters.grids import echoed, grid, ranges_table
+from assessment.report.chapters.grids import echoed
 from assessment.report.chapters.remarks import indices as index_sentences
 from assessment.report.tables import write_tables
-from assessment.report.tables.capacity import indices, reported_indices, summary, trace, verification
+from assessment.report.tables.capacity import summary, verification
 from assessment.report.tables.equilibrium import hand_check
 from assessment.report.tables.mechanisms import all_mechanisms
-from assessment.report.tables.structure import blocks, layers
+from assessment.report.tables.structure import layers
 from assessment.report.text.language import LANGUAGES, Words, cell
-from assessment.results.table import Table
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 
@@ -25,24 +23,6 @@ def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tables")
     write_tables(typed(results_example()), folder)
     return {path.stem: path for path in folder.iterdir()}
-
-
-def test_all_tables_are_written(written):
-    names = {"blocks", "layers", "settlements", "pushdown", "mechanisms", "pushover", "capacity", "summary"}
-    assert set(written) == names | {
-        "verification",
-        "comparison",
-        "convergence",
-        "cracks",
-        "hand_check",
-        "incremental_convergence",
-        "macro_blocks",
-        "quality",
-        "spectrum",
-        "action",
-        "all_mechanisms",
-        "trace",
-    }
 
 
 def test_curves_come_back_as_they_were(written):
@@ -94,14 +74,6 @@ def test_a_layer_overrides_the_default_material():
     assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
 
 
-def test_area_does_not_depend_on_the_sense_of_the_polygon():
-    results = results_example()
-    before = [row["area_m2"] for row in blocks(typed(results)).rows]
-    for block in results["geometry"]["blocks"]:
-        block["vertices_m"].reverse()
-    assert [row["area_m2"] for row in blocks(typed(results)).rows] == pytest.approx(before)
-
-
 def test_one_check_per_state_direction_and_limit_state():
     rows = verification(typed(results_example())).rows
     assert len(rows) == 2 * 2 * 3
@@ -129,37 +101,6 @@ def test_no_cell_begins_like_a_formula(tmp_path):
                     words += 1
                     assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
     assert words > 100
-
-
-def test_same_bytes_and_plain_csv(written, tmp_path):
-    write_tables(typed(results_example("en")), tmp_path)
-    for path in tmp_path.iterdir():
-        assert path.read_bytes() == written[path.stem].read_bytes()
-        assert b"\r" not in path.read_bytes()
-        assert len(pd.read_csv(io.BytesIO(path.read_bytes()))) > 0
-
-
-def test_the_trace_holds_every_direction_and_limit_state():
-    steps = [
-        {
-            "symbol": "a",
-            "formula": "b*c",
-            "inputs": {"b": 2.0, "c": 0.5},
-            "result": 1.0,
-            "unit": "m",
-            "paragraph": "§",
-        }
-    ]
-    results = results_example()
-    for state in results["states"].values():
-        for capacity in state["capacity"].values():
-            capacity["trace"] = steps
-            for limit in ("SLD", "SLV", "SLC"):
-                capacity[limit]["trace"] = steps
-    rows = trace(typed(results)).rows
-    assert len(rows) == 2 * 2 * 4
-    assert {row["part"] for row in rows} == {"capacity", "SLD", "SLV", "SLC"}
-    assert rows[0]["inputs"] == "b=2.0; c=0.5"
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -208,32 +149,6 @@ def test_mechanisms_found_and_chosen_stand_in_one_table():
     assert rows[0]["zeta_SLC"] == capacity["SLC"]["zeta_E"]
 
 
-def test_ranges_say_what_an_acceleration_refers_to():
-    """The table of ranges printed "a_g [g]" alone; a ratio of its a_g says nothing more, and is left out."""
-    row = {
-        "state": "moved",
-        "direction": "+x",
-        "limit_state": "SLV",
-        "value": 0.1,
-        "lowest": 0.1,
-        "highest": 0.2,
-    }
-    found = [row | {"quantity": quantity} for quantity in ("a_g_g", "zeta_E")]
-    made = ranges_table(found, Words.of("it"))
-    assert [row["quantity"].striptags() for row in made.rows] == ["ag su suolo rigido [g] SLV"]
-
-
-def test_a_mechanism_is_named_by_what_it_is_made_of():
-    rows = [{"mechanism": text} for text in ("4 + 0", "16 + 6", "0 + 1", "parete che ruota")]
-    made = grid(Table("all_mechanisms", rows, ("mechanism",)), Words.of("it"), "")
-    assert [row[0] for row in made.rows] == [
-        "4 cerniere",
-        "16 cerniere, 6 scorrimenti",
-        "1 scorrimento",
-        "parete che ruota",
-    ]
-
-
 @pytest.mark.parametrize(
     ("column", "value", "shown"),
     [
@@ -253,15 +168,6 @@ def test_a_mechanism_is_named_by_what_it_is_made_of():
 def test_no_number_has_digits_that_mean_nothing(column, value, shown):
     """A joint at x = −0.00323 m, T_R = 50.0 years, e* reduced by 0.0960 % stood there."""
     assert cell(column, {column: value}, Words.of("it"), 4) == shown
-
-
-def test_safety_and_risk_have_a_table_each():
-    """One table of thirteen columns broke the names of states in three; the IS-V of the class was not there."""
-    results = typed(analysed_indices())
-    [safety, risk] = reported_indices(results)
-    assert set(safety.columns) | set(risk.columns) == set(indices(results).columns)
-    assert set(safety.columns) & set(risk.columns) == {"state"}
-    assert [row["IS_V"] for row in risk.rows] == [0.3]
 
 
 def test_an_index_that_needs_a_return_period_is_told_where_one_is_known():

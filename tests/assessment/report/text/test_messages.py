@@ -1,9 +1,7 @@
 """Messages are worded by the report: every template of the code has its Italian, and none is parsed back."""
 
 import ast
-import json
 import pickle
-import re
 from string import Formatter
 
 import pytest
@@ -25,7 +23,6 @@ TITLE = message(
     direction="-x",
     contacts="rigid",
 )
-BY_ITSELF = "between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again"
 
 
 def calls():
@@ -103,15 +100,6 @@ def test_results_keep_messages_and_their_file_what_they_are_made_of(tmp_path):
     assert as_bytes(again) == file.read_bytes()
 
 
-def test_a_damaged_table_of_messages_is_refused(tmp_path):
-    file = tmp_path / "results.json"
-    content = json.loads(as_bytes(typed(analysed())))
-    for table in ({"α = 0": {"template": "α = 0"}}, {"a": {"template": "{a}", "fields": {}}}, ["a"]):
-        file.write_text(json.dumps(content | {"messages": table}))
-        with pytest.raises(ValueError, match=r"results\.json: messages: not as they are written: damaged"):
-            read_results(file)
-
-
 def test_the_same_warning_of_several_members_is_one_with_its_range():
     """Five members of an ensemble said the same in five lines."""
     lost = [
@@ -151,41 +139,6 @@ def test_messages_within_messages_numbers_and_names():
     )
 
 
-def test_a_name_that_is_a_message_stays_a_name():
-    """What the English was parsed for: a name with colons and words of other messages."""
-    name = "original, pushover +x, rigid contacts: α = 0.5"
-    told = message('mechanism "{name}": {text}', name=name, text=message("α = 0"))
-    assert in_italian(told) == f"meccanismo «{name}»: α = 0"
-
-
-def test_what_is_no_message_stays_as_it_is():
-    italian = Words.of("it")
-    assert translated("something new", italian) == "something new"
-    told = headed("original", "block 3 has fallen by 0.5 m")
-    assert in_italian(told) == "original: block 3 has fallen by 0.5 m"
-    unknown = message("unknown {number:.2g}", number=0.5)
-    assert (
-        in_italian(message("{state}: {text}", state="original", text=unknown))
-        == "stato “originale”: unknown 0,5"
-    )
-
-
-def test_messages_are_sentences_of_the_report():
-    """A capital, a full stop, powers of ten."""
-    moves = headed(TITLE, message(BY_ITSELF, start=7.7e-12, end=1e-5))
-    assert as_sentence(moves, "en") == (
-        "Moved 20 mm, pushover −x, rigid contacts: between d = 7.7·10⁻¹² and 1·10⁻⁵ m a part "
-        "moves by itself, until others hold it again."
-    )
-    italian = as_sentence(moves, "it")
-    assert italian.startswith(
-        "Stato “moved 20 mm”, pushover in direzione −x, giunti rigidi: fra d = 7,7·10⁻¹² e"
-    )
-    assert italian.endswith("fino a trovare un nuovo contrasto.")
-    assert sentence("$INSUNITS says mm.", Words.of("en")) == "$INSUNITS says mm."
-    assert sentence("α = 0", Words.of("en")) == "α = 0."
-
-
 def test_symbols_of_warnings_are_set_as_symbols():
     told = message(
         "by {law} α0 is {other:.4g}, not {multiplier:.4g}",
@@ -208,22 +161,3 @@ def test_every_warning_of_a_run_is_worded_in_italian():
     warnings = all_warnings(results)
     assert warnings and all(isinstance(each, Message) for each in warnings)
     assert not any(translated(each, words_of(results)) == each for each in warnings)
-
-
-def test_a_message_with_an_acceleration_says_which_it_is():
-    """ "Collapse at 0.31 g" did not say of what: PGA, a_g, or the acceleration that is left of a block."""
-    named = re.compile(r"PGA|a_g|accelera|\{ag:")
-    found = [both for both in templates("it").items() if re.search(r"\} g\b", both[1])]
-    assert len(found) > 8
-    assert [both for both in found if not all(map(named.search, both))] == []
-
-
-def test_messages_are_plain_text_in_results():
-    """Those who read the file, or use the results in Python, see strings."""
-    text = message("α = 0")
-    assert isinstance(text, str) and isinstance(text, Message) and f"{text}" == "α = 0"
-
-
-def test_a_blank_stands_before_the_sign_of_per_cent():
-    text = message("the integrator itself took {share:.0%} of the energy dissipated", share=0.29)
-    assert "29 % of" in as_sentence(text, "en")
