@@ -25,7 +25,6 @@ Results = dict[str, Any]
 Fields = Mapping[str, str]
 LIMITS = ("SLO", "SLD", "SLV", "SLC")
 WORDS = words_of(typed(results_example("en")))
-SMALLEST = 1e-9  # a reduction no larger is none
 
 
 class Read:
@@ -80,7 +79,6 @@ WORDS_OF: dict[str, Callable[[Any], str]] = {
     "mechanism": str,
     "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
 }
-CHECK_OF = {"SLV, linear": "SLV linear", "SLD, elastic branch": "SLD elastic"}
 show, ratio, per_cent = WORDS.show, WORDS.ratio, WORDS.per_cent
 ratio_of = WORDS.ratio
 

@@ -20,13 +20,6 @@ def text_of(results: Results) -> str:
     return " ".join(draft_judgement(typed(results), words_of(typed(results)))).replace(NO_BREAK, " ")
 
 
-def capacity_of(results: Results, state: str, direction: str, check: str, a_g: float | None) -> None:
-    """Give a check another result."""
-    found = results["states"][state]["capacity"][direction].setdefault(check, {"demand_a_g_g": 0.261})
-    ratio = None if a_g is None else a_g / found["demand_a_g_g"]
-    found |= {"a_g_g": a_g, "zeta_E": ratio, "verified": None if ratio is None else ratio >= 1.0}
-
-
 def test_a_mechanism_chosen_by_the_engineer_is_not_forgotten():
     results = results_example("en")
     check = {
