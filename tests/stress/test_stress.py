@@ -14,7 +14,7 @@ from mechanics.errors import UnstableError
 from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.program import Certificate
 from tests.stress.cases import CASES
-from tests.stress.harness import Case, Outcome, apart, judge, sound, table
+from tests.stress.harness import Case, apart, judge, sound
 from tests.support.structures import block_on_base
 
 LONG = os.environ.get("ASSESTO_STRESS") == "long"
@@ -75,11 +75,3 @@ def test_the_harness_sees_what_goes_wrong(kind):
 def test_an_answer_where_there_is_none_is_a_failure():
     answered = Case("harness", "answered", partial(fault, "nothing"), (UnstableError,), must_refuse=True)
     assert judge(answered).verdict == "failed"
-
-
-def test_the_table_counts():
-    case = Case("g", "n", partial(fault, "nothing"))
-    rows = table(
-        [(case, Outcome("certified")), (case, Outcome("refused")), (case, Outcome("failed"))]
-    ).splitlines()
-    assert rows[-2:] == ["| g | 3 | 1 | 1 | 1 |", "| **all** | 3 | 1 | 1 | 1 |"]

@@ -93,14 +93,6 @@ def test_tall_block_second_order_at_20_ms() -> None:
     assert not motion.collapsed
 
 
-def test_short_block_second_order() -> None:
-    model, state, alpha = released(0.17, 1.0, 0.64)
-    motion = time_history(model, np.zeros(300), 0.01, "rigid", state, "second-order")
-    assert peaks(motion.positions[:, 1, 2], alpha) == pytest.approx(exact_peaks(0.17, 1.0, 0.64), rel=0.005)
-    _, impacts = housner(0.17, 1.0, 0.64, motion.time)
-    assert crossings(motion.time, motion.positions[:, 1, 2])[:3] == pytest.approx(impacts[:3], rel=0.003)
-
-
 @pytest.mark.parametrize(
     ("step", "expected"),
     [
@@ -119,15 +111,6 @@ def test_implicit_euler_is_the_papers(step: float, expected: tuple[float, ...]) 
     h = step * np.sqrt(9.81 / GRAVITY)
     motion = time_history(model, np.zeros(round(4.2 / step)), h, "rigid", state, "implicit-euler")
     assert peaks(motion.positions[:, 1, 2], alpha) == pytest.approx(expected, abs=0.01)
-
-
-def test_implicit_euler_needs_less_than_a_millisecond_for_one_percent() -> None:
-    model, state, alpha = released(0.6, 4.2, 0.5)
-    motion = time_history(model, np.zeros(4200), 0.001, "rigid", state, "implicit-euler")
-    found, exact = peaks(motion.positions[:, 1, 2], alpha), exact_peaks(0.6, 4.2, 0.5)
-    assert found[0] < exact[0] * 0.995, "it damps the motion"
-    assert found[2] < exact[2] * 0.99
-    assert found == pytest.approx(exact, rel=0.05)
 
 
 def test_implicit_euler_is_of_first_order() -> None:
@@ -238,19 +221,6 @@ def pulse(amplitude: float, duration: float, end: float, step: float) -> np.ndar
     """A rectangular pulse in g whose last sample is halved, so that it keeps its area."""
     time = step * np.arange(round(end / step) + 1)
     return amplitude * ((time < duration - 1e-9) + 0.5 * (abs(time - duration) < 1e-9))
-
-
-def test_rectangular_pulse_that_hardly_lifts_the_block() -> None:
-    """0.5 × 3.5 m under 0.15 g for 0.2 s (paper, §6.1): peak 6.28e-4 rad at 0.210 s, first impact at 0.257 s."""
-    model = block_on_base(0.5, 3.5, friction=0.7)
-    step = 0.001
-    motion = time_history(model, pulse(0.15, 0.2, 0.3, step), step, "rigid", integrator="second-order")
-    rotation = abs(motion.positions[:, 1, 2])
-    k = int(rotation[:240].argmax())
-    assert rotation[k] == pytest.approx(6.28e-4, rel=0.01)
-    assert motion.time[k] == pytest.approx(0.210, abs=0.002)
-    first = crossings(motion.time, motion.positions[:, 1, 2])[0]
-    assert first == pytest.approx(0.257, abs=0.002)
 
 
 @pytest.mark.parametrize("k", [1.2, 1.5, 2.0, 4.0])

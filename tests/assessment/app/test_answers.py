@@ -21,7 +21,6 @@ from assessment.project.catalogue.new_project import template_layout, write_draw
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, write_block
-from tests.support.dxf import drawing, outline
 
 SLOW = 600  # times that something is looked for, with a tenth of a second between
 
@@ -125,10 +124,6 @@ def test_a_page_of_another_project_changes_nothing_and_is_told(session):
     assert ask(session.held(ask(session, "state")["project"]), "model")["tag"] == ask(session, "state")["tag"]
 
 
-def full(*_):
-    raise OSError(28, "No space left on device", "somewhere")
-
-
 def test_the_drawing_is_drawn_again_where_it_changes_and_not_for_the_report(session):
     tag = ask(session, "state")["tag"]
     changed(session, [["report", "client"], "Somebody"])
@@ -193,13 +188,6 @@ def test_the_model_is_blocks_joints_and_whether_they_stand(session):
     assert model["layers"] == {"BASE": 1, "BLOCCO": 1}
 
 
-def test_what_a_run_would_refuse_is_told_and_the_drawing_is_drawn_all_the_same(session):
-    changed(session, [["control", 0, "point_m"], [50.0, 50.0]])
-    model = ask(session, "model")
-    assert len(model["blocks"]) == 2
-    assert "control.right.point_m" in model["error"]
-
-
 def overlapping(folder):
     layout = template_layout("block")
     layout["BLOCCO"] = [polygon - [0.0, 0.005] for polygon in layout["BLOCCO"]]
@@ -238,20 +226,6 @@ def test_a_support_is_followed_and_its_whole_way_is_that_of_the_project(session)
     assert fallen["stopped"]["en"] != fallen["stopped"]["it"]
 
 
-def test_a_support_is_followed_in_the_structure_that_is_asked_for(session):
-    """A structure that could not be followed is not taken for the one before it, nor one that has changed since."""
-    target, tag = [0.0, -0.01, 0.0], ask(session, "state")["tag"]
-    first = ask(session, "live", tag=tag, support="base", target=target, whole=True)
-    changed(session, [["layers", "BLOCCO", "unit_weight_kN_m3"], 30.0])
-    with pytest.raises(ProjectError, match="has changed meanwhile"):
-        ask(session, "live", tag=tag, support="base", target=target, whole=True)
-    with pytest.raises(ProjectError):  # once it is built
-        ask(session, "live", tag=ask(session, "state")["tag"], support="nowhere", target=target, whole=True)
-    ask(session, "undo", digest=ask(session, "state")["digest"])
-    again = ask(session, "live", tag=tag, support="base", target=target, whole=True)
-    assert again["reaction"] == pytest.approx(first["reaction"], rel=1e-9)
-
-
 def test_the_spectra_are_those_of_the_site(session):
     found = ask(session, "spectrum")
     assert found["spectra"]["SLV"]["ag"] == 0.261
@@ -278,17 +252,6 @@ def test_a_process_that_takes_too_long_is_ended_and_the_next_question_is_answere
 # ---- dropped files ----
 
 RECORD = "\n".join(f"{0.01 * k:.2f} {0.1 * (-1) ** k * k / 100:.6f}" for k in range(300)).encode()
-
-
-def test_a_record_is_kept_with_the_records_and_drawn(session):
-    found = session.receive("quake.csv", "record", RECORD)
-    assert (found["name"], found["time_step"], found["unit"]) == ("records/quake.csv", 0.01, "g")
-    assert found["pga"] == pytest.approx(0.299)
-    assert len(found["time"]) == len(found["acceleration"])
-    assert session.receive("quake.csv", "record", RECORD)["name"] == "records/quake.csv"
-    other = session.receive("quake.csv", "record", RECORD[: len(RECORD) // 2].rsplit(b"\n", 1)[0])
-    assert other["name"] == "records/quake-2.csv"
-    assert (session.folder / "records" / "quake.csv").read_bytes() == RECORD
 
 
 @pytest.mark.parametrize(
@@ -345,35 +308,6 @@ def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
     ).read_bytes()
 
 
-def test_a_drawing_without_a_closed_outline_becomes_a_project_that_tells_its_faults(tmp_path, worker):
-    session = Session(tmp_path, None)
-    session.worker = worker
-    document, space = drawing()
-    outline(space, [(0, 0), (1, 0), (1, 2), (0, 2)], close=False)
-    document.saveas(tmp_path / "open.dxf")
-    dropped = session.receive("open.dxf", "drawing", (tmp_path / "open.dxf").read_bytes())
-    assert (dropped["unit"], dropped["notes"]) == ("m", [])
-    sent = {"name": "open", "drawing": "open.dxf", "title": "Open", "depth_m": 1.0, "unit_weight_kN_m3": 18}
-    with pytest.raises(ProjectError, match="unit"):
-        ask(session, "new", **sent, unit="furlong")
-    ask(session, "new", **sent, unit="m")
-    assert ask(session, "model")["faults"]
-
-
-def test_without_a_project_there_is_a_choice(tmp_path, worker):
-    write_block(tmp_path / "one")
-    session = Session(tmp_path, None)
-    session.worker = worker
-    assert ask(session, "state") == {"folder": None, "home": str(tmp_path), "projects": ["one"]}
-    ask(session, "open", folder="one")
-    assert ask(session, "state")["content"]["title"] == "Block"
-    assert "rocking_block" in ask(session, "examples")["examples"]
-    ask(session, "new", name="three", example="rocking_block")
-    assert ask(session, "state")["content"]["title"] == "Blocco oscillante"
-    ask(session, "new", name="two", template="wall")
-    assert ask(session, "state")["folder"] == str(tmp_path / "two")
-
-
 # ---- runs ----
 
 
@@ -383,16 +317,6 @@ def until(condition):
             return
         time.sleep(0.1)
     raise AssertionError(condition)
-
-
-def test_what_a_run_refuses_is_said(session):
-    (session.folder / "geometry.dxf").write_text("no drawing", encoding="utf-8")
-    ask(session, "run")
-    until(lambda: not ask(session, "state")["run"]["running"])
-    run = ask(session, "state")["run"]
-    assert run["exit_code"] == 2
-    assert "geometry.dxf" in run["said"]
-    assert not (session.folder / ".assesto").exists()  # on a full disk nothing would be said there
 
 
 def test_a_run_of_a_terminal_is_seen_and_stopped_and_goes_on(session):

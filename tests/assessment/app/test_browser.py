@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import write_drawing
-from tests.support.block_project import edit
 from tests.support.browser import chromium
 from tests.support.structures import rectangle
 
@@ -294,71 +293,3 @@ def test_what_goes_wrong_is_told_and_nothing_is_lost(page, home):
     for width in (390, 1280):
         page.set_viewport_size({"width": width, "height": 800})
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-
-
-def test_a_server_that_is_gone_is_told(page, home):
-    begin(page, home, "gone")
-    page.context.set_offline(True)
-    page.wait_for_selector("#gone:visible")
-    page.context.set_offline(False)
-    page.wait_for_selector("#gone", state="hidden")
-
-
-def test_quick_hands_and_a_second_tab_lose_nothing(page, home):
-    begin(page, home, "tabs")
-    page.click("[data-tool=control]")
-    box = page.locator("[data-block='4']").bounding_box()
-    for x in (box["x"] + 2, box["x"] + box["width"] - 2):  # the second before the first is written
-        page.mouse.click(x, box["y"] + 2)
-    page.locator("circle.control").nth(1).wait_for()
-    points = [{"name": "C1", "point_m": [-2.0, 3.5]}, {"name": "C2", "point_m": [2.0, 3.5]}]
-    assert file_of(home, "tabs")["control"] == points
-
-    # what is typed here is of the second point, which is the first one once the other tab has taken that away
-    page.click("[data-step=push]")
-    page.click("details[data-at='control.1'] summary")
-    page.fill("[data-at='control.1.name']", "TOP")
-    other = page.context.new_page()
-    other.goto(page.url)
-    other.click("[data-step=push]")
-    other.click("details[data-at='control.0'] summary")
-    changed(page, lambda: other.click("[data-remove='control.0']"))
-    page.press("[data-at='control.1.name']", "Enter")
-    page.wait_for_selector("#problems .wrong:has-text('control.1.name = \"TOP\"')")
-    assert file_of(home, "tabs")["control"] == points[1:]
-    fill(page, "control.0.name", "TOP")  # made once more, in the form as it is now
-    assert file_of(home, "tabs")["control"][0]["name"] == "TOP"
-
-    # the other tab goes to the first sheet, and both show it
-    other.click("#home")
-    page.wait_for_selector("body[data-open=false]")
-    other.close()
-
-
-def test_an_answer_of_another_project_is_not_shown_and_one_that_fails_is_asked_for_again(page, home):
-    begin(page, home, "first")
-    asked, late = [], []
-
-    def model(route):  # the first answer comes late, the second is that of a process that was ended
-        asked.append(route)
-        if len(asked) == 1:
-            late.append(route.fetch())
-        elif len(asked) == 2:
-            route.fulfill(status=500, json={"error": "internal error: ended"})
-        else:
-            route.continue_()
-
-    page.route("**/model", model)
-    changed(page, lambda: edit(home / "first", "friction = 0.6", "friction = 0.5"))
-    while not late:
-        page.wait_for_timeout(50)
-    page.click("#home")
-    page.wait_for_selector("body[data-open=false]")
-    page.fill("#template-name", "second")
-    page.click("[data-template=block]")
-    page.wait_for_selector("body[data-open=true]")
-    asked[0].fulfill(response=late[0])
-    page.wait_for_selector("#problems .wrong:has-text('internal error: ended')")
-    page.click("#again")
-    page.wait_for_selector("body[data-model=shown]")
-    page.wait_for_selector("#drawing[data-blocks='2']")

@@ -12,7 +12,7 @@ import urllib.request
 
 import pytest
 
-from assessment.app.server import _running, listen
+from assessment.app.server import _running
 from assessment.cli.main import main
 from tests.support.block_project import write_block
 
@@ -50,11 +50,6 @@ def test_it_prints_where_it_is_and_a_second_one_opens_the_first(tmp_path):
     assert first.communicate()[1].splitlines() == ["Ctrl-C ends it; a run that it has started goes on"]
     assert first.returncode == 0
     assert not place.exists()
-
-
-def test_an_answer_does_not_wait_for_the_receipt_of_its_first_packet():
-    with listen(0) as here, socket.create_connection(here.getsockname()), here.accept()[0] as taken:
-        assert taken.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 @pytest.mark.parametrize("path", ["shutdown", "?token=x", "?token=" + "x" * 32 + "&all=1"])

@@ -49,10 +49,6 @@ def test_entries_are_deleted_with_their_comments_and_the_last_one_with_its_key()
     assert edited(text, [(("sensitivity",), None)]) == text
 
 
-def test_infinity_is_a_text_in_the_page():
-    assert changed((("material", "friction"), "inf"))["material"]["friction"] == float("inf")
-
-
 @pytest.mark.parametrize(
     ("path", "value", "said"),
     [

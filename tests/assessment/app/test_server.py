@@ -114,10 +114,6 @@ def test_another_host_is_refused_token_or_not(served, host):
     assert served.post("state", host=host.format(port=served.port)).status in (400, 403)
 
 
-def test_localhost_is_this_machine_too(served):
-    assert served.enter(host=f"localhost:{served.port}").status == 200
-
-
 @pytest.mark.parametrize(
     "headers",
     [
@@ -236,11 +232,6 @@ def test_a_dropped_file_has_a_plain_name_of_a_known_kind(served, name):
 @pytest.mark.parametrize("method", ["DELETE", "PATCH", "OPTIONS", "TRACE"])
 def test_no_other_method_is_answered(served, method):
     assert served.ask(method, "/state").status in (404, 405)
-
-
-def test_an_unknown_question_is_told(served):
-    assert served.post("delete").status == 404
-    assert served.post("edit", {"digest": 1}).status == 422
 
 
 def test_a_page_of_another_project_gets_nothing(served):

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from assessment.benchmark import command, table
-from assessment.benchmark.cases import motions, skips, statics, walls
+from assessment.benchmark.cases import motions, skips, statics
 from assessment.benchmark.cases.motions import ShakenCase, pulse, rocking_freely
-from assessment.benchmark.command import BENCHMARKS, Benchmark
+from assessment.benchmark.command import BENCHMARKS
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
-from assessment.cli import arguments, commands
-from assessment.cli.main import main
+from assessment.cli import arguments
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures.time_history import HistoryTolerances
 from mechanics.program import certify
@@ -71,13 +68,6 @@ def test_the_baseline_solves_the_steps_of_a_curve():
         _, alpha, _ = qp_piqp.solve(program, 1e-10)
         # of a step's length, in the geometry that it begins in
         assert alpha == pytest.approx(step.alpha, abs=0.03)
-
-
-def test_peak_memory_of_limit_analysis():
-    """Python and its libraries take 190 MB of it; dense matrices of this wall would take 500 MB more."""
-    row = walls.apart(*walls.WALLS[300])
-    assert row["memory_MB"] < 270.0
-    assert row["error"] < 1e-8
 
 
 def test_errors_of_the_rocking_block_are_those_of_closed_forms():
@@ -157,19 +147,6 @@ def test_the_median_is_within_its_bounds_as_often_as_they_say():
         motions.median_between(np.arange(5.0))
 
 
-def test_a_case_that_fails_says_so_in_its_rows():
-    def fails(value):
-        if value < 1.0:
-            raise ConvergenceError("not solved")
-        return case.run(value)
-
-    case = statics.rocking_rigid()
-    rows = list(rows_of(replace(case, run=fails, values=(4.0, 0.5))))
-    assert [row.get("failed") for row in rows] == [None, None, "not solved"]
-    assert "fails" in table.table(rows, ["case"], "value", ["error"])
-    assert not list(rows_of(replace(case, run=fails, reference=0.5, exact=None)))[1:]
-
-
 def test_a_reference_is_what_errors_are_of():
     case = Case("made", lambda value: value, "n", (4.0, 2.0), lambda found: {"x": 1.0 + found}, reference=1.0)
     rows = list(rows_of(replace(case, baseline=None)))
@@ -179,60 +156,6 @@ def test_a_reference_is_what_errors_are_of():
 
 def test_the_command_line_knows_every_benchmark():
     assert tuple(BENCHMARKS) == arguments.BENCHMARKS
-
-
-@pytest.fixture
-def measured(monkeypatch):
-    """One benchmark of rows made up."""
-    rows = [
-        {
-            "case": f"arch, {name}", "parameter": "increment", "quantity": "α", "value": value,
-            "default": value == 1.0, "error": 1e-3 * value, "seconds": 0.1 / value, "ratio": 2.0,
-        }
-        for name in ("rigid", "elastic")
-        for value in (2.0, 1.0, 0.5)
-    ]  # fmt: skip
-    made = Benchmark("made up.", lambda _: iter(rows), "case quantity", "value", "error ratio")
-    monkeypatch.setattr(command, "BENCHMARKS", {"made": made})
-    return rows
-
-
-def test_tables_and_summary_are_written(measured, tmp_path, capsys):
-    assert main(["benchmark", "--quick", "--out", str(tmp_path / "out")]) == commands.DONE
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"made.csv", "summary.md"}
-    with (tmp_path / "out" / "made.csv").open(encoding="utf-8") as file:
-        assert [float(row["error"]) for row in csv.DictReader(file)] == [row["error"] for row in measured]
-    summary = (tmp_path / "out" / "summary.md").read_text(encoding="utf-8")
-    assert "| arch, elastic | α | 0.20 %; 2.0 | **0.10 %; 2.0** | 0.050 %; 2.0 |" in summary
-    assert "| case | quantity | × 2 | × 1 | × 0.5 |" in summary
-    assert "piqp" in summary.splitlines()[0] and "commit" in summary.splitlines()[0]
-    assert "arch, elastic" in capsys.readouterr().out
-
-
-def test_a_benchmark_that_there_is_none_of(tmp_path, capsys):
-    assert main(["benchmark", "wals", "--out", str(tmp_path / "out")]) == commands.WRONG_INPUT
-    assert 'wals: no such benchmark; did you mean "walls"?' in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
-def test_numbers_of_the_tables():
-    shown = [table.number(value) for value in (0.0, 0.0123, 1.26, 152.0, 3.3e-9)]
-    assert shown == ["0", "0.012", "1.3", "152", "3e-09"]
-    shown = [table.written("error", share) for share in (0.0, 1e-9, 0.0162)]
-    assert shown == ["0 %", "< 1e-5 %", "1.6 %"]
-
-
-def test_a_value_that_a_row_lacks_is_empty():
-    rows = [
-        {"case": "a", "steps": None, "seconds": 1.0},
-        {"case": "b", "steps": 2, "seconds": np.nan, "failed": "not solved"},
-    ]
-    assert table.as_csv(rows).decode().splitlines() == [
-        "case,seconds,steps,failed",
-        "a,1.0,,",
-        "b,,2,not solved",
-    ]
-    assert table.table(rows, ["case", "steps"]).splitlines()[2:] == ["| a |  |", "| b | 2 |"]
 
 
 def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_rounding():
@@ -245,12 +168,3 @@ def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_roundin
         0,
     )
     assert row["most_end_m"] < 1.01 * row["least_end_m"]
-
-
-def test_rows_of_different_kinds_have_tables_of_their_own(tmp_path, capsys, monkeypatch):
-    rows = [{"case": "wall", "parameter": "limit analysis", "least_g": 0.5}, {"case": "arch", "seconds": 1.0}]
-    monkeypatch.setitem(BENCHMARKS, "sliding", Benchmark("both.", lambda _: iter(rows)))
-    command.benchmark(["sliding"], True, tmp_path)
-    told = capsys.readouterr().out
-    assert "limit analysis:\n\n| case | least_g |\n| --- | --- |\n| wall | 0.50000 |" in told
-    assert "| case | seconds |" in told

@@ -80,12 +80,3 @@ def test_a_decimal_comma_is_told_as_such(project, capsys, old, new, says):
     assert main(["check", str(project)]) == 2
     err = capsys.readouterr().err
     assert says in err and err.startswith("error: project.toml: ")
-
-
-def test_the_examples_of_the_help_are_accepted(tmp_path, monkeypatch, capsys):
-    """Those of `assesto new`: a folder each; the drawing that one of them begins with is a template's."""
-    monkeypatch.chdir(tmp_path)
-    assert main(["new", "drawn", "--template", "arch"]) == 0
-    (tmp_path / "drawn" / "geometry.dxf").rename(tmp_path / "survey.dxf")
-    for example in cli.COMMANDS["new"].examples:
-        assert main(example.split()[1:]) == 0

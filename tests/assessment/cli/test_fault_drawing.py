@@ -93,14 +93,3 @@ def test_faults_of_outlines_and_of_blocks_are_told_together(tmp_path, capsys):
         "error: geometry.dxf: gaps, and blocks that touch nothing, are looked for once these are mended"
     )
     assert numbers(picture) == {"1", "2", "3"}
-
-
-def test_a_control_point_outside_a_drawing_of_another_unit_names_the_unit(tmp_path, capsys):
-    document, space = drawing(unit="mm")
-    outline(space, rectangle(-1000, -1000, 2000, 0), "BASE")
-    outline(space, rectangle(200, 0, 1000, 1000))
-    document.saveas(tmp_path / "geometry.dxf")
-    text = PROJECT + '[[control]]\nname = "C1"\npoint_m = [0.5, 1.0]\n'
-    (tmp_path / "project.toml").write_text(text, encoding="utf-8")
-    assert main(["check", str(tmp_path)]) == 2
-    assert "away) (geometry.dxf: $INSUNITS says Millimeters, the project m" in (capsys.readouterr().err)

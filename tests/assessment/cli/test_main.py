@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 
-import numpy as np
 import pytest
 from ezdxf.filemanagement import readfile
 
@@ -129,30 +128,6 @@ def test_results_are_right_for_a_block(project):
         assert rigid["curve"]["multiplier"][-1] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_displacements_are_along_the_axes_of_the_model(project):
-    """Towards −x those of curves were mirrored: they are the x of the control point where the curve ends."""
-    edit(project, '["+x"]', '["+x", "-x"]')
-    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
-    assert run(project) == 0
-    found = read_results(project / "output")
-    points = {point["name"]: np.array(point["point_m"]) for point in found["geometry"]["controls"]}
-    centroid = np.array(found["geometry"]["blocks"][1]["centroid_m"])
-
-    def along_x(configuration, point):
-        x, _, turn = configuration[1]
-        return x + (np.cos(turn) - 1.0) * (point - centroid)[0] - np.sin(turn) * (point - centroid)[1]
-
-    for sign, direction in ((1.0, "+x"), (-1.0, "-x")):
-        pushed = found["states"]["original"]["pushover"][direction]
-        rigid, elastic, point = pushed["rigid"], pushed["elastic"], points[pushed["control"]]
-        end, moved = rigid["curve"]["displacement_m"][-1], rigid["mechanism"]["displacements"][1]
-        assert sign * end > 0.1 and sign * moved[0] > 0.0
-        assert end == pytest.approx(along_x(rigid["final_configuration"], point))
-        rest, peak = (along_x(elastic[f"{name}_configuration"], point) for name in ("rest", "peak"))
-        assert elastic["curve"]["displacement_m"][elastic["peak"]] == pytest.approx(peak - rest)
-        assert sign * (peak - rest) > 0.0
-
-
 def test_several_processes_give_what_one_gives(project):
     edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
     states = []
@@ -234,43 +209,3 @@ def test_an_example_is_a_project_of_ones_own(tmp_path, capsys, name):
     capsys.readouterr()
     assert main(["new", str(folder), "--example", name]) == 2
     assert "exists and is not empty" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ((), "--template, --drawing or --example: missing; assesto new --list"),
-        (("--template", "wall", "--example", "tuff_panel"), "more than one given; choose one"),
-        (("--example", "tuff_panl"), 'no such example; did you mean "tuff_panel"?'),
-        (("--example", "tuff_panel", "--set", "courses=3"), "--set: of a template only"),
-    ],
-)
-def test_what_new_is_not_told_well(tmp_path, capsys, options, said):
-    assert main(["new", str(tmp_path / "a"), *options]) == 2
-    assert said in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
-
-
-def test_new_lists_the_dimensions(tmp_path, capsys):
-    assert main(["new", str(tmp_path / "n"), "--template", "block", "--list"]) == 0
-    assert "width_m" in capsys.readouterr().out
-    assert main(["new", "--list"]) == 0
-    out = capsys.readouterr().out
-    assert "beam_side_m" in out and all(name in out for name in examples())
-    assert not list(tmp_path.iterdir())
-
-
-def test_e_star_and_gamma_star_without_an_assessment(project):
-    """One block: its centroid moves as the whole does, and half as far as the control point at its top."""
-    assert run(project) == 0
-    mechanism = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]["mechanism"]
-    assert mechanism["e_star"] == pytest.approx(1.0)
-    assert mechanism["gamma_star"] == pytest.approx(0.5)
-
-
-def test_the_yield_point_of_an_elastic_curve_without_an_assessment(project):
-    edit(project, 'contacts = ["rigid"]', 'contacts = ["elastic"]')
-    assert run(project) == 0
-    elastic = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["elastic"]
-    assert elastic["alpha_y"] == pytest.approx(0.9 * elastic["alpha_u"])
-    assert 0.0 < elastic["d_y_m"] < elastic["d_u_m"]

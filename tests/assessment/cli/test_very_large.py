@@ -9,7 +9,7 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.runtime.files import MOST_BYTES, file_digest
-from tests.support.block_project import HAZARD, edit, run, write_block
+from tests.support.block_project import HAZARD, edit
 from tests.support.campaign_project import STRIPES, write_campaign
 
 COUNTED = Path("/proc/self/io")  # what this process has read, among others
@@ -70,31 +70,6 @@ def test_inputs(tmp_path, capsys, name, told):
     assert main(["check", str(folder)]) == 2
     err = capsys.readouterr().err
     assert err.count("error: ") == 1 and told in err
-
-
-@pytest.fixture
-def finished(tmp_path):
-    folder = write_block(tmp_path / "block")
-    assert run(folder) == 0
-    return folder
-
-
-def test_results(finished, capsys):
-    swell(finished / "output" / "results.json")
-    assert main(["report", str(finished)]) == 2
-    err = capsys.readouterr().err
-    assert "results.json: more than 1000000000 bytes: not readable as results; run the project again" in err
-    assert run(finished) == 0
-    assert main(["status", str(finished)]) == 0
-
-
-@pytest.mark.parametrize("command", ["run", "report"])
-def test_the_judgement(finished, capsys, command):
-    edit(finished, 'title = "Block"', 'title = "Another"')
-    swell(finished / "output" / "judgement.md")
-    assert main([command, str(finished)]) == 2
-    err = capsys.readouterr().err
-    assert "judgement.md: more than 1000000 bytes; shorten it, or delete it to have a new draft" in err
 
 
 def test_a_digest_of_what_nothing_reads_changes_with_its_size_and_date(tmp_path):

@@ -65,13 +65,6 @@ def test_a_block_that_only_rises_counts_when_said_to_move():
     assert (result.e_star, result.gamma_star) == (pytest.approx(0.5), pytest.approx(1.0))
 
 
-def test_loads_count_with_their_block():
-    """A roof of 9.1 kN on the upper of two blocks: P = 10, 19.1; δ = ½, 1."""
-    result = participation([10.0, 10.0 + 9.1], [0.5, 1.0], 1.0)
-    assert result.e_star == pytest.approx((5 + 19.1) ** 2 / (29.1 * (2.5 + 19.1)))
-    assert result.gamma_star == pytest.approx((2.5 + 19.1) / (5 + 19.1))
-
-
 @given(
     dx=st.lists(st.floats(0.01, 1.0), min_size=2, max_size=8),
     weight=st.floats(0.1, 100.0),
@@ -175,12 +168,6 @@ def test_soft_elastic_branch_meets_the_rigid_branch_before_the_plateau():
     assert any("no plateau" in note for note in fit.notes)
 
 
-def test_rigid_branch_that_rises_again_stays_under_the_plateau():
-    """α falls below the plateau 0.063 at 0.1 m, rises to 0.09 at 0.2 m: the fit does not follow it up."""
-    fit = fit_trilinear(([0.0, 0.1, 0.2, 0.4], [0.1, 0.05, 0.09, 0.0]), _elastic(end=0.08))
-    assert fit.multiplier.max() == fit.alpha_y
-
-
 def test_elastic_peak_above_the_rigid_onset_is_noted_and_cut():
     fit = fit_trilinear(_rigid(), _elastic(alpha_u=0.12))
     assert fit.multiplier.max() <= 0.1
@@ -208,15 +195,6 @@ def test_a_control_point_that_sways_back_a_little_as_hinges_close_is_no_fault():
 def test_curves_without_a_fit_are_refused(rigid, elastic, says):
     with pytest.raises(CapacityError, match=says):
         fit_trilinear(rigid, elastic)
-
-
-def test_wrong_curves_are_named():
-    with pytest.raises(ValueError, match="rigid curve"):
-        fit_rigid(([0.0, 0.1, 0.1], [0.1, 0.05, 0.0]))
-    with pytest.raises(ValueError, match="elastic curve"):
-        fit_trilinear(_rigid(), ([0.0, 0.1], [0.0, np.nan]))
-    with pytest.raises(ValueError, match="model"):
-        fit_curve("quadrilinear", _rigid())
 
 
 def test_capacity_curve_divides_by_the_confidence_factor_once():

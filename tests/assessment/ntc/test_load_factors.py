@@ -5,7 +5,7 @@ import pytest
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.tables import psi_2
 from assessment.ntc.verification import vertical_component
-from assessment.project.project import ProjectError, load_project
+from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import vertical as vertical_sentences
 from assessment.report.tables.capacity import vertical
@@ -115,19 +115,3 @@ def test_lighter_weights_scale_the_multiplier():
 
     whole, lighter = wall(0.0, True), wall(-0.1 * 0.6 * 18.0, False)
     assert lighter == pytest.approx(0.9 * whole, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "key", "reason"),
-    [
-        ('\nuse_category = "C"', "", "layers.BLOCCO.variable_load_kN", "add use_category"),
-        ('"C"', '"K"', "layers.BLOCCO.use_category", "case by case; add psi_2"),
-        ('"C"', '"C"\npsi_2 = 0.3', "layers.BLOCCO.psi_2", 'use_category = "C" has 0.6'),
-        ("variable_load_kN = 10.0\n", "", "layers.BLOCCO.use_category", "no variable load"),
-        ('"C"', '"Z"', "layers.BLOCCO.use_category", '"A"'),
-    ],
-)
-def test_loads_that_cannot_be_combined_are_refused(tmp_path, old, new, key, reason):
-    with pytest.raises(ProjectError) as refused:
-        project(tmp_path, (old, new))
-    assert key in str(refused.value) and reason in str(refused.value)

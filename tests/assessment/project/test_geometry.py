@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
-from assessment.project.catalogue import new_project as module
 from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
 from assessment.project.catalogue.new_project import (
     TEMPLATES,
@@ -22,7 +20,6 @@ from assessment.project.catalogue.new_project import (
     template_layout,
 )
 from assessment.project.project import load_project
-from assessment.project.schema.index import keys_at
 from assessment.runtime.errors import ProjectError
 from mechanics import Material, limit_analysis, read_drawing
 from mechanics.model.drawing import Layer
@@ -75,16 +72,6 @@ def test_joints_are_exact_and_long_enough_to_carry(template: str) -> None:
 @templates
 def test_template_stands_and_can_be_pushed_over(template: str) -> None:
     assert 0.02 < limit_analysis(template_assembly(template)).alpha < 1.0
-
-
-def test_triumphal_arch_has_the_size_of_the_papers() -> None:
-    """Paper §7, Table 1: 362 blocks (here movable blocks and two bases), 3996 contact points, eight beams."""
-    layout = template_layout("triumphal-arch")
-    model = template_assembly("triumphal-arch")
-    assert len(model.blocks) == pytest.approx(362, abs=5)
-    assert 4 * len(model.joints.a) == pytest.approx(3996, rel=0.10)
-    assert len(layout["COPERTURA"]) == 8
-    assert not any(Polygon(each).buffer(-0.025).is_empty for each in layout["ARCO"] + layout["NAVATA"])
 
 
 @given(
@@ -167,18 +154,6 @@ def test_new_project_loads_and_its_drawing_holds_the_layout(template: str, tmp_p
     assert set(project.layers) <= set(drawn)
 
 
-@templates
-def test_every_key_of_a_new_project_is_explained(template: str, tmp_path: Path) -> None:
-    new_project(tmp_path / "new", template, {})
-    text = (tmp_path / "new" / "project.toml").read_text(encoding="utf-8")
-    for line in text.splitlines():
-        key = line.partition(" = ")[0]
-        if " = " in line and key.strip('"') not in {"+x", "-x"}:  # explained beside their table's name
-            assert " # " in line, line
-    assert keys_at(("pushover",))["control"] in text or 'control = "' in text
-    assert tomllib.loads(text)["title"]
-
-
 @pytest.mark.parametrize(
     ("template", "options", "message"),
     [
@@ -222,16 +197,6 @@ def test_an_existing_project_is_not_overwritten(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["notes.txt"]
 
 
-def test_a_failure_while_writing_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object) -> None:
-        raise OSError("disk full")
-
-    monkeypatch.setattr(module, "source_bytes", fail)
-    with pytest.raises(OSError, match="disk full"):
-        new_project(tmp_path / "new", "block", {})
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.parametrize(
     ("folder", "template"),
     [
@@ -258,23 +223,3 @@ def test_example_project_is_sound(folder: str, template: str | None) -> None:
         for each in (said, content):  # an example shows the hazard typed in
             each["assessment"] = {k: v for k, v in each["assessment"].items() if k != "site"}
         assert {key: said[key] for key in content} == content
-
-
-@pytest.mark.parametrize("template", TEMPLATES)
-def test_an_italian_report_shows_italian_names(template, tmp_path):
-    """Supports, layers, states and control points are printed as they are: they are in the language of the project."""
-    new_project(tmp_path / "new", template, {})
-    project = load_project(tmp_path / "new")
-    assert project.report.language == "it"
-    layers = {line.strip() for line in (tmp_path / "new" / "geometry.dxf").read_text().splitlines()}
-    names = [
-        *project.supports,
-        *project.states[1:],
-        *project.layers,
-        *(each.name for each in project.control),
-    ]
-    english = re.compile(
-        r"left|right|pier|arch(?!itrav)|wall|roof|block|top|crown|support|settle", re.IGNORECASE
-    )
-    assert names and not [name for name in names if english.search(name)]
-    assert not layers & {"ARCH", "PIERS", "NAVE", "ROOF", "WALL", "BASE_LEFT", "BASE_RIGHT"}

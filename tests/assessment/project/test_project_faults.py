@@ -258,40 +258,6 @@ def test_tables_that_need_each_other(folder, text, key, said):
     assert first.startswith(f"project.toml: {key}: ") and said in first
 
 
-def test_twenty_thousand_unknown_keys_are_one_screen(folder):
-    """A file has 24 lines and one that counts the rest."""
-    many = "".join(f"key{k} = {k}\n" for k in range(20_000))
-    controls = "".join(f"[[control]]\nname = {k}\n" for k in range(100))
-    lines = message(folder, many + CONTRACT + controls).splitlines()
-    assert len(lines) == 25
-    assert all(line.startswith("project.toml: ") for line in lines)
-    assert lines[-1] == "project.toml: project: 20176 more problems; correct these first"
-
-
-def test_a_part_of_a_key_is_known(folder):
-    first, *_ = message(folder, CONTRACT.replace("vertical_load_kN = 9.1", "load = 9.1")).splitlines()
-    assert 'did you mean "vertical_load_kN" or "variable_load_kN" or "load_has_mass"?' in first
-
-
-def test_a_strength_and_rigid_motions_are_one_problem_with_all_that_is_to_be_done(folder):
-    text = CONTRACT.replace('contacts = "elastic"', 'contacts = "rigid"')
-    text = text.replace("tolerance_g", 'contacts = "rigid"\ntolerance_g')
-    [line] = message(
-        folder, text.replace("friction = 0.6", "friction = 0.6\ncompressive_strength_kN_m2 = 3e3")
-    ).splitlines()
-    assert line.startswith("project.toml: history[1].contacts: ") and "(also incremental.contacts)" in line
-    assert 'write "elastic", with normal_stiffness_kN_m3, or leave compressive_strength_kN_m2 out' in line
-
-
-def test_every_problem_is_listed_on_a_line_of_its_own(folder):
-    text = CONTRACT.replace('unit = "mm"', 'unit = "in"').replace("friction = 0.6", "friction = -1\nfoo = 1")
-    lines = message(folder, text).splitlines()
-    assert [line.split(": ")[1] for line in lines] == ["geometry.unit", "material.friction", "material.foo"]
-    text = CONTRACT.replace('"geometry.dxf"', '"x.dxf"').replace("[0.020, -0.020]", "[0, 0]")
-    lines = message(folder, text).splitlines()
-    assert [line.split(": ")[1] for line in lines] == ["geometry.drawing", "settlements[1].displacement_m"]
-
-
 @pytest.mark.parametrize(
     ("text", "place"),
     [
@@ -308,12 +274,6 @@ def test_syntax_errors_are_placed(folder, text, place):
     said = message(folder, text)
     assert said.startswith(f"project.toml: {place}") and "\n" not in said
     assert ("write a decimal point" if "0,10" in text else "texts stand in quotes") in said
-
-
-def test_text_that_is_not_utf8_is_placed(folder):
-    (folder / "project.toml").write_bytes(b'title = "x"\n# citt\xe0\n')
-    with pytest.raises(ProjectError, match=r"^project.toml: line 2: not UTF-8 text; save the file as UTF-8$"):
-        load_project(folder)
 
 
 def test_the_project_s_place(folder, tmp_path, monkeypatch):

@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
 
 from assessment.cli.main import main
 from assessment.project import formats
 from assessment.project.catalogue.new_project import TEMPLATES
-from assessment.project.formats.toml import commented_toml, updated_toml
 from assessment.project.project import load_project
 from assessment.project.schema import ProjectContent
 from assessment.project.schema.index import keys_at, table_at, tables_of
-from tests.support.project_strategy import project_contents
-from tests.support.project_toml import to_toml
-
-SMALL = {
-    "title": 'Quoted "layer" names',
-    "geometry": {"drawing": "g.dxf", "unit": "m", "depth_m": 1.0},
-    "material": {"unit_weight_kN_m3": 18.0},
-    "layers": {"A.B [x]": {"depth_m": 2.0}, "BASE": {"support": "a"}},
-}
 
 
 def tables(path=()):
@@ -65,15 +53,6 @@ def test_what_is_commented_out_are_the_defaults(tmp_path):
     absent = next(number for number, line in enumerate(lines) if line.startswith(NEEDY))
     opened = ProjectContent.model_validate(tomllib.loads("\n".join(lines[:absent])))
     assert opened == ProjectContent.model_validate(tomllib.loads(text))
-
-
-def test_comments_follow_any_name(tmp_path):
-    text = commented_toml(SMALL)
-    assert tomllib.loads(text) == SMALL
-    assert '[layers."A.B [x]"]' in text
-    assert (
-        text.partition("[[region]]")[0].count("# vertical_load_kN = 0.0") == 1
-    )  # below the first layer only
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
@@ -135,21 +114,3 @@ def test_a_conversion_that_is_killed_at_any_moment_leaves_a_project(tmp_path, mo
     assert main(["convert", str(folder)]) == 0
     assert main(["check", str(folder)]) == 0
     assert load_project(folder).content() == before
-
-
-@settings(max_examples=8)
-@given(old=project_contents(), new=project_contents())
-def test_a_text_that_is_brought_to_say_something_says_it(old, new):
-    text = commented_toml(old)
-    said, meant = (tomllib.loads(each) for each in (updated_toml(text, new), to_toml(new)))
-    assert ProjectContent.model_validate(said) == ProjectContent.model_validate(meant)
-    assert updated_toml(text, old) == text
-
-
-def test_the_schema_is_printed(capsys):
-    assert main(["schema"]) == 0
-    schema = json.loads(capsys.readouterr().out)
-    assert schema["$schema"].endswith("2020-12/schema")
-    assert set(schema["properties"]) == set(ProjectContent.model_fields)
-    described = {table_at(path).__name__ for path in tables()} - {"ProjectContent"}
-    assert set(schema["$defs"]) == described

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.motions import described, records_of
 from assessment.project.project import load_project
 from assessment.workflow.checking import read_motions
 from tests.support.block_project import PROJECT, write_block
@@ -63,31 +62,6 @@ def test_a_record_that_is_not_understood_is_refused_by_name(tmp_path, capsys, he
     assert error.startswith(f"error: {folder / 'wave.csv'}: line 1: ") and said in error
 
 
-RECORDS_UNITS = {
-    "time (s),acceleration (ms-2)": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "Time_s,Acc_m_s2": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "time,accel_mps2": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "Time(s),Acc(gals)": "PGA 0.00327 g, step 0.005 s, 25.0 s, unit gal",
-    "t [s],a [mg]": "PGA 0.00321 g, step 0.005 s, 25.0 s, unit mg",
-    "t [s],a [m·s⁻²]": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "t,a (m per s2)": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "t s,a m s^-2": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "t(s),a(%g)": "PGA 0.0321 g, step 0.005 s, 25.0 s, unit % g",
-    "Time[sec],Acc[ft/sec2]": "PGA 0.0997 g, step 0.005 s, 25.0 s, unit ft/s²",
-    "Time[sec],Acc[m/s2]": "PGA 0.327 g, step 0.005 s, 25.0 s, unit m/s²",
-    "t,in/s2": "PGA 0.00831 g, step 0.005 s, 25.0 s, unit in/s²",
-    "time [ms],a [m/s/s]": "PGA 0.327 g, step 5e-06 s, 0.0 s, unit m/s²",
-    "Tempo [s],Accelerazione [cm/s²]": "PGA 0.00327 g, step 0.005 s, 25.0 s, unit cm/s²",
-}
-
-
-@pytest.mark.parametrize("heading", RECORDS_UNITS)
-def test_records_units(tmp_path, heading):
-    folder = _block(tmp_path / "block", HISTORY, heading=heading)
-    [record] = records_of(load_project(folder))
-    assert described(record) == f"record wave: {RECORDS_UNITS[heading]}"
-
-
 def test_a_record_too_strong_for_its_unit_is_doubted(tmp_path):
     """Accelerations in m/s² without a heading pass for g: 3.2 m/s² are a PGA of 3.2 g, which no record has."""
     folder = _block(tmp_path / "block", HISTORY, heading="t,a")
@@ -95,22 +69,3 @@ def test_a_record_too_strong_for_its_unit_is_doubted(tmp_path):
     assert note == "wave: a PGA of 3.21 g, read in g; check the unit of the file, and name it in its heading"
     folder = _block(tmp_path / "other", HISTORY)
     assert not any("unit" in note for note in read_motions(load_project(folder)).notes)
-
-
-@pytest.mark.parametrize(
-    ("rows", "said"),
-    [
-        ([(0.005 * k, 1e-3 * (k % 3)) for k in range(2000)], "wave: a PGA of 0.002 g, read in g; "),
-        (
-            [(5.0 * k, 0.1 * (k % 3)) for k in range(2000)],
-            "wave: a time step of 5 s; check the unit of the times",
-        ),
-    ],
-)
-def test_implausible_units_of_any_record_are_told(tmp_path, rows, said):
-    """Accelerations that are too weak, and times in ms without a heading."""
-    folder = _block(tmp_path / "block", HISTORY.replace("window_s = [5.0, 15.0]\n", ""))
-    text = "\n".join(f"{t:g},{a:g}" for t, a in rows)
-    (folder / "wave.csv").write_text(text, encoding="utf-8")
-    [note] = read_motions(load_project(folder)).notes
-    assert note.startswith(said)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import Annotated
 
 import numpy as np
@@ -19,8 +17,6 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.project.structure.places import chosen_mechanisms
 from mechanics import Assembly, limit_analysis
-from mechanics.procedures import static_theorem
-from tests import ROOT
 from tests.support.template_assembly import template_assembly, with_ties
 
 TIGHT = {"abs": 2e-9}  # of α: that of the interior-point method
@@ -33,19 +29,6 @@ def corners(layout, layers=None):
         for each in shapes
         if layers is None or layer in layers
     }
-
-
-def test_a_new_project_imports_no_mechanics(tmp_path):
-    """Made in less than a second of processor time: what it writes is known to be a structure."""
-    code = f"""
-import sys
-from pathlib import Path
-from assessment.project.catalogue.new_project import new_project
-new_project(Path({str(tmp_path / "new")!r}), "facade", {{}})
-print(*sys.modules)
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert not {"numba", "scipy", "matplotlib", "pandas", "mechanics.model"} & set(done.stdout.split())
 
 
 # façade: simple and compound overturning, Circolare 7/2019, C8.7.1.2
@@ -188,23 +171,6 @@ def test_an_arcade_of_one_bay_is_the_arch_on_piers():
     assert corners(one) == corners(template_layout("buttressed-arch", alike))
 
 
-@pytest.mark.parametrize(("bays", "rise"), [(2, 1.2), (3, 0.7), (4, 1.6)])
-def test_the_bays_of_an_arcade_are_alike(bays, rise):
-    """Moved by a bay, all but the last pier and arch lies on what is there."""
-    options = {"bays": bays, "rise_m": rise, "voussoirs": 16}
-    layout = template_layout("arcade", options)
-    arches = unary_union([Polygon(each) for each in layout["ARCHI"]])
-    pitch = 2.4 + 0.8
-    for k in range(bays - 1):
-        middle = pitch * (k - 0.5 * (bays - 1))
-        own, after = (
-            arches.intersection(box(middle + d - 0.5 * pitch, 0.0, middle + d + 0.5 * pitch, 9.0))
-            for d in (0.0, pitch)
-        )
-        assert own.area == pytest.approx(after.area, rel=1e-9)
-    assert len([name for name in layout if name.startswith("BASE_")]) == bays + 1
-
-
 def test_the_fill_of_a_vault_is_all_that_lies_between_it_and_one_level():
     """γ times the area below the level of the fill and above ring and walls, by polygons of another program."""
     layout, content = made("barrel-vault", {"cover_m": 0.3})
@@ -223,25 +189,7 @@ def test_the_fill_of_a_vault_is_all_that_lies_between_it_and_one_level():
     assert loads == pytest.approx(16.0 * sum(part.area for part in fill), rel=1e-6)
 
 
-def test_a_vault_without_fill_is_the_arch_on_piers():
-    alike = {"span_m": 4.0, "rise_m": 1.2, "thickness_m": 0.25, "voussoirs": 21}
-    bare = template_assembly("barrel-vault", **alike, fill_kN_m3=0.0)
-    walls = {"pier_width_m": 1.2, "pier_height_m": 2.5, "blocks_per_pier": 6}
-    arch = template_assembly("buttressed-arch", **alike, **walls)
-    assert limit_analysis(bare).alpha == pytest.approx(limit_analysis(arch).alpha, abs=1e-8)
-
-
 # wall with openings
-
-
-def test_openings_weaken_a_wall():
-    """α0 as an independent program has it, HiGHS; the whole wall of the same bond has more."""
-    model = template_assembly("wall-with-openings", storeys=1, sill_m=0.3, opening_height_m=1.8)
-    found = limit_analysis(model, sliding="associative").alpha
-    assert found == pytest.approx(static_theorem(model, "+x"), abs=1e-7)
-    assert (
-        found < limit_analysis(template_assembly("wall", blocks=14, courses=10), sliding="associative").alpha
-    )
 
 
 def test_dimensions_that_give_no_structure_are_refused_before_anything_is_written(

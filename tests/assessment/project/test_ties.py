@@ -7,14 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from assessment.analyses.checks.governing import shaken_corners
 from assessment.analyses.static.states import Request, _beginnings
 from assessment.project.project import ProjectError, load_project
 from assessment.project.structure.model import build_model, tie_lengths
-from assessment.results.configurations.ties import determined, ties_of
+from assessment.results.configurations.ties import determined
 from assessment.runtime.tasks import Workers
-from assessment.studies.variants import with_factor
-from assessment.workflow.checking import describe
 from tests import ROOT
 from tests.support.block_project import PROJECT, TURNED, block, write_block
 from tests.support.tied_project import STRENGTHENED, TIE, strengthening, tie
@@ -145,28 +142,6 @@ def test_a_changed_layer_is_another_material_of_the_same_weight(tmp_path):
     assert after.unit_weight == before.unit_weight and after.normal_stiffness == before.normal_stiffness
 
 
-def test_an_ensemble_moves_the_corners_of_both_assemblies_of_a_strengthening(tmp_path):
-    text = PROJECT + STRENGTHENED + LAYER + "friction = 0.9\n"
-    state = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"]
-    shaken = shaken_corners(state.settling, 1)
-    varied = state.varied(shaken)
-    assert varied.settling is shaken and varied.later == 1
-    assert np.array_equal(varied.assembly.blocks[1].polygon, shaken.blocks[1].polygon)
-    assert not np.array_equal(varied.assembly.blocks[1].polygon, state.assembly.blocks[1].polygon)
-    assert [each.name for each in varied.assembly.ties] == ["chain"]
-    assert varied.assembly.blocks[0].material.friction == 0.9 != shaken.blocks[0].material.friction
-
-
-def test_factors_on_properties_count_for_what_strengthening_changes(tmp_path):
-    text = PROJECT + STRENGTHENED + LAYER + "friction = 0.8\n"
-    project = with_factor(load_project(write_block(tmp_path / "block", text)), "friction", 0.5)
-    state = build_model(project).states["strengthened"]
-    assert (state.settling.blocks[0].material.friction, state.assembly.blocks[0].material.friction) == (
-        0.35,
-        0.4,
-    )
-
-
 def test_tension_is_determined_where_the_blocks_of_a_tie_move_against_each_other(tmp_path):
     model = (
         build_model(load_project(write_block(tmp_path / "block", PROJECT + TIE))).states["original"].assembly
@@ -197,16 +172,3 @@ def test_what_strengthens_the_structure_as_drawn_finds_it_at_rest_on_elastic_joi
     )
     assert chain.taut_length > 8.4 + 1e-5
     assert found[rigid].state is None and found[rigid].model is model.assembly
-
-
-def test_results_have_ties_in_the_order_of_the_assembly(tmp_path):
-    """Those that a strengthening sets come last, wherever they stand in the file."""
-    text = PROJECT + STRENGTHENED.replace(
-        "[[strengthening]]", TIE.replace("chain", "old") + "[[strengthening]]"
-    )
-    project = load_project(write_block(tmp_path / "block", text))
-    model = build_model(project)
-    described = describe(project, model)
-    for name, state in model.states.items():
-        assert [each.name for each in ties_of(described, name)] == [each.name for each in state.assembly.ties]
-    assert [each.name for each in ties_of(described, "strengthened")] == ["old", "chain"]

@@ -74,34 +74,6 @@ def test_a_sheet_explains_its_keys(folder):
         assert load_project(folder).report.language == language
 
 
-def choices(book, sheet: str, cell: str) -> str | None:
-    """The formula of the drop-down list of a cell."""
-    found = [each for each in book[sheet].data_validations.dataValidation if cell in each.sqref]
-    return found[0].formula1 if found else None
-
-
-def test_choices_have_a_list_and_a_switch_says_yes_or_no(folder):
-    changed(folder)
-    book = load_workbook(folder / "project.xlsx")
-    assert choices(book, "geometry", "B3") == '"mm,cm,m"'
-    assert choices(book, "pushover", "B2") == '"rigid,elastic,rigid; elastic"'
-    heads = {cell.value: cell.column_letter for cell in book["settlements"][1]}
-    assert choices(book, "settlements", f"{heads['to_collapse']}5") == '"sì,no"'
-    supports = next(cell.column_letter for cell in book["layers"][1] if cell.value == "support")
-    assert choices(book, "settlements", f"{heads['support']}2") == f"=layers!${supports}$2:${supports}$200"
-    assert choices(book, "geometry", "B4") is None
-    for typed, meant in (
-        ("sì", True),
-        ("Si", True),
-        ("no", False),
-        ("TRUE", True),
-        ("falso", False),
-        (True, True),
-    ):
-        project = changed(folder, ("settlements", f"{heads['to_collapse']}2", typed))
-        assert project.settlements[0].to_collapse is meant
-
-
 def test_every_table_has_a_sheet_and_those_out_of_use_say_no(folder):
     assert changed(folder).campaign is None
     book = load_workbook(folder / "project.xlsx")
@@ -221,25 +193,6 @@ def test_messages_name_sheet_and_cell(folder, sheet, cell, value, key, said):
     first, *_ = message(folder, (sheet, cell, value)).splitlines()
     place = cell.replace("A2", "B2")  # of the value where the key is wrong
     assert first.startswith(f'project.xlsx: {key} (sheet "{sheet}", cell {place}): {said}')
-
-
-@pytest.mark.parametrize(
-    ("sheet", "cell", "value", "said"),
-    [
-        ("geometry", "B3", None, 'geometry.unit (sheet "geometry"): missing; add it'),
-        ("site", "B3", None, 'assessment.site.SLD.ag_g (sheet "site"): missing; add it'),
-        ("control", "A3", None, 'control[2].name (sheet "control", row 3): missing; add it'),
-        ("layers", "A3", None, 'sheet "layers", row 3: has no key or name; write it'),
-        ("layers", "A3", "ROOF", 'sheet "layers", row 4: "ROOF" appears twice; write it once'),
-        ("layers", "Z3", 3, 'sheet "layers", cell Z3: has no key or name; write it'),
-        ("geometry", "A3", None, 'sheet "geometry", cell B3: has no key or name; write it'),
-        ("geometry", "A3", "drawing", 'sheet "geometry", cell B3: "drawing" appears twice; write it once'),
-        ("pushover", "A3", "control", 'sheet "pushover", cell B4: is a value and a table at once; write one'),
-    ],
-)
-def test_messages_about_what_stands_nowhere(folder, sheet, cell, value, said):
-    first, *_ = message(folder, (sheet, cell, value)).splitlines()
-    assert first.startswith(f"project.xlsx: {said}")
 
 
 # Any valid project ------------------------------------------------------------------------------------

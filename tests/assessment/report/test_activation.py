@@ -6,30 +6,20 @@ are of one point of the curve that is reported, which is printed with its α whe
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
-from lxml import html
 
-from assessment.analyses.static.lateral import mechanism_participation
 from assessment.cli.summary import capacities
-from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import onsets
-from assessment.report.document import render_html
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import draw_thrust
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables import tables
 from assessment.report.text.language import direction_name, words_of
-from assessment.results.configurations.hand_check import hand_checks, mechanisms
+from assessment.results.configurations.hand_check import hand_checks
 from assessment.results.configurations.joint_states import situations
 from assessment.results.table import sense
-from tests.support.analysed import SETTLED, analysed, arch
-from tests.support.pictured import draw_sections
+from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed
 
 CORNERS = 1e-6  # what moving corners by 1e-7 of a block, as runs of an ensemble do, may change
@@ -45,13 +35,6 @@ def results():
 @pytest.fixture(scope="module")
 def rows(results):
     return {table.name: table.rows for table in tables(results)}
-
-
-@pytest.fixture(scope="module")
-def page(results, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("figures")
-    draw_sections(results, folder)
-    return html.fromstring(render_html(results, folder, words_of(results)))
 
 
 def push(results, state, direction):
@@ -125,19 +108,6 @@ def test_linear_checks_are_of_what_is_activated_first(results, rows, state, dire
 
 
 @each_case
-def test_each_linear_check_is_what_its_row_says(results, rows, state, direction):
-    """a_0* = α/(e* F_C) of the onset and its ratio to the demand, of one run; they were of two."""
-    factor = results.echo.assessment["confidence_factor"]
-    for row in of(rows["linear_checks"], state, direction):
-        assert row["a_0_star_g"] == pytest.approx(row["alpha_onset"] / (row["e_star"] * factor), rel=1e-12)
-        assert row["ratio"] == pytest.approx(row["a_0_star_g"] / row["demand_a_star_g"], rel=1e-12)
-        traced = results.states[state].capacity[direction]
-        lines = [*traced.trace, *traced.checks[row["limit_state"]].trace]  # the last word is the check's own
-        [*_, last] = [line for line in lines if line.symbol == "a_0_star"]
-        assert last.result == pytest.approx(row["a_0_star_g"], rel=1e-12)
-
-
-@each_case
 def test_all_that_is_of_the_mechanism_is_of_the_point_that_is_printed(results, rows, state, direction):
     rigid, words = push(results, state, direction), words_of(results)
     [row] = of(rows["mechanisms"], state, direction)
@@ -163,20 +133,6 @@ def test_all_that_is_of_the_mechanism_is_of_the_point_that_is_printed(results, r
     assert axes.get_title().endswith(f"α = {words.show(printed)}")
 
 
-@each_case
-def test_participation_is_that_of_the_mechanism_that_is_printed(results, rows, state, direction, tmp_path):
-    rigid, capacity = push(results, state, direction), results.states[state].capacity[direction]
-    model = build_model(load_project(arch(tmp_path / "arch"))).assembly
-    part = mechanism_participation(
-        model, np.array(rigid.mechanism.displacements), rigid.mechanism.control_displacement_x
-    )
-    [row] = of(rows["mechanisms"], state, direction)
-    for found in (row["e_star"], capacity.e_star, rigid.mechanism.e_star):
-        assert found == pytest.approx(part.e_star, rel=CORNERS)
-    for found in (row["gamma_star"], capacity.gamma_star, rigid.mechanism.gamma_star):
-        assert found == pytest.approx(part.gamma_star, rel=CORNERS)
-
-
 @pytest.mark.parametrize("direction", ["+x", "-x"])
 def test_figures_mark_the_multiplier_of_the_tables(results, direction):
     """The mark stood at the peak of the run that is reported, beside the number of another one."""
@@ -196,54 +152,3 @@ def test_the_page_to_step_through_has_the_curves_of_the_tables(results):
         rigid = push(results, state, direction)
         along = 1000.0 * sense(direction) * abs(rigid.curve.displacement_m[rigid.mechanism.point])
         assert f"{along:.6g}" in text and f"{rigid.mechanism.alpha:.6g}" in text
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A multiplier as the page prints it: heading of its column, state and direction of its row."""
-
-    head: str
-    state: str
-    direction: str
-    text: str
-
-
-def cells(page) -> Iterator[Cell]:
-    """Yield the multipliers of the rigid mechanisms in the tables of the page."""
-    for table in page.iter("table"):
-        heads = [cell.text_content().strip() for cell in table.findall(".//thead//th")]
-        if "State" not in heads or "Direction" not in heads:
-            continue
-        for row in table.findall("./tbody/tr"):
-            texts = [cell.text_content().strip() for cell in row]
-            if len(texts) != len(heads):
-                continue
-            found = dict(zip(heads, texts, strict=True))
-            for head in heads:
-                if head.startswith("α"):
-                    yield Cell(head, found["State"], found["Direction"], found[head])
-
-
-def test_the_page_prints_the_multipliers_of_the_tables(results, page):
-    """report.docx and report.pdf are made of this page."""
-    words = words_of(results)
-    found = list(cells(page))
-    expected = {}
-    for state, direction, rigid in mechanisms(results):
-        place = words.state(state), direction_name(direction)
-        lighter = results.states[state].capacity[direction].vertical.alpha_0
-        expected[place] = {
-            "α0": {words.show(rigid.alpha_0), words.show(lighter)},
-            "α, first motion": {words.show(rigid.alpha_onset)},
-            "α program": {words.number(rigid.mechanism.alpha, 4)},
-        }
-    seen = set()
-    for cell in found:
-        known = expected.get((cell.state, cell.direction), {}).get(cell.head)
-        if known is not None:
-            assert cell.text in known, cell
-            seen.add(cell.head)
-    assert seen == {"α0", "α, first motion", "α program"}, seen
-    said = re.findall(r"α0 = (\d+\.\d+)", page.text_content())
-    numbers = {words.show(rigid.alpha_0) for _, _, rigid in mechanisms(results)}
-    assert set(said) <= numbers

@@ -7,24 +7,15 @@ import math
 
 import numpy as np
 import pytest
-from scipy.special import ndtr
 
-from assessment.cli.summary import dynamic_lines
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.lead import lead
 from assessment.report.document import render_html
-from assessment.report.figures.index import pictures
 from assessment.report.figures.motions import (
     draw_campaign_curves,
-    draw_campaign_fragility,
-    draw_campaign_loss,
-    fragile_shares,
-    moved,
 )
-from assessment.report.tables import tables as all_tables
-from assessment.report.tables.dynamic import reported_campaign, static_dynamic
+from assessment.report.tables.dynamic import static_dynamic
 from assessment.report.text.language import LANGUAGES, words_of
-from assessment.results.schema import Campaign
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -32,7 +23,6 @@ from tests.support.typed import typed
 
 SHARES = (0.0, 0.5, 1.0)
 LEVELS = {"a": 0.30, "b": 0.36, "c": 0.45}  # g: at which each record collapses the structure as drawn
-OTHER = "left support 10 mm"
 
 
 def combination(record: str, settlement: str, share: float, sign: int) -> dict:
@@ -121,76 +111,6 @@ def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collaps
         assert {x[0] for x, _ in crosses} == {axes.get_xlim()[1]}
 
 
-def test_fragility_curves_are_the_lognormals_of_the_table_with_what_was_seen():
-    results = results_with_campaign()
-    [axes] = draw_campaign_fragility(typed(results), words_of(typed(results)), SETTLED).axes
-    drawn = lines_of(axes)
-    assert len(drawn) == 2 * len(SHARES)
-    for row, (x, y), (seen, share) in zip(
-        fragile_shares(typed(results), SETTLED), drawn[::2], drawn[1::2], strict=True
-    ):
-        assert y == pytest.approx(ndtr(np.log(x / row.median_g) / row.beta))
-        assert (np.diff(seen) > 0.0).all() and share == pytest.approx((np.arange(6) + 0.5) / 6)
-        assert np.exp(np.log(seen).mean()) == pytest.approx(row.median_g)
-    medians = [row.median_g for row in fragile_shares(typed(results), SETTLED)]
-    assert medians == sorted(medians, reverse=True)
-
-
-def test_losses_are_drawn_over_the_movement_in_per_cent_a_panel_each():
-    results = results_with_campaign(settlements=(SETTLED, OTHER))
-    figure = draw_campaign_loss(typed(results), words_of(typed(results)))
-    assert [axes.get_title() for axes in figure.axes] == moved(typed(results)) == [SETTLED, OTHER]
-    for axes in figure.axes:
-        dynamic, static = lines_of(axes)
-        assert dynamic[0] == pytest.approx([0.0, 10.0, 20.0]) == static[0]
-        assert dynamic[1] == pytest.approx([0.0, 15.0, 30.0])
-        assert static[1] == pytest.approx([0.0, 10.0, 20.0])
-        [band] = axes.collections
-        assert band.get_datalim(axes.transData).ymax == pytest.approx(30.0)
-
-
-def test_what_is_not_known_is_not_drawn():
-    """No collapse up to the largest level; a movement under which the structure falls."""
-    results = results_with_campaign()
-    campaign = results["campaign"]
-    for row in campaign["combinations"]:
-        if row["share"] == 1.0:
-            row |= {
-                "pga_collapse_g": None,
-                "lowest_collapse_g": None,
-                "level_50_g": None,
-                "pga_safe_g": None,
-                "pga_collapse_range": None,
-                "points": [],
-                "runs": 0,
-            }
-            row |= {"reason": "the structure falls"}
-    campaign["fragility"][2] |= dict.fromkeys(("median_g", "beta", "median_range", "beta_range"))
-    campaign["loss"][2] |= {"dynamic": None, "dynamic_range": [None, None], "static": None}
-    Campaign.model_validate(campaign)
-    words = words_of(typed(results))
-    [axes] = draw_campaign_loss(typed(results), words).axes
-    assert all(len(x) == 2 for x, _ in lines_of(axes))
-    assert len(lines_of(draw_campaign_fragility(typed(results), words, SETTLED).axes[0])) == 4
-    assert not draw_campaign_curves(typed(results), words, SETTLED).axes[2].lines
-    for row in campaign["fragility"]:
-        row["median_g"] = None
-    assert "campaign_fragility" not in {picture.name for picture in pictures(typed(results))}
-
-
-def test_counts_stand_in_the_report_only_where_there_is_something_to_count():
-    results = results_with_campaign()
-    _, fits, lost = reported_campaign(typed(results))
-    assert not {"withstood", "failed", "left_out", "beta_low"} & {*fits.columns, *lost.columns}
-    results["campaign"]["fragility"][1]["failed"] = 1
-    assert "failed" in reported_campaign(typed(results))[1].columns
-    tables = {table.name: table for table in all_tables(typed(results)) if table.name.startswith("campaign")}
-    assert len(tables["campaign"].rows) == 18 and len(tables["campaign_curves"].rows) == 54
-    row = tables["campaign_fragility"].rows[0]
-    assert row["median_low_g"] < row["median_g"] < row["median_high_g"]
-    assert row["median_g"] == pytest.approx(math.prod(LEVELS.values()) ** (1 / 3) * 1.1**0.5)
-
-
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("method", ["incremental", "stripes"])
 def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, method, tmp_path):
@@ -216,14 +136,6 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(language, m
     assert words("text.campaign_static_a_g_g", limit="SLC") in text and words("text.campaign_pga") in text
 
 
-def few_records(language: str = "en") -> dict:
-    """The campaign with fewer records than §7.3.5 asks for."""
-    results = results_with_campaign(language)
-    for row in results["campaign"]["fragility"]:
-        row |= {"rule": None, "pga_collapse_g": None, "median_range": None, "beta_range": None}
-    return results
-
-
 @pytest.mark.parametrize(("static", "key"), [(None, "alone"), (0.1, "beside"), (-0.1, "opposed")])
 def test_the_judgement_sets_the_loss_beside_the_static_one_and_remarks_opposite_signs(static, key):
     """Neither a collapse under a record nor what a campaign gave was told in the judgement."""
@@ -243,22 +155,6 @@ def test_the_judgement_tells_which_states_a_record_makes_collapse():
     assert {"history_collapse", "history_stands"} <= set(hold(results))
     results["states"]["original"]["history"] = [stands]
     assert "history_peak" in hold(results)
-
-
-def test_the_terminal_has_a_line_of_each_motion_and_movement():
-    results = results_with_campaign("en")
-    results["states"]["original"]["history"] = [
-        {"record": "wave", "collapsed": True, "time_of_collapse_s": 5.32},
-        {"record": "calm", "collapsed": False, "peak_displacement_m": 0.058},
-    ]
-    fallen, peak, drawn, *_, whole = dynamic_lines(typed(results))
-    assert fallen == "history wave, original: collapse at 5.32 s"
-    assert peak == "history calm, original: peak 58.0 mm"
-    assert drawn.startswith(f"campaign, {SETTLED} × 0: median PGA at collapse 0.38")
-    assert drawn.endswith(" (lowest)") and "loss" not in drawn
-    assert "loss +30.0 % (static +20.0 %)" in whole
-    *_, few = dynamic_lines(typed(few_records()))
-    assert few.endswith("no PGA of NTC 2018 §7.3.5, which needs three records")
 
 
 def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():

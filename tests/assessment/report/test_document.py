@@ -2,7 +2,6 @@
 
 import re
 import sys
-from importlib.resources import files
 from string import Formatter
 
 import pypdf
@@ -12,7 +11,6 @@ from hypothesis import strategies as st
 from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
-from assessment.report.chapters.remarks import joint_law
 from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import pictures, write_figures
@@ -22,8 +20,6 @@ from assessment.runtime.pool import Pool
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
-
-TEMPLATES = files("templates")
 
 
 def strings(language):
@@ -139,15 +135,6 @@ def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
     )
 
 
-def test_numbers_and_units_of_the_page_are_joined(report):
-    """Whatever is printed passes through one place that joins them; tables and pictures aside."""
-    _, _, made, _ = report
-    html = re.sub(
-        r"base64,[^\"]*|<(style|script|pre).*?</\1>", "", (made / "report.html").read_text(), flags=re.S
-    )
-    assert "20\u00a0mm" in html and re.findall(r"\d (?:mm|kN|m|s|g|%)(?!\w)", html) == []
-
-
 def without_settlement(results):
     del results["states"][SETTLED]
     results["comparison"] = []
@@ -172,24 +159,6 @@ def without_assessment(results):
         del content["capacity"]
     results["comparison"], results["spectra"] = [], {}
     results["echo"]["assessment"] = None
-
-
-def test_the_report_explains_a_curve_that_begins_below_its_largest_multiplier(tmp_path):
-    """One sentence for the settled state pushed towards +x, none for the others: it tells the fall on the way to α0.
-
-    It said that only a part moves, where seven to nine of the eleven stones of an arch do from the onset.
-    """
-    results = results_example("en")
-    rigid = [content["pushover"]["+x"]["rigid"] for content in results["states"].values()]
-    for curve, share in zip(rigid, (1.0, 0.3), strict=True):
-        curve["alpha_onset"] = share * curve["alpha_0"]
-        curve["curve"]["multiplier"] = [curve["alpha_onset"], 0.0, *curve["curve"]["multiplier"]]
-        curve["curve"]["displacement_m"] = [0.0, 0.001, *(0.01 + d for d in curve["curve"]["displacement_m"])]
-    draw_sections(typed(results), tmp_path)
-    text = read(render_html(typed(results), tmp_path, words_of(typed(results))))
-    assert text.count("close hinges of the settlement") == 1
-    assert f"State “{SETTLED}”, direction +x: the first blocks move from α = " in text
-    assert "on the way as little as 0, rises where blocks meet and is largest at d = 10.00 mm" in text
 
 
 def one_direction(results):
@@ -277,78 +246,6 @@ def test_degraded_forms_render(form, tmp_path):
         assert "must be reviewed" in html.partition('<h2 id="norms">')[0]
 
 
-def test_a_level_of_knowledge_needs_no_level_of_evaluation(tmp_path, monkeypatch):
-    """The report was not printed: a key that the project file leaves out is not in the results."""
-    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    results = results_example("en")
-    results["knowledge"] = {
-        "F_C": 1.2,
-        "level": "LC2",
-        "components": {},
-        "origins": {"friction": "tests"},
-        "trace": [],
-    }
-    results["echo"]["assessment"]["knowledge"] = {"level": "LC2", "investigations": ""}
-    text = render_html(typed(results), tmp_path, words_of(typed(results)))
-    assert text.count("Level of knowledge LC2") == 2, "on the page of the result, and where it follows from"
-    assert "Level of knowledge LC2" in text and '<td class="text">tests</td>' in text
-
-
-def test_a_confidence_factor_of_components_is_printed_with_them(tmp_path, monkeypatch):
-    """ "level of knowledge: –" stood there; 1 + 0.05 + 0 + 0.06 + 0 = 1.11."""
-    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    results = results_example("it")
-    components = {"geometry": 0.05, "construction": 0.0, "mechanical": 0.06, "ground": 0.0}
-    results["knowledge"] = {"F_C": 1.11, "level": None, "components": components, "origins": {}, "trace": []}
-    results["echo"]["assessment"]["knowledge"] = {
-        **components,
-        "evaluation": "LV3",
-        "investigations": "martinetti piatti.",
-    }
-    text = read(render_html(typed(results), tmp_path, words_of(typed(results))))
-    assert "F<sub>C</sub> = 1 + Σ F<sub>Ck</sub> = 1,11 (D.P.C.M." in text
-    assert "LV3" in text and "Indagini svolte: martinetti piatti." in text
-    assert text.count("F<sub>C1</sub>, rilievo geometrico") == 2  # with its component, and among the input
-    results["knowledge"] = None
-    text = read(render_html(typed(results), tmp_path, words_of(typed(results))))
-    assert "senza un livello di conoscenza" in text.partition('<h2 id="norms">')[0]
-
-
-def laws_told(results):
-    return " ".join(joint_law(typed(results), words_of(typed(results)), elastic=True))
-
-
-def test_the_bed_of_elastic_joints_is_told():
-    """Exact, or points: segments of layers beside those of the drawing, of which the greater decides."""
-    results = results_example("en")
-    assert "integrated in closed form" in laws_told(results)
-    results["echo"]["geometry"]["segments_per_joint"] = 4
-    results["echo"]["layers"]["BASE_LEFT"]["segments_per_joint"] = 16
-    told = laws_told(results)
-    assert "the one that asks for more decides: 4, 16." in told and "closed form" not in told
-    assert "All joints are rigid." in " ".join(
-        joint_law(typed(results), words_of(typed(results)), elastic=False)
-    )
-
-
-def test_crushing_friction_and_collisions_are_told():
-    results = results_example("en")
-    joints = results["geometry"]["joints"]
-    assert "No limit of compressive strength was given" in laws_told(results)
-    joints[0]["compressive_strength_kN_m2"] = 829.0
-    assert "Some joints crush at a compressive strength of 0.829\u00a0MPa; the others" in laws_told(results)
-    for joint in joints:
-        joint["compressive_strength_kN_m2"] = 829.0
-    told = laws_told(results)
-    assert "Joints crush at a compressive strength of 0.829\u00a0MPa." in told and "No limit" not in told
-    assert "associative" in told and "come to touch" in told
-    results["echo"]["contacts"]["collisions"] = False
-    assert "have no contact (collisions = false)" in laws_told(results)
-    assert "before contact" not in laws_told(results)
-    results["echo"]["incremental"] = {"damping_ratio": 0.05}
-    assert "before contact" in laws_told(results)
-
-
 def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_path, monkeypatch, capsys):
     class Broken:
         def find_spec(self, name, path=None, target=None):
@@ -369,13 +266,6 @@ def test_without_system_libraries_the_html_is_written_and_the_command_given(tmp_
         assert "print report.html from a browser" in warning
     assert capsys.readouterr().out == ""
     assert not list(tmp_path.iterdir())
-
-
-def test_an_unknown_language_is_refused():
-    results = results_example()
-    results["echo"]["report"]["language"] = "fr"
-    with pytest.raises(ValueError, match=r"report\.language = 'fr'"):
-        words_of(typed(results))
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e12, max_value=1e12))

@@ -1,22 +1,16 @@
 """An identification in results, report, drawing, tables and on the terminal: the arch with a support that moved out."""
 
-import json
 import tomllib
 
-import numpy as np
 import pytest
 
-from assessment.cli.summary import as_json, summary
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import ready_lines
-from assessment.report.figures.drawings.deformed import MEASURED, draw_identification
 from assessment.report.tables import tables
-from assessment.report.text.language import Words, words_of
-from assessment.results.configurations.faces import outlines
+from assessment.report.text.language import words_of
 from assessment.results.identified import fits
-from assessment.runtime.progress import Show
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from tests.support.pictured import pages_of
@@ -64,23 +58,6 @@ def test_that_stage_alone_moves_no_support_of_a_settlement(tmp_path):
     assert select(project, ["identification"]).settlements == ()
     assert select(project, ["identification", "pushdown"]).settlements == project.settlements
     assert select(project, ["pushdown"]).identification is None
-
-
-class Recorded(Show):
-    """What the progress is told."""
-
-    def __init__(self):
-        self.lines = []
-
-    def begin(self, stage, total, taken, work):
-        self.lines.append((stage, total))
-
-
-def test_its_many_paths_are_one_line_of_progress(tmp_path):
-    folder = write_surveyed(tmp_path, '[{ destro = ["x"] }]', entry("span", "span", SPRINGING, 10.0))
-    project, show = load_project(folder), Recorded()
-    run(project, build_model(project), jobs=1, show=show)
-    assert show.lines == [("self-weight", 1), ("identification", 1)]
 
 
 def test_the_page_tells_it_in_both_languages(pages):
@@ -131,30 +108,9 @@ def test_a_movement_fits_unless_nothing_is_left_and_the_measurements_are_missed(
     assert fits(best.replace(degrees_of_freedom=left, chi_squared=square, probability=None)) == fit
 
 
-def test_the_terminal_tells_the_movement_and_the_lines(outcome, tmp_path):
-    text = summary(outcome, tmp_path, [])
-    assert "best movement: destro: x 10 ± 0.2 mm (χ² 25, 1 degrees of freedom)" in text
-    unfit = "  # does not fit the measurements: not to be used\n"
-    assert unfit + '  [[settlements]]\n  name = "destro, as measured"' in text
-    [moved] = json.loads(as_json(outcome, tmp_path, []))["best_movement"]
-    assert moved["x_m"] == pytest.approx(0.01, abs=1e-5)
-
-
 def test_the_tables_have_every_hypothesis(results):
     found = {table.name: table for table in tables(results)}
     assert len(found["hypotheses"].rows) == 2 and len(found["identified_movements"].rows) == 2
     rows = found["measurements"].rows
     assert [row["number"] for row in rows] == [1, 2, 1, 2]
     assert rows[1]["residual"] == pytest.approx(-1.0, abs=1e-6)
-
-
-def test_marks_go_with_their_blocks(results):
-    axes = draw_identification(results, Words.of("en")).axes[0]
-    [marks] = [
-        line for line in axes.lines if line.get_marker() == MEASURED["marker"] and len(line.get_xdata()) == 2
-    ]
-    drawn, moved = outlines(results), np.array(results.identification.hypotheses[0].configuration)
-    times = float(axes.get_title().rpartition("× ")[2])
-    block = results.identification.sites[0].block
-    assert marks.get_xdata()[0] == pytest.approx(SPRINGING[0] + times * moved[block, 0], abs=1e-6)
-    assert len(drawn.centroids) == len(moved)

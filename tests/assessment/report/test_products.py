@@ -7,15 +7,14 @@ import pytest
 from markupsafe import Markup
 from PIL import Image
 
-from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.text.language import cell, words_of
 from assessment.results.configurations.hand_check import figures_of, governing_mechanisms, virtual_work_table
 from assessment.workflow.output import write
-from tests.assessment.report.test_document import one_direction, read, without_assessment, without_settlement
-from tests.support.analysed import SETTLED, analysed
+from tests.assessment.report.test_document import one_direction, without_assessment, without_settlement
+from tests.support.analysed import analysed
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 from tests.validation.test_printed_table import CASES
@@ -84,14 +83,6 @@ def test_full_annexes_have_the_validation_of_this_version(tmp_path, monkeypatch)
     assert "Ilproduttoredichiara" in shown["short"] and len(shown["short"]) < 0.75 * len(shown["full"])
 
 
-def test_the_judgement_is_printed_and_drafted_as_a_file(text, products):
-    results = analysed("it")
-    written = (products / "judgement.md").read_text(encoding="utf-8")
-    for sentence in draft_judgement(typed(results), words_of(typed(results))):
-        assert squeezed(sentence.striptags()) in text
-        assert Markup(sentence.replace("<sub>", "_")).striptags() in written
-
-
 def test_figures_of_joints_and_of_the_end_of_capacity_are_there(products, text):
     names = {path.stem for path in (products / "figures").glob("*.svg")}
     assert {"synthesis", "thrust_at_rest", "thrust", "overturned", "history_1"} <= names
@@ -116,15 +107,6 @@ def test_drawings_are_grey_and_coloured_lines_print_in_grey(products):
             assert image.convert("L").getextrema() == (0, 255), path.name
 
 
-def test_drawings_are_vectors_in_the_pdf(products):
-    assert not any(page.images for page in pypdf.PdfReader(products / "report.pdf").pages)
-
-
-def test_long_tables_are_files(products):
-    names = {path.stem for path in (products / "tables").iterdir()}
-    assert {"joints", "reactions", "balance", "macro_blocks", "hand_check", "pushover"} <= names
-
-
 def test_the_same_results_leave_the_same_bytes(tmp_path):
     """In two processes what was made in one: every file of a small report."""
     pytest.importorskip("weasyprint", exc_type=OSError)
@@ -144,12 +126,3 @@ def test_the_same_results_leave_the_same_bytes(tmp_path):
         name.suffix for name in before
     }
     assert [name for name in before if before[name] != after[name]] == []
-
-
-def test_the_english_page_has_english_words_only(tmp_path, monkeypatch):
-    results = typed(analysed("en"))
-    monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    html = re.sub(r"<style>.*?</style>", "", render_html(results, tmp_path, words_of(results)), flags=re.S)
-    italian = ("cerniera", "giunto", "Tabella", "Macroblocc", "appoggio", "pesi", "Reazioni")
-    assert [word for word in italian if word in html] == []
-    assert f"state “{SETTLED}”" in read(html)

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import json
 
-import ezdxf
 import numpy as np
 import pytest
 
-from assessment.cli.summary import as_json, model_summary, summary
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.chapters.grids import macro_block_grids, printed_tables
-from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned
-from assessment.report.figures.drawings.deformed_dxf import write_deformed
 from assessment.report.figures.drawings.model import draw_model
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables import tables
@@ -24,7 +20,7 @@ from assessment.workflow.stages import run
 from mechanics.pictures import TIE
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.judgement.claims import hold
-from tests.support.pictured import draw_sections, pages_of
+from tests.support.pictured import pages_of
 from tests.support.tied_project import overturning, strengthening, tie
 
 TEXT = (
@@ -84,15 +80,6 @@ def test_the_report_says_how_ties_are_modelled_and_what_is_to_be_verified(pages,
         assert text in pages[language], text
 
 
-def test_a_report_without_ties_does_not_speak_of_them(tmp_path):
-    project = load_project(write_block(tmp_path / "block", block() + PUSHED))
-    plain_results = run(project, build_model(project), jobs=1).results
-    draw_sections(plain_results, tmp_path)
-    page = " ".join(render_html(plain_results, tmp_path, Words.of("it")).split())
-    for text in (*SAID["it"], "Tiro delle catene", "Catene, con i capichiave", "capichiave"):
-        assert text not in page, text
-
-
 def test_tables_have_ties_their_tension_and_the_gain(results):
     found = {table.name: table.rows for table in tables(results)}
     [drawn] = found["ties"]
@@ -150,15 +137,6 @@ def test_ties_are_drawn_where_their_ends_are(results):
     assert "catena" in {text.get_text() for text in figure.legends[0].get_texts()}
 
 
-def test_the_drawing_of_deformed_shapes_has_ties_on_layers_of_their_own(results, tmp_path):
-    write_deformed(results, tmp_path / "deformed.dxf")
-    drawing = ezdxf.readfile(tmp_path / "deformed.dxf")
-    lines = [each for each in drawing.modelspace() if each.dxf.layer.endswith("_TIES")]
-    layers = {each.dxf.layer for each in lines}
-    assert "DRAWN_TIES" in layers and any("STRENGTHENED_END_PLUS_X_TIES" in layer for layer in layers)
-    assert not any("ORIGINAL" in layer for layer in layers)
-
-
 def test_the_page_has_ties_with_their_tension_at_every_step(results):
     data = json.loads(str(viewer(results, Words.of("it")).data))
     assert [each["name"] for each in data["ties"]] == ["chain"]
@@ -168,33 +146,6 @@ def test_the_page_has_ties_with_their_tension_at_every_step(results):
     assert all(path["frames"]["ties"] == [] == path["frames"]["tension"] for path in others)
     tensions = [each for each in tied[0]["frames"]["tension"] if each]
     assert max(tension for [tension] in tensions) == pytest.approx(5.0, rel=1e-4)
-
-
-def test_the_page_tells_no_tension_that_is_not_determined(results):
-    curves = results.states["strengthened"].pushover["+x"]
-    unknown = [each.replace(peak_kN=None, greatest_kN=None) for each in curves.rigid.ties]
-    changed = curves.replace(rigid=curves.rigid.replace(ties=unknown))
-    state = results.states["strengthened"]
-    state = state.replace(pushover=state.pushover | {"+x": changed})
-    told = results.replace(states=results.states | {"strengthened": state})
-    data = json.loads(str(viewer(told, Words.of("it")).data))
-    by_title = {
-        path["title"]: path["frames"]["tension"] for path in data["paths"] if "strengthened" in path["title"]
-    }
-    (first, pushed), (_, other) = by_title.items()
-    assert "+x" in first and all(each in (None, [None]) for each in pushed)
-    assert any(each not in (None, [None]) for each in other)
-
-
-def test_the_terminal_has_ties_and_gains(outcome, tmp_path):
-    results = outcome.results
-    assert ", ties 1" in model_summary(results)
-    row = next(each for each in results.strengthening if each.direction == "+x")
-    said = f"strengthened +x: a_g at SLV {100.0 * row.gain:+.0f} % over original; greatest tension: chain 5 kN, yields"
-    assert said in summary(outcome, tmp_path, []).splitlines()
-    assert '"strengthening": [' in as_json(outcome, tmp_path, [])
-    without = results.model.model_copy(update={"ties": None})
-    assert "ties" not in model_summary(results.replace(model=without))
 
 
 def test_the_judgement_says_what_is_gained_and_what_yields(results):

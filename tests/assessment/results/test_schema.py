@@ -11,14 +11,11 @@ from typing import Any, Union, get_args, get_origin
 import pytest
 from pydantic import ValidationError
 
-from assessment.cli.main import main
 from assessment.ntc.tables import CHECKS
-from assessment.project.schema import ProjectContent
 from assessment.results.file import as_bytes, read_results
 from assessment.results.schema import FORMAT, Results, json_schema
 from assessment.results.schema.checks import Capacity, Check
 from assessment.results.schema.dynamic import Search
-from assessment.results.schema.model import Echo
 from assessment.results.schema.part import first_error
 from assessment.results.table import cells
 from tests.support.analysed import analysed
@@ -51,13 +48,6 @@ def test_every_key_has_a_meaning_and_every_number_a_unit(table):
         suffix = next((end for end in ("kN_m", "m_s") if name.endswith(f"_{end}")), name.rpartition("_")[2])
         if suffix in UNITS and unit and unit != "m, rad":
             assert unit == UNITS[suffix], name
-
-
-def test_the_words_are_plain_enough_for_a_table():
-    """A bar would end a cell of the page that is made of them."""
-    for table in TABLES:
-        for name, field in table.model_fields.items():
-            assert "|" not in field.description and "\n" not in field.description, name
 
 
 @pytest.fixture(scope="module")
@@ -187,14 +177,6 @@ def test_what_is_read_is_held_against_the_schema(results, tmp_path, change, said
     assert str(caught.value).endswith("; run the project again")
 
 
-def test_the_schema_of_results_is_printed(capsys):
-    assert main(["schema", "--results"]) == 0
-    schema = json.loads(capsys.readouterr().out)
-    assert schema == json_schema()
-    assert schema["properties"]["timing_s"]["unit"] == "s"
-    assert schema["$defs"]["Check"]["properties"]["zeta_E"]["description"].startswith("ratio of a_g S")
-
-
 def test_the_example_of_other_tests_is_results():
     Results.model_validate(results_example())
 
@@ -206,11 +188,6 @@ def test_results_are_read_as_they_were_written(tmp_path):
     assert written == json.dumps(results, ensure_ascii=False, separators=(",", ":")).encode()
     (tmp_path / "results.json").write_bytes(written)
     assert as_bytes(read_results(tmp_path / "results.json")) == written
-
-
-def test_the_echo_has_the_tables_of_the_project_file_in_their_order():
-    """It is printed in the order of its fields."""
-    assert list(Echo.model_fields) == list(ProjectContent.model_fields)
 
 
 def test_checks_are_met_by_name_in_the_order_of_the_limit_states():

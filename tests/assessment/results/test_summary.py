@@ -108,29 +108,6 @@ def test_static_and_dynamic_capacity_are_on_one_reference_and_compared_without_c
     assert row(found, "original").dynamic_loss is None
 
 
-def test_motions_alone_have_a_row_without_direction():
-    def shaken(content):
-        content["echo"]["pushover"] = content["echo"]["assessment"] = None
-        for state in content["states"].values():
-            state |= {"pushover": {}, "capacity": {}, "incremental": {"records": [], "pga_collapse_g": 0.4}}
-
-    found = changed(shaken)
-    assert [(each.state, each.direction, each.dynamic_pga_g) for each in found.rows] == [
-        ("original", None, 0.4),
-        (SETTLED, None, 0.4),
-    ]
-    assert found.governing is None and found.verified is None
-
-
-def test_a_state_that_was_not_reached_says_so():
-    def fallen(content):
-        state = content["states"][SETTLED]
-        state |= {"configuration": [[0.0, 0.0, 0.0]], "pushover": {}, "capacity": {}}
-
-    found = changed(fallen)
-    assert not row(found, SETTLED).reached and row(found, "original").reached
-
-
 @pytest.mark.parametrize(
     ("hinges", "sliding", "kind"),
     [(1, 0, "overturning"), (4, 0, "hinges"), (0, 2, "sliding"), (3, 1, "mixed")],

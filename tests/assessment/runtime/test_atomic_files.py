@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 
-import pytest
-
 from assessment.cli.main import main
-from assessment.runtime.files import LONGEST, clear_left_over, temporary_of, write_atomically
+from assessment.runtime.files import LONGEST, clear_left_over, temporary_of
 from tests.support.block_project import run, write_block
 
 
@@ -23,13 +21,6 @@ def test_what_a_killed_process_left_goes(tmp_path):
         age(tmp_path / name, 2.0 * LONGEST if name != others[-1] else 0.5 * LONGEST)
     clear_left_over(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {*others}
-
-
-def test_a_failed_write_leaves_nothing(tmp_path):
-    (tmp_path / "a").mkdir()
-    with pytest.raises(OSError, match="a'"):
-        write_atomically(tmp_path / "a", b"x")
-    assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
 def test_commands_remove_what_killed_ones_have_left(tmp_path):

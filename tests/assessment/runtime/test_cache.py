@@ -10,16 +10,14 @@ import pytest
 
 from assessment.analyses.found import Found
 from assessment.analyses.static.paths import Settled, settle
-from assessment.results.schema.checks import Capacity, Check
-from assessment.results.schema.dynamic import Search
 from assessment.results.schema.model import QualityRow
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.cache import fingerprint as digest
 from assessment.workflow.stages import run
 from mechanics import State
-from mechanics.messages import Message, headed, message
+from mechanics.messages import message
 from tests.support.structures import block_on_base
-from tests.support.typed import filled, made
+from tests.support.typed import made
 
 
 def test_what_was_not_used_for_longest_goes_first(tmp_path):
@@ -63,31 +61,6 @@ def test_results_keep_every_bit():
         0.3,
     )
     assert packed(found) == packed(part)
-
-
-def test_a_part_of_the_results_comes_back_with_the_keys_that_it_had():
-    """A key that was null stays apart from one that was not there; names in the file may have spaces."""
-    check = filled(Check, {"a_g_g": 1 / 7, "return_period_stated": None})
-    part = made(Capacity, {"SLD elastic": check, "alpha_0": 0.1})
-    found = unpacked(packed([part]), list[Capacity])[0]
-    assert found == part and found.checks["SLD elastic"].a_g_g == 1 / 7
-    assert found.model_dump(exclude_unset=True) == part.model_dump(exclude_unset=True)
-    assert "S" not in found.checks["SLD elastic"].model_fields_set
-
-
-def test_messages_keep_what_they_are_made_of():
-    """JSON takes them for plain strings: in a list, in a part of the results, within one another, and alone."""
-    inner = message("a step of {size:.3g} m turns a block by {turned:.2g} rad", size=1 / 7, turned=0.5)
-    outer = headed("original", message("{levels}", levels=[inner, inner]))
-    search = made(Search, {"record": "a"}).replace(reason=inner)
-    part = Found(search, warnings=[outer], failures=[inner])
-    found = unpacked(packed([part]), list[Found[Search]])[0]
-    assert (
-        found.warnings == [outer]
-        and found.warnings[0].fields["text"].fields["levels"][1].template == inner.template
-    )
-    assert found.failures[0].fields == found.value.reason.fields == {"size": 1 / 7, "turned": 0.5}
-    assert unpacked(packed(inner), Message | None).fields == inner.fields
 
 
 def test_fingerprints_tell_every_content_and_type_apart():

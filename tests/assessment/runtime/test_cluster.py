@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
 
 import pytest
 
-from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.numbers import plain
-from assessment.runtime import cluster, tasks
+from assessment.runtime import cluster
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.cluster import Cluster, Patience
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import KilledError
 from assessment.runtime.progress import Show
 from assessment.workflow.stages import run
-from tests.support.block_project import contents, edit, timeless
+from tests.support.block_project import timeless
 from tests.support.campaign_project import STRIPES, write_campaign
-from tests.support.scheduler import LONG, scheduler
+from tests.support.scheduler import LONG
 
 distributed = pytest.importorskip("distributed")
 
@@ -74,54 +72,6 @@ def test_a_worker_of_another_version_is_refused(local, monkeypatch):
     with pytest.raises(ProjectError, match="another version of the program"):
         engine.submit(divmod, 3, 2).result(timeout=LONG)
     engine.close(at_once=False)
-
-
-def test_work_under_way_when_the_connection_is_lost_is_no_bug(local):
-    engine = Cluster(local.scheduler_address)
-    future = engine.submit(pow, 2, 3)
-    assert future.result(timeout=LONG) == 8
-    waiting = engine.submit(signal.pause if hasattr(signal, "pause") else input)
-    engine.close(at_once=True)
-    with pytest.raises(KilledError, match="were lost; start them"):
-        waiting.result(timeout=LONG)
-    with pytest.raises(KilledError, match="were lost; start them"):
-        engine.submit(pow, 2, 3).result(timeout=LONG)
-
-
-@pytest.fixture
-def mute():
-    """The address of a server that accepts and says nothing."""
-    with socket.socket() as server:
-        server.bind(("127.0.0.1", 0))
-        server.listen(50)
-        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
-
-
-def test_mute_scheduler(mute, project, capsys, monkeypatch):
-    """The library's own timeouts do not end it; what is finished is kept."""
-    assert main(["run", str(project), "--no-report"]) == 0
-    edit(project, "increment_m = 0.2", "increment_m = 0.1")
-    monkeypatch.setattr(tasks, "large", lambda *_: True)
-    monkeypatch.setattr(cluster.Cluster.__init__, "__defaults__", (Patience(answer=0.1),))
-    before = contents(project / "output")
-    capsys.readouterr()
-    assert main(["run", str(project), "--no-report", "--scheduler", mute]) == 3
-    said = capsys.readouterr().err
-    assert f"--scheduler: {mute}: accepts connections and has not answered as a Dask scheduler" in said
-    assert "finished analyses are kept" in said and said.count("\n") == 1
-    assert contents(project / "output") == before
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no such signal")
-def test_a_scheduler_that_is_stopped_midway_is_not_waited_for_without_end(tmp_path):
-    with scheduler(tmp_path) as (address, stopped, _):
-        engine = Cluster(address, Patience(workerless=5.0, look=0.05))
-        assert engine.submit(pow, 2, 3).result(timeout=LONG) == 8
-        stopped.send_signal(signal.SIGSTOP)
-        with pytest.raises(KilledError, match="has not answered, or had no worker, for 5 s; start it"):
-            engine.submit(pow, 2, 4).result(timeout=LONG)
-        engine.close(at_once=True)
-        stopped.send_signal(signal.SIGCONT)
 
 
 def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end():

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from assessment.runtime.console import say, tell
-from tests.support.block_project import PROJECT, PUSHED, ROOT, block, run, write_block
+from tests.support.block_project import PUSHED, ROOT, block, run, write_block
 
 TITLE = 'title = "Block"'
 GREEK = 'title = "Tuff, −5 µm … Ξ, città"'
@@ -48,13 +48,6 @@ def test_letters_that_the_console_lacks_are_spelt_out(project, encoding):
     assert ("Tuff, -5 mum ... Xi, citta" if encoding == "ascii" else "Tuff, -5 µm … Xi, città") in out
 
 
-def test_help_and_errors_are_for_every_console(tmp_path):
-    assert b"STAGE,..." in start("run", "--help", encoding="ascii").stdout
-    wrong = start("check", tmp_path / "città", encoding="ascii")
-    assert wrong.returncode == 2
-    assert wrong.stderr.startswith(b"error: ") and b"citta: project: no such folder" in wrong.stderr
-
-
 @pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
 @pytest.mark.parametrize("closed", ["1", "0 1 2"])
 def test_a_closed_stream_ends_no_run(project, closed):
@@ -89,15 +82,6 @@ def test_a_reader_that_has_seen_enough_is_no_error(project, command):
     done = start(*arguments(command, project), stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")
-
-
-def test_the_code_tells_of_the_run_whoever_reads(tmp_path):
-    text = PROJECT.replace("rotation_rad = -0.02", "rotation_rad = -0.3")
-    folder, writing = write_block(tmp_path / "falls", text), gone()
-    assert run(folder) == 3
-    assert start("run", folder, "--no-report", stdout=writing).returncode == 3
-    assert start("run", tmp_path / "nothing", stderr=writing).returncode == 2
-    os.close(writing)
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")  # noqa: PTH110

@@ -182,32 +182,3 @@ def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(proje
         "interrupted: nothing of an earlier result was changed; finished analyses are kept: run again to go on\n"
     )
     assert len(entries(project)) == 2  # self-weight and the pushdown
-
-
-@FORKS
-def test_a_killed_run_leaves_the_earlier_result(project, monkeypatch):
-    """SIGKILL wherever it strikes: during the analyses and while files are written."""
-    assert assesto(project) == 0
-    before = contents(project / "output")
-    edit(project, "increment_m = 0.2", "increment_m = 0.1")
-
-    # the process kills itself after its first figure: that is written, results.json is not
-    def draw_and_die(*of):
-        save_svg(*of)
-        os.kill(os.getpid(), signal.SIGKILL)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(figures, "write_figures", FIGURES)
-        patch.setattr(figures, "save_svg", draw_and_die)
-        with forked("run", str(project), "--no-report", "--jobs", "1") as killed:
-            assert killed.end()[0] == -signal.SIGKILL
-    left = contents(project / "output")
-    assert any(name.startswith(".assesto-") for name in left)
-    assert {name: value for name, value in left.items() if not name.startswith(".")} == before
-    # what is left over is hidden, is taken for no result, and does not stop the next run
-    seen = {path.name for path in project.iterdir() if not path.name.startswith(".")}
-    assert seen == {"geometry.dxf", "project.toml", "wave.csv", "output"}
-    assert assesto(project) == 0
-    after = contents(project / "output")
-    assert after != before
-    assert not any(name.startswith(".assesto-") for name in after)

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-import time
-from types import SimpleNamespace
 
 import pytest
 
 from assessment.cli.main import main
-from assessment.runtime import journal as journals
 from assessment.runtime.journal import NAME, Journal, locked, read_journal, record_exit, status
 from assessment.runtime.progress import Show
 
@@ -66,57 +63,6 @@ def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
     record_exit(output, 3)
     found = told()
     assert (found["running"], found["exit_code"], found["seconds_left"]) == (False, 3, None)
-
-
-def test_the_analysis_under_way_is_written_once_and_at_most_every_second(tmp_path, monkeypatch):
-    clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(journals, "time", SimpleNamespace(time=lambda: clock.now, strftime=time.strftime))
-    show = Journal(tmp_path, Show())
-    show.begin("history", 3, 0, 3.0)
-    for title in ("a", "b", "c"):
-        show.under_way(title)
-    clock.now += 1.5
-    for _ in range(3):
-        show.reached(0.5)
-    events = [json.loads(line) for line in (tmp_path / NAME).read_text().splitlines()]
-    assert [each["title"] for each in events if each["event"] == "under_way"] == ["a", "c"]
-    assert read_journal(tmp_path).stages[0].under_way == "c"
-
-
-def test_the_exit_code_of_every_run_is_kept(project, capsys):
-    """Of one that is refused too, and none of one that could not begin because another was at work."""
-    output = project / "output"
-    assert main(["run", str(project), "--no-report", "--only", "nothing"]) == 2
-    assert not output.exists()
-    assert main(["run", str(project), "--no-report"]) == 0
-    stages = [stage.name for stage in read_journal(output).stages]
-    assert read_journal(output).exit_code == 0 and stages[0] == "self-weight" and stages[-1] != stages[0]
-    before = (output / NAME).read_bytes()
-    assert main(["run", str(project), "--no-report"]) == 0
-    assert (output / NAME).read_bytes() == before
-    with locked(output):
-        assert main(["run", str(project), "--no-report", "--fresh"]) == 2
-    assert (output / NAME).read_bytes() == before
-    assert main(["run", str(project), "--no-report", "--only", "nothing"]) == 2
-    assert read_journal(output).exit_code == 2
-    capsys.readouterr()
-    assert main(["status", str(project)]) == 0
-    assert ", exit code 2\n" in capsys.readouterr().out
-
-
-def test_a_line_that_a_kill_cut_short_is_left_out(tmp_path):
-    lines = [
-        {"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "work": 3.0, "time": 1.0},
-        {"event": "done", "work": 1.0, "time": 2.0},
-    ]
-    (tmp_path / NAME).write_text("\n".join(map(json.dumps, lines)) + '\n{"event": "do')
-    [stage] = read_journal(tmp_path).stages
-    assert (stage.done, stage.open) == (1, 2)
-    assert status(tmp_path).splitlines() == [
-        "not at work: the run was interrupted or killed",
-        "campaign: 1 of 3 done",
-        "finished analyses are kept: run again to go on",
-    ]
 
 
 BEGUN = '{"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "work": 3.0, "time": 1.0}'

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from assessment.runtime.journal import LOCK, BusyError, Holder, holder, locked
+from assessment.runtime.journal import LOCK, BusyError, locked
 from tests.support.block_project import ROOT, run
 
 HOLD = """
@@ -51,16 +51,3 @@ def test_who_waits_for_a_lock_that_is_removed_meanwhile_gets_one_that_others_see
         (tmp_path / LOCK).touch()  # as of another run, which begins
         with locked(tmp_path), pytest.raises(BusyError), locked(tmp_path):
             pass
-
-
-def test_the_holder_is_told_with_its_number(tmp_path):
-    assert holder(tmp_path) is None
-    with locked(tmp_path):
-        found = holder(tmp_path)
-        assert found is not None and found.pid == os.getpid()
-        assert found.text.startswith(f"process {os.getpid()} on ") and "\n" not in found.text
-        (tmp_path / LOCK).write_bytes(b"\xff\n{}")
-        assert holder(tmp_path) == Holder("a process which has just begun", None)
-    assert holder(tmp_path) is None
-    (tmp_path / LOCK).write_text("left by a kill")
-    assert holder(tmp_path) is None

@@ -5,20 +5,15 @@ from __future__ import annotations
 import json
 import re
 import sys
-import time
 from io import StringIO
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from assessment.cli.summary import _table, capacities
 from assessment.runtime import progress as terminal
-from assessment.runtime.progress import Bars, Show
-from assessment.runtime.tasks import Workers
+from assessment.runtime.progress import Bars
 from tests.support.block_project import edit, read_results
 from tests.support.every_stage import assesto, write_every_stage
-from tests.support.typed import typed
 
 pytestmark = pytest.mark.usefixtures("no_figures")
 
@@ -116,57 +111,3 @@ def test_the_time_left_is_known_before_an_analysis_is_finished(clock, bars, show
     assert "left longer than expected" in shown(), "it said 0:00:00 while nothing ended"
     bars.advance(2.0)
     assert "left 0:00:00" in shown()
-
-
-class Titles(Show):
-    """Keeps what it was told to be at work; lets each analysis go on once it was."""
-
-    def __init__(self, folder):
-        self.folder, self.titles = folder, []
-
-    def under_way(self, title):
-        self.titles.append(title)
-        (self.folder / title).touch()
-
-
-def silent(flag: str) -> bool:
-    """Return whether somebody was told that this is at work, though it tells nothing itself."""
-    for _ in range(600):
-        if Path(flag).exists():
-            return True
-        time.sleep(0.05)
-    return False
-
-
-def test_what_other_processes_are_at_is_told_though_they_tell_nothing(tmp_path):
-    """Only what ran in the process of the terminal was named."""
-    show = Titles(tmp_path)
-    tasks = [(str(tmp_path / name),) for name in ("first", "second", "third")]
-    with Workers(jobs=1, show=show) as workers:
-        assert workers.each("stage", silent, tasks, ["first", "second", "third"], True) == [True] * 3
-    assert show.titles == ["first", "second", "third"]
-
-
-def row(state: str, direction: str, **checks: float | None) -> dict:
-    """Results of a state in a direction: a_g of each check against a demand of 0.2 g."""
-    found = {
-        name.replace("_", " "): {"a_g_g": a_g, "zeta_E": None if a_g is None else a_g / 0.2}
-        for name, a_g in checks.items()
-    }
-    return {
-        "pushover": {direction: {"rigid": {"alpha_0": 0.1, "d_0_m": 0.2}}},
-        "capacity": {direction: found},
-    }
-
-
-def test_the_summary_shows_slv_beside_slc():
-    states = {
-        "original": row("original", "+x", SLD=0.05, SLV_linear=0.1, SLV=0.15, SLC=0.3),
-        "settled": row("settled", "+x", SLD=0.05, SLV_linear=0.1, SLV=None, SLC=0.25),
-    }
-    above, head, first, second = _table(capacities(typed({"states": states})))
-    assert above.split() == ["SLV", "SLC"]
-    assert head.split()[-6:] == ["a_g", "[g]", "ζ_E", "a_g", "[g]", "ratio"]  # §8.3: the index is that at SLV
-    assert above.index("SLV") == head.index("a_g [g]") and above.index("SLC") == head.rindex("a_g [g]")
-    assert first.split() == ["original", "+x", "0.1000", "0.2000", "0.150", "0.75", "0.300", "1.50"]
-    assert second.split() == ["settled", "+x", "0.1000", "0.2000", "–", "–", "0.250", "1.25"]

@@ -91,34 +91,3 @@ def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, m
     with pytest.raises(ProjectError):
         put(folder)
     assert texts(folder) == BEFORE
-
-
-def test_a_file_that_is_open_elsewhere_is_named(folder, monkeypatch):
-    """As in a viewer on Windows."""
-    replace = Path.replace
-
-    def held(path: Path, target: Path) -> Path:
-        if path == folder / "report.pdf":
-            raise PermissionError(13, "used by another process", str(path))
-        return replace(path, target)
-
-    monkeypatch.setattr(Path, "replace", held)
-    with pytest.raises(ProjectError) as caught:
-        put(folder)
-    assert str(caught.value).startswith(
-        f"{folder / 'report.pdf'}: cannot be replaced (used by another process); close"
-    )
-
-
-def test_while_files_are_moved_no_results_are_there(folder, monkeypatch):
-    """A kill in between leaves nothing that could be taken for the results of either run."""
-    replace, there = Path.replace, []
-
-    def noted(path: Path, target: Path) -> Path:
-        there.append((folder / "results.json").exists())
-        return replace(path, target)
-
-    monkeypatch.setattr(Path, "replace", noted)
-    put(folder)
-    assert there == [True, *[False] * (len(there) - 1)]
-    assert texts(folder) == AFTER

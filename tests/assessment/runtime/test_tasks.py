@@ -11,7 +11,6 @@ import pytest
 
 from assessment.runtime.cache import Store, fingerprint
 from assessment.runtime.tasks import From, Workers
-from tests.support.told import Seen, quarter
 
 
 def test_as_many_processes_as_asked_for(tmp_path):
@@ -30,18 +29,6 @@ def _pid(folder: str, processes: int) -> int:
     while len(list(Path(folder).iterdir())) < processes:
         time.sleep(0.01)
     return os.getpid()
-
-
-@pytest.mark.parametrize("worthwhile", [False, True], ids=["this process", "another process"])
-def test_how_far_an_analysis_is_gets_told_before_it_is_finished(tmp_path, worthwhile):
-    """Of the first, of weight 8, a quarter is done: 2. It was told of finished ones only."""
-    show = Seen(tmp_path / "told")
-    with Workers(jobs=1, show=show) as workers:
-        tasks = [(str(show.flag),)] * 2
-        assert workers.each("stage", quarter, tasks, [""] * 2, worthwhile, [8.0, 24.0]) == [True] * 2
-    first = show.lines[: show.lines.index(("advance", 8.0))]
-    assert first[0] == ("begin", 32.0) and {*first[1:]} == {("reached", 2.0)}
-    assert show.lines[-1] == ("advance", 32.0)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

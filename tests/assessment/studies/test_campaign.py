@@ -13,37 +13,17 @@ from assessment.analyses.dynamic.scan import Reach, Scan
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.numbers import plain
-from assessment.results.schema.dynamic import CampaignCombination, CampaignFragility, Level
+from assessment.results.schema.dynamic import CampaignCombination, Level
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import Show
 from assessment.studies.campaign import stage
 from assessment.studies.campaign.scans import Asked, Scans
-from assessment.studies.campaign.stage import doubts
 from assessment.studies.campaign.summary import loss_of, standard_of
 from assessment.workflow.stages import run as workflow
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
 from tests.support.campaign_project import SEARCHES, write_campaign
 from tests.support.typed import made
-from tests.support.wording import in_italian
-
-
-def test_stripes_without_dispersion_are_warned_of():
-    told = {"combinations": 2, "failed": 0, "withstood": 0}
-    [warning] = doubts(made(CampaignFragility, told | {"median_g": 0.4, "beta": 0.0}), True)
-    assert "a median acceleration of 0.4 g" in warning and "dispersione" in in_italian(warning)
-    assert not list(doubts(made(CampaignFragility, told | {"median_g": 0.4, "beta": 0.2}), True))
-
-
-def test_lower_bounds_and_a_missing_median_are_warned_of():
-    stand = {"combinations": 2, "failed": 0, "withstood": 2, "median_g": None}
-    [bounds, none] = doubts(made(CampaignFragility, stand), False)
-    assert "2 of 2 combinations do not collapse" in bounds and "no median of collapse" in none
-    [bounds] = doubts(made(CampaignFragility, stand | {"combinations": 3, "median_g": 0.5}), False)
-    assert "2 of 3 combinations" in bounds
-    assert not list(doubts(made(CampaignFragility, stand | {"withstood": 0, "median_g": 0.5}), False))
-    for warning in (bounds, none):
-        assert "combinazioni" in in_italian(warning) or "mediana" in in_italian(warning)
 
 
 def row(record, collapse, safe=0.1, sign=1, reason=None):
@@ -179,30 +159,6 @@ class Stopping(Show):
             raise KeyboardInterrupt
 
 
-def test_curves_are_kept_of_the_members_asked_for_and_change_nothing_else(block):
-    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
-    edit(block, "tolerance = 0.2\n", 'method = "stripes"\nlevels_g = [0.1, 0.3]\n')
-    assert run(block, "--only", "campaign") == 0
-    without = timeless(read_results(block / "output"))
-    edit(block, "signs = [1]", "signs = [1]\ncurve_members = [2]\nwindow_s = [0.1, 1.1]")
-    assert run(block, "--only", "campaign") == 0
-    late = read_results(block / "output")["campaign"]["combinations"][0]["points"]
-    assert all(curve["time_s"][0] == 0.1 for point in late for curve in point["curves"])
-    edit(block, "curve_members = [2]\nwindow_s = [0.1, 1.1]", "curve_members = [2, 1]")
-    assert run(block, "--only", "campaign") == 0
-    found = timeless(read_results(block / "output"))
-    for row in found["campaign"]["combinations"]:
-        for point in row["points"]:
-            curves = point.pop("curves")
-            members = [(curve["member"], curve["factor"]) for curve in curves]
-            assert members == [(1, 1.0), (2, 0.99)][: point["members"]]
-            assert all(len(curve["time_s"]) == len(curve["displacement_m"]) <= 400 for curve in curves)
-            if not point["collapsed"]:
-                peaks = [max(map(abs, curve["displacement_m"])) for curve in curves]
-                assert [min(peaks), max(peaks)] == pytest.approx(point["peak_displacement_m_range"], abs=1e-7)
-    assert found["campaign"] == without["campaign"]
-
-
 def test_stripes_by_spectral_acceleration(block):
     stripes = 'method = "stripes"\nlevels_g = [0.1, 0.2, 0.4]\nmeasure = "Sa(T)"\nperiod_s = 0.5\n'
     edit(block, "tolerance = 0.2\n", stripes)
@@ -233,22 +189,6 @@ def test_the_static_loss_beside_rigid_motions_is_that_of_rigid_joints(block):
     rigid, beside = losses
     assert beside[1]["static"] == pytest.approx(rigid[1]["static"], rel=1e-12)
     assert beside[1]["static_capacity"] == pytest.approx(rigid[1]["static_capacity"], rel=1e-12)
-
-
-def test_equal_states_are_computed_once(block):
-    edit(
-        block,
-        "[campaign]",
-        '[[settlements]]\nname = "other"\nsupport = "base"\nrotation_rad = -0.01\n[campaign]',
-    )
-    edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
-    edit(block, "shares = [0.0, 1.0]", "shares = [0.0]")
-    assert run(block, "--only", "campaign") == 0
-    results = read_results(block / "output")
-    one, other = results["campaign"]["combinations"]
-    assert other["same_as"] == {"settlement": "base turned", "share": 0.0, "sign": 1}
-    assert other["pga_collapse_g"] == one["pga_collapse_g"] and results["campaign"]["computed"] == 1
-    assert any("1 of 2 combinations are the same" in text for text in results["quality"]["warnings"])
 
 
 def test_both_signs_of_a_structure_that_is_its_own_mirror_image_are_one_run(block):

@@ -17,17 +17,13 @@ from assessment.project.catalogue.new_project import new_project, template_layou
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.project.structure.model import build_model
-from assessment.report.document import render_html
-from assessment.report.text.language import words_of
 from assessment.results.numbers import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.tasks import Workers
-from assessment.studies.convergence import Levels, converge, estimated_error
+from assessment.studies.convergence import converge, estimated_error
 from assessment.workflow.stages import run
 from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
-from tests.support.pictured import draw_sections
-from tests.support.results_example import results_example
-from tests.support.typed import made, typed
+from tests.support.typed import made
 
 SOLVER = 1e-6  # relative: what programs leave, whatever the increments
 
@@ -78,20 +74,6 @@ def test_the_estimate_without_an_order():
     assert estimated_error([1.0, 1.5, 1.25]) == 1.25 * 0.25  # alternating, and shrinking
     assert estimated_error([1.0, 1.5, 2.0]) == 1.25 * 4 * 0.5  # drifting on
     assert estimated_error([1.0, 2.0, 2.0]) == 0.0
-
-
-def test_a_quantity_that_only_one_level_reaches_has_no_error():
-    levels = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None}, {"alpha_0": 0.1, "d_0_m": 0.2}))
-    assert levels.errors == {"alpha_0": 0.0, "d_0_m": None}
-    assert not levels.within(0.5)
-    assert levels.row("s", "+x", 1, 0.5).relative_error is None
-    neither = Levels(1.0, ({"alpha_0": 0.1, "d_0_m": None},) * 2)
-    assert neither.errors == {"alpha_0": 0.0} and neither.within(0.5)
-
-
-def test_values_of_rounding_size_are_none():
-    """A block that does not move has a peak of 1e-13 m: no error is relative to that."""
-    assert Levels(5.0, ({"peak_displacement_m": 3e-13}, {"peak_displacement_m": 1e-13})).within(0.01)
 
 
 # The increments
@@ -256,41 +238,4 @@ def test_only_states_that_need_it_are_analysed_again(arch):
     assert "settled, +x" in warning and "alpha_0 is 25 %" in warning and "1/4" in warning
 
 
-def test_a_finer_analysis_that_fails_leaves_the_coarser_one(arch):
-    found, asked = _converged(
-        arch,
-        {"original": _stage("original", 0.2)},
-        {"original": _stage("original", 0.1)},
-        {"original": _stage("original", 0.0, "no equilibrium")},
-    )
-    assert len(asked) == 3
-    assert found.stages[0].pushover["+x"].rigid.alpha_0 == 0.1 and not found.stages[0].failures
-    assert found.halvings["original"] == 1
-    assert "original, +x: finer increments fail: no equilibrium" in found.warnings
-
-
 # The key
-
-
-@pytest.mark.parametrize("language", ["it", "en"])
-def test_the_report_states_the_error_or_that_there_is_no_estimate(language, tmp_path):
-    results = results_example(language)
-    draw_sections(typed(results), tmp_path)
-    words = words_of(typed(results))
-
-    def chapter(content: dict) -> str:
-        html = render_html(typed(content), tmp_path, words)
-        return html[html.index(f"<h3>{words('section.convergence')}</h3>") :]
-
-    said = chapter(results)
-    for text in (
-        words.number(2.3),
-        words.number(1.2),
-        words.plain("value.not_known"),
-        words.plain("value.no"),
-        words.number(0.043),
-        words.number(19.0),
-    ):
-        assert f">{text}</td>" in said
-    results["convergence"] = {"tolerance": None, "rows": []}
-    assert words("text.no_convergence") in chapter(results)

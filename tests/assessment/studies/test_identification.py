@@ -14,11 +14,9 @@ from assessment.studies.identification import stage as search_module
 from assessment.studies.identification.fit import (
     Fit,
     Unknowns,
-    best_length,
     kinks,
     refined,
     sureness,
-    unknowns_of,
 )
 from assessment.studies.identification.stage import follow, probability
 from mechanics import ConvergenceError
@@ -261,23 +259,6 @@ def test_readings_of_a_block_that_turns(model):
     assert shown == pytest.approx(
         expected, abs=1e-4 * 1e3 * turn * width + 1e-9
     )  # second order in the rotation
-
-
-def test_the_best_length_lies_between_two_points():
-    # residual −1 → +3 along the second stretch: zero a quarter of the way
-    share, square = best_length(np.array([0.0, 1.0, 2.0]), np.array([[-2.0], [-1.0], [3.0]]))
-    assert share == pytest.approx(1.25) and square == pytest.approx(0.0)
-    assert best_length(np.array([0.0]), np.array([[2.0]])) == (0.0, 4.0)
-
-
-def test_half_of_the_directions_go_up_and_are_left_out():
-    given = {"right": ("rotation", "x", "z")}
-    free, held = unknowns_of(given, 0.5, False), unknowns_of(given, 0.5, True)
-    assert len(free.directions()) == 26 and len(held.directions()) == 17
-    assert [name for _, name in held.components] == ["x", "z", "rotation"]
-    assert all(np.linalg.norm(each) == pytest.approx(1.0) for each in free.directions())
-    [moved] = held.movements(np.array([0.1, -0.2, 0.05]))
-    assert moved.displacement == (0.1, -0.2) and moved.rotation == pytest.approx(0.1)
 
 
 LINEAR = np.array([[2.0, 0.0], [0.0, 1.0], [1.0, 1.0]])

@@ -11,8 +11,8 @@ from assessment.project.catalogue.new_project import template_layout, write_draw
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.numbers import plain
-from assessment.results.schema.studies import ScenarioPoint, SensitivityRun
-from assessment.studies.variants import part, scatter, with_factor, without_effect, worst
+from assessment.results.schema.studies import SensitivityRun
+from assessment.studies.variants import scatter, with_factor, without_effect
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests.support.block_project import block
@@ -132,32 +132,6 @@ def test_a_sweep_past_the_collapse_names_where_it_falls(project):
     assert found["collapses"] and found["share"] == 0.75
     assert not results["complete"]
     assert any(text.startswith("part 3 of 4: turned, rigid") for text in results["quality"]["warnings"])
-
-
-@pytest.mark.parametrize(("contacts", "by"), [('["rigid"]', "alpha_0"), ('["elastic"]', "alpha_u")])
-def test_only_what_was_asked_for_is_compared(project, contacts, by):
-    pushover = PUSHOVER.replace('["rigid"]', contacts).replace("0.1", "0.02")
-    found = results_of(project(BLOCK + TURNS.replace("steps = 4", "") + pushover))["scenarios"]
-    assert found["quantity"] == by and found["worst"][by] == min(p[by] for p in found["points"][2:])
-    assert {"alpha_0", "alpha_u", "a_g_g"} & set(found["worst"]) == {by}
-
-
-def test_the_worst_point():
-    def at(state, movement, capacity, collapses=False):
-        found = {"state": state, "movement_m": movement, "a_g_g": capacity, "collapses": collapses}
-        return made(ScenarioPoint, found)
-
-    points = [at("original", 0, 0.1), at("a", 1, 0.3), at("b", 2, 0.2), at("b", 3, None)]
-    assert worst(points, "a_g_g") == at("b", 2, 0.2)
-    assert worst([*points, at("b", 5, None, True), at("b", 4, None, True)], "a_g_g").movement_m == 4
-    assert worst(points[:1], "a_g_g") is None
-
-
-def test_parts_of_a_movement(project):
-    moved = TURNS.replace("rotation_rad = -0.04", "displacement_m = [0.02, -0.04]\nto_collapse = true")
-    third = part(project(BLOCK + moved + PUSHOVER).settlements[0], 0.75)
-    assert third.displacement_m == pytest.approx((0.015, -0.03)) and third.steps is None
-    assert not third.to_collapse  # the ultimate movement is the whole one's business
 
 
 def test_a_property_that_lets_the_structure_fall_is_a_result_that_is_missing(project):

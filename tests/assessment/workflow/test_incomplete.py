@@ -12,13 +12,11 @@ import pytest
 
 from assessment.analyses.checks import capacity
 from assessment.analyses.static import lateral
-from assessment.analyses.static import paths as settlement
 from assessment.cli.main import main
 from assessment.ntc.curve_fit import CapacityError
 from assessment.project.catalogue.new_project import write_drawing
-from mechanics import ConvergenceError, pushdown, pushover
+from mechanics import ConvergenceError, pushover
 from mechanics.messages import message
-from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, read_results, run
 from tests.support.structures import rectangle
@@ -36,12 +34,6 @@ def test_a_structure_that_cannot_stand(project, capsys):
     assert "own weight: NO" in capsys.readouterr().out
     assert main(["check", str(project)]) == 0
     assert "own weight: NO" in capsys.readouterr().out
-
-
-def test_the_report_of_a_structure_that_cannot_stand(project, drawn):
-    _overhang(project)
-    assert main(["run", str(project)]) == 3
-    assert (project / "output" / "report.html").is_file()
 
 
 def _overhang(project: Path) -> None:
@@ -114,16 +106,6 @@ def test_a_direction_without_capacity_is_incomplete_and_its_state_has_no_index(p
     for state in read_results(project / "output")["states"].values():
         assert list(state["pushover"]) == ["+x", "-x"] and list(state["capacity"]) == ["+x"]
         assert state["indices"] is state["safety_index"] is state["governing"] is None
-
-
-def test_a_settlement_cut_short_says_what_to_write(project, monkeypatch):
-    few = PushdownTolerances(points=5)
-    monkeypatch.setattr(settlement, "pushdown", partial(pushdown, tolerances=few))
-    edit(project, "rotation_rad = -0.02\n", "rotation_rad = -0.02\nto_collapse = true\n")
-    assert run(project, "--jobs", "1") == 0
-    [text] = [each for each in read_results(project / "output")["quality"]["warnings"] if "points" in each]
-    assert text.startswith("base turned, rigid contacts: no ultimate movement up to ")
-    assert text.endswith(" m (a path has 5 points at most; write a larger increment_rad)")
 
 
 def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkeypatch):

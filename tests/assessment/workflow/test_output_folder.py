@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,12 +14,6 @@ from assessment.workflow import stages as workflow
 from tests.support.block_project import contents, run
 
 pytestmark = pytest.mark.usefixtures("quick")
-
-
-def test_out_is_where_results_go(project, tmp_path):
-    assert run(project, "--out", str(tmp_path / "deep" / "there")) == 0
-    assert (tmp_path / "deep" / "there" / "results.json").is_file()
-    assert not (project / "output").exists()
 
 
 @pytest.mark.parametrize("verb", ["run", "check"])
@@ -63,23 +56,6 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     ]
 
 
-def test_a_full_disk_names_the_file_in_its_place(project, capsys, monkeypatch):
-    """Not the one beside it under which it is written first."""
-    assert run(project) == 0
-    before, write = contents(project), Path.write_bytes
-
-    def full(path: Path, content: bytes) -> int:
-        if "blocks.csv" in path.name:
-            raise OSError(28, "No space left on device")
-        return write(path, content)
-
-    monkeypatch.setattr(Path, "write_bytes", full)
-    assert run(project, "--fresh", "--jobs", "1") == 2
-    place = project / "output" / "tables" / "blocks.csv"
-    assert capsys.readouterr().err.startswith(f"error: {place}: No space left on device")
-    assert contents(project) == before
-
-
 @pytest.mark.parametrize("jobs", ["0", "-1", "x", "1.5", ""])
 def test_a_number_of_processes_is_one_or_more(project, capsys, jobs):
     with pytest.raises(SystemExit) as left:
@@ -106,18 +82,3 @@ def test_what_is_no_number_is_null():
     assert clean == {"a": [0.5, -1e300], "b": [1, 0.5, None], "c": [[0.5, None], [2, None, "x"]]}
     assert type(clean["c"][1][0]) is int and type(clean["b"][1]) is float
     assert clean["a"] is finite
-
-
-def test_a_judgement_that_is_written_while_the_report_is_made_is_kept(project, monkeypatch):
-    assert run(project) == 0
-    opinion, make = project / "output" / "judgement.md", output._make
-
-    def made(*arguments):
-        warnings = make(*arguments)
-        opinion.write_text("Sound.\n", encoding="utf-8")
-        return warnings
-
-    monkeypatch.setattr(output, "_make", made)
-    assert run(project, "--fresh") == 0
-    assert opinion.read_text(encoding="utf-8") == "Sound.\n"
-    assert "print it again" in output.recall(project / "output").warnings[-1]

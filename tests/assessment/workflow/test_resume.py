@@ -24,7 +24,6 @@ from tests.support.every_stage import (
     entries,
     planned,
     write_every_stage,
-    write_wave,
 )
 
 pytestmark = pytest.mark.usefixtures("no_figures")
@@ -144,14 +143,6 @@ def test_only_what_depends_on_an_edit_is_computed_again(done, capsys, what):
     assert resumed.keys() == fresh.keys()
     first, second = (json.loads(each["output/results.json"]) for each in (resumed, fresh))
     assert timeless(first) == timeless(second)
-
-
-def test_another_record_leaves_the_first_as_it_is(done):
-    before = planned(done)
-    write_wave(done / "wave2.csv", 0.15)
-    assesto(done)
-    assert computed(done) == expected(before, planned(done), {})
-    assert planned(done)["incremental"] == 2 * before["incremental"]
 
 
 def test_another_version_of_the_program_takes_over_nothing(done, capsys, monkeypatch):

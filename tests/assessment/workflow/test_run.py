@@ -12,15 +12,11 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.project import load_project
-from assessment.report.chapters.judgement import NAME
 from assessment.report.figures import index as figures
-from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.progress import Show
+from assessment.runtime.cache import FOLDER
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
 from assessment.workflow.output import ENTRY
-from assessment.workflow.run import carry_out
 from tests.support.block_project import PROJECT, command, edit, read_results, timeless, write_block
 from tests.support.every_stage import REPORT
 
@@ -96,21 +92,6 @@ def test_a_run_in_which_nothing_has_changed_writes_nothing(project, capsys, idle
     assert "taken over from earlier runs: 6 of 6 analyses, inputs unchanged" in capsys.readouterr().out
     assert main(["run", str(project), "--no-report", "--jobs", "1"]) == 0
     assert state(project) == before
-
-
-def test_how_far_the_report_is_gets_told_before_it_is_finished(project):
-    told: list[tuple[str, object]] = []
-
-    class Told(Show):
-        def tell(self, event, **fields):
-            if event in {"begin", "reached", "end"}:
-                told.append((event, fields.get("stage", fields.get("work"))))
-
-    carry_out(load_project(project), project / "output", 1, True, True, Told())
-    report = told[told.index(("begin", "report")) + 1 : -1]
-    shares = [share for name, share in report if name == "reached"]
-    assert len(shares) == len(report) >= 3 and told[-1] == ("end", None)
-    assert 0.0 < shares[0] <= shares[-1] <= 1.0 and shares == sorted(shares)
 
 
 def test_it_imports_nothing_that_computes_or_draws(project):
@@ -194,13 +175,6 @@ def test_what_is_no_longer_as_it_was_is_made_again(project, capsys, name, how):
     assert state(project) == before
 
 
-def test_an_edited_judgement_is_printed_at_the_next_run(project, capsys):
-    path = project / "output" / NAME
-    path.write_bytes(path.read_bytes() + b"\nStrut the pier.\n")
-    assert computed(project, capsys) == 0
-    assert "Strut the pier." in (project / "output" / "report.html").read_text(encoding="utf-8")
-
-
 def test_a_report_is_added_to_a_run_without_one(project, capsys):
     for name in PRINTED:
         (project / "output" / name).unlink()
@@ -210,12 +184,6 @@ def test_a_report_is_added_to_a_run_without_one(project, capsys):
     assert state(project) == before
     assert computed(project, capsys) == 0
     assert all((project / "output" / name).is_file() for name in PRINTED)
-
-
-def test_a_report_of_other_results_does_not_stay(project):
-    edit(project, "increment_m = 0.2", "increment_m = 0.1")
-    assert main(["run", str(project), "--no-report"]) == 0
-    assert not list((project / "output").glob("report.*"))
 
 
 def test_a_pdf_that_could_not_be_made_is_made_once_its_libraries_are_there(project, capsys, monkeypatch):
@@ -293,10 +261,3 @@ def _damage(content, chance):
         del node[key]
     else:
         node[key] = chance.choice([None, "text", [], {}, -1, 1e300, True, [None], {"a": 1}])
-
-
-def test_what_another_version_kept_is_not_understood_and_not_minded(project, capsys):
-    Store(project / "output" / FOLDER).keep(ENTRY, '{"something": "else"}')
-    capsys.readouterr()
-    assert main(["run", str(project), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["analyses"] == {"computed": 0, "taken_over": 6}

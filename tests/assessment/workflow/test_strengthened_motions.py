@@ -52,13 +52,6 @@ def test_elastic_joints_give_the_tension_of_a_tie_in_a_motion(tmp_path):
     assert max(tension for [tension] in tensions) == pytest.approx(chain.greatest_kN, rel=2e-2)
 
 
-def test_a_tie_that_yields_in_a_motion_is_told(tmp_path):
-    ties = tie(states='["strengthened"]', yield_force_kN="2.0") + strengthening("original")
-    found = results_of(tmp_path / "block", block() + HISTORY.replace("-0.3", "-0.2") + ties)
-    [chain] = found.states["strengthened"].history[0].ties
-    assert chain.yields
-
-
 def test_a_settled_state_is_shaken_with_the_ties_that_are_set_there(tmp_path):
     """The base turned by −0.02 rad: the tie is taut where the block has come to, so that it does not move."""
     ties = tie(states='["strengthened"]', yield_force_kN="50.0") + strengthening()
@@ -67,26 +60,6 @@ def test_a_settled_state_is_shaken_with_the_ties_that_are_set_there(tmp_path):
     assert settled.history[0].collapsed and not strengthened.history[0].collapsed
     assert strengthened.history[0].peak_displacement_m < 1e-3
     assert strengthened.configuration == settled.configuration
-
-
-INCREMENTAL = (
-    '[incremental]\nrecords = ["push.csv"]\ncontacts = "rigid"\ntolerance_g = 0.05\nmax_scale = 4.0\n'
-)
-TIME = 0.02 * np.arange(100)
-WAVE = 0.3 * np.sin(4.0 * TIME) * np.exp(-0.3 * TIME)
-
-
-def test_the_pga_at_collapse_stands_beside_that_before(tmp_path):
-    """Of the record's sign that the tie holds back it is larger; of the other one the tie stays slack."""
-    ties = tie(states='["strengthened"]', yield_force_kN="20.0") + strengthening("original")
-    found = results_of(tmp_path / "block", block() + INCREMENTAL + ties, TIME, -WAVE)
-    first, then = (found.states[name].incremental for name in ("original", "strengthened"))
-    before, after = first.pga_collapse_g, then.pga_collapse_g
-    [row] = found.strengthening
-    assert (row.dynamic_pga_before_g, row.dynamic_pga_g, row.direction) == (before, after, None)
-    assert row.gain == after / before - 1.0
-    held, slack = ([each.records[0].signs[k].lowest_collapse_g for each in (first, then)] for k in range(2))
-    assert held[1] > 1.3 * held[0] and slack[1] == slack[0]
 
 
 def test_a_campaign_takes_the_ties_of_each_state(tmp_path):

@@ -20,9 +20,6 @@ from tests.support.block_project import (
     PUSHED,
     TURNED,
     block,
-    edit,
-    read_results,
-    run,
     write_block,
 )
 from tests.support.tied_project import STRENGTHENED, TIE, overturning, strengthening, tie
@@ -90,15 +87,6 @@ def test_capacities_stand_beside_those_of_the_state_before(drawn):
         assert arm > 0.0
 
 
-def test_the_model_has_the_ties_with_their_states(drawn):
-    [chain] = drawn.model.ties
-    assert (chain.blocks, chain.states, chain.set_in) == ([0, 1], ["strengthened"], ["strengthened"])
-    assert (chain.start_m, chain.end_m, chain.yield_force_kN) == ([-0.29, -0.1], [-0.29, 4.0], 5.0)
-    made = drawn.states["strengthened"]
-    assert (made.strengthening.of, made.strengthening.ties, made.settlement) == ("original", ["chain"], None)
-    assert drawn.states["original"].strengthening is None
-
-
 @pytest.fixture(scope="module")
 def settled(tmp_path_factory) -> Results:
     return results_of(tmp_path_factory.mktemp("settled") / "block", block() + TURNED + PUSHED + STRENGTHENED)
@@ -129,47 +117,11 @@ def test_a_strengthening_whose_structure_has_no_rest_is_not_pushed_as_drawn(tmp_
     assert any("strengthened" in each and "not solved" in each for each in found.results.quality.warnings)
 
 
-def test_the_settlement_of_both_is_computed_once(tmp_path):
-    folder = write_block(tmp_path / "block", block() + TURNED + PUSHED + STRENGTHENED)
-    project = load_project(folder)
-    outcome = run_stages(project, build_model(project), jobs=1)
-    # self-weight; one movement; three pushes, each with its second solver
-    assert outcome.computed == 1 + 1 + 3 + 3
-
-
-def test_another_tie_leaves_the_stored_results_of_other_states(tmp_path):
-    """Only what the tie is in is computed again: a push and its second solver."""
-    from assessment.runtime.cache import Store
-
-    folder, store = (
-        write_block(tmp_path / "block", block() + TURNED + PUSHED + STRENGTHENED),
-        Store(tmp_path / "store"),
-    )
-    project = load_project(folder)
-    first = run_stages(project, build_model(project), 1, store)
-    edit(folder, "yield_force_kN = 5.0", "yield_force_kN = 6.0")
-    project = load_project(folder)
-    again = run_stages(project, build_model(project), 1, store)
-    assert (again.computed, again.taken) == (2, first.computed - 2)
-    alphas = [each.results.states["strengthened"].pushover["+x"].rigid.alpha_0 for each in (first, again)]
-    assert alphas[1] > alphas[0] + 0.005
-
-
 def test_a_tie_of_every_state_is_there_as_the_support_moves(tmp_path):
     found = results_of(tmp_path / "block", block() + TURNED + PUSHED + TIE)
     [path] = found.states["base turned"].pushdown.values()
     assert [each.tie for each in path.ties] == ["chain"] and found.model.ties[0].set_in == []
     assert found.states["original"].pushover["+x"].rigid.ties and found.strengthening is None
-
-
-def test_the_strengthening_of_a_structure_that_fell_is_not_reached(tmp_path):
-    fallen = TURNED.replace("-0.02", "-0.2")
-    folder = write_block(tmp_path / "block", block() + fallen + PUSHED + STRENGTHENED)
-    assert run(folder) == 3
-    found = read_results(folder / "output")
-    assert found["states"]["strengthened"]["pushover"] == {}
-    said = "strengthened, rigid contacts: the state that it strengthens was not reached"
-    assert said in found["quality"]["warnings"]
 
 
 def test_changed_layers_change_the_joints_of_the_strengthened_state_only(tmp_path):
@@ -181,12 +133,6 @@ def test_changed_layers_change_the_joints_of_the_strengthened_state_only(tmp_pat
     assert found.states["original"].pushover["+x"].rigid.alpha_0 == pytest.approx(
         overturning(0.0, 0.0), rel=1e-6
     )
-
-
-def test_only_the_pushdown_leaves_the_strengthening_out(tmp_path):
-    folder = write_block(tmp_path / "block", block() + TURNED + PUSHED + STRENGTHENED)
-    assert run(folder, "--only", "pushdown") == 0
-    assert list(read_results(folder / "output")["states"]) == ["base turned"]
 
 
 def test_a_chosen_mechanism_has_the_work_of_the_tie(tmp_path):

@@ -6,9 +6,6 @@ import ast
 import errno
 import os
 import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -65,39 +62,6 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "home"
 
 
-def test_folders_are_tried_in_their_order(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    beside, temporary = KERNELS / "__pycache__", home.parent / "temporary" / f"assesto-{USER}"
-    assert list(jit._folders()) == [beside, home / ".cache" / "assesto", temporary]
-    monkeypatch.setenv("XDG_CACHE_HOME", "caches")
-    assert list(jit._folders())[1] == home / ".cache" / "assesto", "not below wherever one happens to be"
-    monkeypatch.setenv("XDG_CACHE_HOME", str(home / "caches"))
-    assert list(jit._folders())[1] == home / "caches" / "assesto"
-    monkeypatch.setattr(jit._config, "CACHE_DIR", str(home / "told"))
-    assert next(jit._folders()) == home / "told"
-
-
-def test_a_user_without_a_home_has_a_folder_among_the_temporary_files(
-    home: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def none() -> Path:
-        raise RuntimeError("Could not determine home directory.")
-
-    monkeypatch.setattr(Path, "home", none)
-    temporary = home.parent / "temporary" / f"assesto-{USER}"
-    assert list(jit._folders()) == [KERNELS / "__pycache__", temporary]
-
-
-def test_the_first_folder_that_takes_files_is_taken(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files in the way of folders are what stops root as well as anyone."""
-    blocked, free = home / "blocked", home / "free"
-    blocked.write_text("")
-    monkeypatch.setattr(jit, "_folders", lambda: iter([blocked, free, home / "later"]))
-    folder = jit.cache_folder.__wrapped__()
-    assert folder.parent == free and folder.is_dir() and not list(folder.iterdir())
-    monkeypatch.setattr(jit, "_folders", lambda: iter([blocked]))
-    assert jit.cache_folder.__wrapped__() is None
-
-
 @pytest.mark.skipif(os.name != "posix", reason="temporary files are everybody's")
 def test_a_temporary_folder_that_others_can_write_to_is_not_used(home: Path) -> None:
     """Whoever puts a file there would have it run."""
@@ -150,39 +114,6 @@ def test_a_full_disk_stops_no_analysis(kept: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(IndexDataCacheFile, "save", full)
     doubled()
     assert not [path for path in kept.rglob("*") if path.is_file()]
-
-
-ONE_LOOP = """
-from mechanics.kernels import bed
-loop = bed.closures
-loop(1.0, 1.0, 1.0)
-print(bed.__file__, loop.stats.cache_path, len(loop.stats.cache_hits), sep="\\n")
-"""
-
-
-@pytest.mark.skipif(os.name != "posix", reason="a home is told otherwise elsewhere")
-def test_code_is_kept_where_the_package_is_read_only_and_there_is_no_home(tmp_path: Path) -> None:
-    """As for the user nobody: without a word of numba's on the terminal, nor a file where it runs."""
-    site, temporary, here, blocked = (tmp_path / name for name in ("site", "temporary", "here", "blocked"))
-    for folder in (temporary, here):
-        folder.mkdir()
-    shutil.copytree(ROOT / "mechanics", site / "mechanics", ignore=shutil.ignore_patterns("__pycache__"))
-    for path in (site / "mechanics" / "kernels" / "__pycache__", blocked):
-        path.write_text("in the way, also of root, who may write to folders that are read-only")
-    told = {"PYTHONPATH": str(site), "TMPDIR": str(temporary), "HOME": str(blocked / "home")}
-    hits = []
-    for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, "-W", "default", "-c", ONE_LOOP],
-            cwd=here, env=told, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        assert "umba" not in done.stderr
-        source, folder, count = done.stdout.splitlines()
-        assert Path(source).is_relative_to(site) and Path(folder).is_relative_to(temporary)
-        hits.append(int(count))
-    assert hits == [0, 1]
-    assert not list(here.iterdir())
 
 
 def double(x: float) -> float:

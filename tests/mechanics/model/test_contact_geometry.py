@@ -20,7 +20,6 @@ from mechanics import (
     pushover,
     time_history,
 )
-from mechanics.kernels.joint import H
 from mechanics.steps.static_system import static_system
 from tests.support.structures import rectangle
 
@@ -136,22 +135,6 @@ def test_a_beam_on_two_alike_seats_uses_up_both_at_the_most():
     """Associated sliding lifts the end that slides, and so it goes on in turns: to 0.1 m, not 0.05."""
     path = pushdown(beam(0.6, 0.6), "right", (0.01, 0.0), increment=0.002, to_collapse=True)
     assert 0.05 * (1.0 - 1e-3) <= path.ultimate <= 0.1
-
-
-def test_a_beam_that_comes_to_jam_between_its_piers_has_fallen():
-    """Upright faces of the piers, 4 m apart as the seats end: the first steps of its fall led it into them."""
-    stone = Material(20.0, 0.6)
-    left = Block(rectangle(-1.0, -1.0, 0.0, 0.0), 1.0, stone, support="left")
-    right = Block(rectangle(3.9, -1.0, 4.9, 0.0), 1.0, stone, support="right")
-    model = Assembly([left, right, Block(rectangle(-0.05, 0.0, 3.95, 0.4), 1.0, stone)])
-    path = pushdown(model, "right", (0.02, 0.0), increment=0.002, to_collapse=True)
-    assert path.ultimate is not None and 0.05 * (1.0 - 1e-3) <= path.ultimate <= 0.1
-
-
-def test_a_beam_takes_its_overlap_with_it():
-    path = pushdown(beam(0.6, NONE), "right", (0.04, 0.0), increment=0.004)
-    overlap = np.array([2.0 * step.places[:2, H].min() for step in path.steps])
-    assert overlap == pytest.approx(0.05 - path.movement, abs=1e-5)
 
 
 def neighbours() -> Assembly:

@@ -15,7 +15,7 @@ from mechanics.kernels.bed import pressed, stored
 from mechanics.kernels.crushing import crushed
 from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, CURVED, MU, MV, PHI, H, U, V, curvature
 from mechanics.kernels.law import LAW, LEFT
-from mechanics.model.contacts import Contacts, end_gaps, end_points, rows
+from mechanics.model.contacts import Contacts, rows
 from mechanics.steps.static_step import lay_shear
 from mechanics.types import Array
 from tests.support.reference_loops import Pair, bed_of_points, turned
@@ -239,21 +239,6 @@ def test_gaps_and_overlap_tell_the_area_in_which_blocks_lie_in_each_other(slide,
     assert found == pytest.approx(shapes[0].intersection(shapes[1]).area, abs=5e-5)
 
 
-def test_ends_of_an_overlap_lie_on_both_faces():
-    model = two(rectangle(-0.5, 0.0, 0.5, 1.0), rectangle(-1.0, -1.0, 1.0, 0.0))
-    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.7, 0.0, 0.0]])
-    [ends] = end_points(model.contacts, positions)
-    assert sorted(ends[:, 0]) == pytest.approx([0.2, 1.0])
-    assert ends[:, 1] == pytest.approx(0.0, abs=1e-12)
-
-
-@pytest.mark.parametrize("lift", [-0.01, 0.02])
-def test_a_lifted_block_opens_its_joint_by_as_much(lift):
-    model = two(rectangle(0, 0, 2, 1), rectangle(0, -1, 2, 0))
-    positions = model.initial.positions + np.array([[0.0, 0.0, 0.0], [0.0, lift, 0.0]])
-    assert end_gaps(model.contacts.places(positions)) == pytest.approx(lift)
-
-
 @pytest.mark.parametrize("lean", [-0.3, -0.02, 0.02, 0.3])
 def test_the_normal_is_that_of_the_face_that_a_corner_touches(lean):
     """A block on its corner on a wide base: the base's normal; upside down, a wide block on a narrow one: its own."""
@@ -267,18 +252,6 @@ def test_the_normal_is_that_of_the_face_that_a_corner_touches(lean):
             *(-place[:2] * (-1.0, 1.0))
         ) == pytest.approx(expected, abs=1e-9)
         assert place[BETA] in (0.0, 1.0)
-
-
-def test_where_two_corners_meet_the_bisector_counts():
-    """As drawn faces end together: β = ½, and it changes to the touched face's over a slide of 0.003 of it."""
-    model = two(rectangle(0, 0, 1, 1), rectangle(0, -1, 1, 0))
-    shares = []
-    for slide in (-2e-2, -1.5e-3, 0.0, 1.5e-3, 2e-2):
-        positions = model.rotated(1, (1.0, 0.0), -0.01).positions
-        positions[1, 0] += slide
-        shares.append(model.contacts.places(positions)[0, BETA])
-    assert shares == pytest.approx(sorted(shares)) or shares == pytest.approx(sorted(shares)[::-1])
-    assert sorted(shares) == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0], abs=1e-5)
 
 
 @pytest.mark.parametrize("slide", [2e-3, 4e-3, 8e-3])

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import Assembly
 from mechanics.model.block import Material
 from mechanics.model.drawing import METRES, Layer
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
@@ -43,16 +42,6 @@ def test_layers_give_role_and_material(tmp_path):
     assert (base.support, base.depth, base.material, base.layer) == ("right", 5.5, other, "Base_Right")
     assert (roof.vertical_load, roof.load_has_mass, roof.segments, roof.support) == (9.1, False, 3, None)
     assert (rest.depth, rest.material, rest.layer) == (1.0, STONE.material, "0")
-
-
-def test_repeated_vertices_and_a_repeated_start(tmp_path):
-    document, space = drawing()
-    outline(space, [*SQUARE, SQUARE[0]], close=False)
-    outline(space, [(0, 0), (0, 0), (10, 0), (10, 1e-7), (10, 10), (0, 10), (0, 0)])
-    result = read(document, tmp_path)
-    assert [len(b.polygon) for b in result.blocks] == [4, 4]
-    assert [b.area for b in result.blocks] == pytest.approx([1e-4, 1e-4])
-    assert result.warnings == ()
 
 
 @settings(max_examples=25, deadline=None)
@@ -140,25 +129,6 @@ def test_bulge_against_the_circular_segment(bulge, sagitta, tmp_path):
     assert -1e-12 <= math.copysign(1.0, bulge) * missing <= radius * theta * allowed
 
 
-def test_vertices_are_on_the_arc(tmp_path):
-    document, space = drawing(unit="m")
-    outline(space, [(-1, 0, 1), (1, 0, 1)])
-    result = read(document, tmp_path, "m", sagitta=1e-3)
-    (circle,) = result.blocks
-    assert np.hypot(*circle.polygon.T) == pytest.approx(1.0)
-    assert result.sagitta == pytest.approx(1.0 - math.cos(math.pi / len(circle.polygon)))
-    assert result.sagitta <= 1e-3 < 1.0 - math.cos(math.pi / (len(circle.polygon) - 2))
-
-
-def test_two_blocks_share_the_vertices_of_their_arc(tmp_path):
-    document, space = drawing()
-    outline(space, [(0, 0), (500, 0, 0.1), (500, 300), (0, 300)])
-    outline(space, [(500, 0), (900, 0), (900, 300), (500, 300, -0.1)])
-    left, right = read(document, tmp_path).blocks
-    shared = {tuple(np.round(p, 12)) for p in left.polygon} & {tuple(np.round(p, 12)) for p in right.polygon}
-    assert len(shared) == len(left.polygon) - 2 == len(right.polygon) - 2 > 2
-
-
 def test_sagitta_is_kept_where_an_insert_stretches_the_arc(tmp_path):
     document, space = drawing(unit="m")
     outline(document.blocks.new("DRUM"), [(-1, 0, 1), (1, 0, 1)])
@@ -211,14 +181,6 @@ def test_a_frozen_insert_hides_all_of_it_and_an_off_one_only_its_layer_zero(tmp_
     document.layers.add("FROZEN").freeze()
     document.layers.add("OFF").off()
     assert [b.layer for b in read(document, tmp_path).blocks] == ["STONES", "CAP"]
-
-
-def test_a_drawing_is_the_sequence_of_its_blocks(tmp_path):
-    document, space = drawing()
-    outline(space, SQUARE)
-    result = read(document, tmp_path)
-    assert len(result) == 1 and result[0] is result.blocks[0] and result[:1] == result.blocks
-    assert Assembly(result).blocks == result.blocks
 
 
 @pytest.mark.parametrize(("code", "said"), [(0, None), (4, None), (6, "Meters"), (1, "Inches"), (99, None)])

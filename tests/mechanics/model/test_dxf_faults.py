@@ -26,22 +26,6 @@ def test_open_polyline(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("layers", "accepted"), [((), False), (("STONES",), True), (("STONES", "dims"), False)]
-)
-def test_open_polylines_on_layers_that_matter_to_nobody(layers, accepted, tmp_path):
-    document, space = drawing()
-    outline(space, SQUARE)
-    wrong = outline(space, [(1, 2), (3, 4)], "DIMS", close=False)
-    where = f'layer "DIMS", LWPOLYLINE {wrong.dxf.handle} at (1, 2) and (3, 4)'
-    tables = dict.fromkeys(layers, STONE)
-    if accepted:
-        (warning,) = read(document, tmp_path, layers=tables).warnings
-        assert "open polylines on layers without blocks left out: 1" in warning and where in warning
-    else:
-        assert f"{where} is open" in refused(document, tmp_path, layers=tables)
-
-
-@pytest.mark.parametrize(
     ("points", "where"),
     [
         ([(0, 0), (10, 10), (10, 0), (0, 10)], "(5, 5)"),
@@ -55,15 +39,6 @@ def test_self_crossing(points, where, tmp_path):
     wrong = outline(space, points, "ARCH")
     message = refused(document, tmp_path)
     assert f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at {where} crosses or touches itself' in message
-
-
-@pytest.mark.parametrize(
-    "points", [[(7, 8), (9, 8)], [(7, 8)], [(7, 8), (9, 8), (11, 8)], [(7, 8), (9, 8), (7, 8), (7, 8)]]
-)
-def test_no_area(points, tmp_path):
-    document, space = drawing()
-    wrong = outline(space, points, "ARCH")
-    assert f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at (7, 8) has no area' in refused(document, tmp_path)
 
 
 def test_out_of_the_plane(tmp_path):
@@ -88,15 +63,6 @@ def test_coordinate_that_is_no_number(tmp_path):
         f'layer "ARCH", LWPOLYLINE {wrong.dxf.handle} at (1, 2) has a coordinate that is no number'
         in refused(document, tmp_path)
     )
-
-
-def test_fault_inside_an_insert(tmp_path):
-    document, space = drawing()
-    wrong = outline(document.blocks.new("STONE"), SQUARE, "0", close=False)
-    insert = space.add_blockref("STONE", (100, 200), dxfattribs={"layer": "PIERS"})
-    message = refused(document, tmp_path)
-    handle = f"{insert.dxf.handle}/{wrong.dxf.handle}"
-    assert f'layer "PIERS", LWPOLYLINE {handle} at (100, 200) and (100, 210) is open' in message
 
 
 def test_all_faults_in_one_message(tmp_path):
@@ -130,16 +96,6 @@ def test_a_stone_drawn_by_lines_beside_blocks_is_no_hole_in_silence(layer, apart
         assert "enclose what is no block; join them" in message
     else:  # a layer without blocks: no masonry, told as before
         assert "left out, being no closed polylines: 5 LINE" in read(document, tmp_path).warnings[0]
-
-
-def test_lines_within_stones_and_by_themselves_are_none(tmp_path):
-    document, space = drawing()
-    outline(space, [(0, 0), (1, 0), (1, 1), (0, 1)])
-    for x in (0.25, 4.0):  # a mark on the stone; a north arrow
-        ring = [(x, 0.2), (x + 0.5, 0.2), (x + 0.2, 0.8)]
-        for k in range(3):
-            space.add_line(ring[k], ring[(k + 1) % 3], dxfattribs={"layer": "0"})
-    assert len(read(document, tmp_path).blocks) == 1
 
 
 def test_paper_space_only(tmp_path):

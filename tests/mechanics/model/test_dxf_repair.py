@@ -118,16 +118,6 @@ def test_of_an_outline_drawn_twice_the_first_is_kept(tmp_path):
     assert changes[0].endswith(f"deleted, the same outline as {first.dxf.handle}")
 
 
-def test_of_two_roles_none_is_taken_away(tmp_path):
-    """The same outline on the layer of a support and on another: which of them was meant is not plain."""
-    document, space = drawing()
-    outline(space, SQUARE)
-    outline(space, SQUARE, "BASE")
-    outline(space, [(0, 10), (10, 10), (10, 20), (0, 20)])
-    changes, blocks = repaired(document, tmp_path)
-    assert changes == () and len(blocks) == 3
-
-
 def test_a_thin_outline_is_not_closed_by_a_corner(tmp_path):
     """Of a bed 0.1 mm high the last edge is missing: without its last vertex it would be a triangle."""
     document, space = drawing()
@@ -135,41 +125,6 @@ def test_a_thin_outline_is_not_closed_by_a_corner(tmp_path):
     outline(space, [(0, 10), (10, 10), (10, 10.1), (0, 10.1)], "BED", close=False)
     changes, _ = repaired(document, tmp_path, layers={})
     assert changes == ()
-
-
-@pytest.mark.parametrize("bed", [2.0, 4.0])
-def test_thin_beds_and_small_blocks_keep_their_shape(bed, tmp_path):
-    """Beds and a key 2 or 4 mm high in a wall with a reach of 5 mm: each keeps three quarters of its area."""
-    document, space = drawing()
-    rng = np.random.default_rng(3)
-    corners = [[(-100, -200), (2100, -200), (2100, 0), (-100, 0)]]
-    for i in range(4):
-        low = i * (250 + bed)
-        corners += [
-            [(500 * k, low), (500 * k + 500, low), (500 * k + 500, low + 250), (500 * k, low + 250)]
-            for k in range(4)
-        ]
-        corners += [[(0, low + 250), (2000, low + 250), (2000, low + 250 + bed), (0, low + 250 + bed)]]
-    corners += [[(2000, 0), (2000 + bed, 0), (2000 + bed, bed), (2000, bed)]]
-    for i, ring in enumerate(corners):
-        noise = rng.uniform(-0.1, 0.1, (4, 2)) * bed
-        outline(space, (np.array(ring) + noise).tolist(), "WALL" if i else "BASE")
-    changes, after = repaired(document, tmp_path)
-    before = read_drawing(tmp_path / "geometry.dxf", "mm", STONE, BASE)
-    assert changes and len(after) == len(before)
-    for one, other in zip(before, after, strict=True):
-        assert other.area == pytest.approx(one.area, rel=0.25)
-    assert not survey_layout(after, default_tolerance(after)).faults
-
-
-def test_an_arc_of_more_than_half_a_circle_stays(tmp_path):
-    """Moved by 0.05 mm its ends, 1 mm apart, would turn a circle of 10 mm by a twentieth."""
-    document, space = drawing()
-    outline(space, [(0, -10), (10, -10), (10, 0), (0, 0)], "BASE")
-    round_ = outline(space, [(4.5, 0.05, -10), (5.5, 0.1)])
-    repaired(document, tmp_path, tolerance=1e-5)
-    found = readfile(tmp_path / "repaired.dxf").entitydb[round_.dxf.handle]
-    assert found.get_points("xyb") == [(4.5, 0.05, -10), (5.5, 0.1, 0)]
 
 
 def test_a_spike_is_taken_off_and_a_bow_tie_is_not(tmp_path):

@@ -7,10 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechanics import Assembly, limit_analysis, pushdown, pushover, time_history
-from mechanics.model.joints import block_edges
-from mechanics.procedures.mirror import Mirror
-from tests.support.structures import arch_on_piers, column, running_bond, tied_arch
+from mechanics import Assembly, limit_analysis, pushdown, pushover
+from tests.support.structures import column, tied_arch
 
 UTM = np.array([498123.4, 4601237.7])  # m, of no use to binary fractions
 
@@ -32,13 +30,6 @@ def test_positions_count_from_whole_metres_near_what_is_drawn_far_away():
     assert far.block_at(np.add(UTM, (0.2, 2.9))) == near.block_at((0.2, 2.9)) == 4
     turned = far.rotated(1, np.add(UTM, (0.5, 0.0)), -0.1), near.rotated(1, (0.5, 0.0), -0.1)
     assert far.as_drawn(turned[0].positions[1, :2]) == pytest.approx(turned[1].positions[1, :2] + UTM)
-
-
-def test_vertices_in_the_middle_of_an_edge_are_ignored_there_too():
-    points = np.array([(0.0, 0.0), (0.3, 0.1), (0.9, 0.3), (0.2, 0.7)])
-    near = column(0.5, 3.0, 4)
-    for corners in (points, points + UTM):
-        assert len(block_edges([replace(near.blocks[1], vertices=corners)])[0]) == 3
 
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e9])
@@ -65,35 +56,3 @@ def test_rigid_paths_movements_and_ties_are_those_at_the_origin():
     )
     alphas = [limit_analysis(m, state=s.final).alpha for m, s in zip((near, far), settled, strict=True)]
     assert alphas[1] == pytest.approx(alphas[0], rel=1e-6)
-
-
-def test_a_wall_pushed_to_its_end_and_an_arch_that_is_shaken():
-    wall = running_bond(
-        1, 3, 0.4, 0.2, 2.0
-    )  # which turns: where blocks slide, rounding chooses among many flows
-    control = wall.blocks[-1].centroid
-    ends = [
-        pushover(model, control + at, "+x", "rigid", 0.02)
-        for model, at in ((wall, 0.0 * UTM), (elsewhere(wall), UTM))
-    ]
-    assert ends[1].multiplier == pytest.approx(ends[0].multiplier, rel=1e-6, abs=1e-9)
-    arch = arch_on_piers(voussoirs=7, courses=2)
-    crown = max((block.centroid for block in arch.blocks), key=lambda each: each[1])
-    pulse = 0.4 * np.sin(np.linspace(0.0, 2.0 * np.pi, 60))
-    moved = [
-        time_history(model, pulse, 0.005, contacts="rigid", control=at + crown, ultimate=1.0)
-        for model, at in ((arch, 0.0 * UTM), (elsewhere(arch), UTM))
-    ]
-    ways = [motion.positions - motion.positions[0] for motion in moved]
-    assert ways[1] == pytest.approx(ways[0], abs=1e-5)
-
-
-def test_the_image_of_a_path_is_the_path_of_the_image_there_too():
-    far = elsewhere(arch_on_piers(voussoirs=7, courses=2))
-    crown = max((block.centroid for block in far.blocks), key=lambda each: each[1])
-    mirror = Mirror.of(far, "rigid")
-    assert mirror.swaps(crown, crown)
-    image = mirror.pushover(pushover(far, crown, "+x", "rigid", 0.01))
-    other = pushover(far, crown, "-x", "rigid", 0.01)
-    assert image.states[0].positions == pytest.approx(other.states[0].positions, abs=1e-9)
-    assert image.multiplier[0] == pytest.approx(other.multiplier[0], rel=1e-7)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, Tie, limit_analysis, pushdown, pushover, time_history
-from mechanics.pictures import HINGE, SUPPORT, THRUST
 
 STONE = Material(unit_weight=18.0, friction=0.7, normal_stiffness=5e6)
 
@@ -35,11 +34,6 @@ def closed():
         plt.close("all")
 
 
-def outline(axes):
-    """The corners of everything that is filled or dashed."""
-    return np.vstack([patch.get_path().vertices for patch in axes.patches or axes.artists])
-
-
 def test_a_model_is_drawn_to_scale_with_its_ties(model):
     tied = model.tied([Tie("t", start=(0.0, 0.5), end=(0.0, 2.5), stiffness=1e4)])
     axes = tied.plot()
@@ -63,38 +57,6 @@ def test_a_state_is_drawn_where_it_is(model, moved):
 
 def grey(shade):
     return mpl.colors.to_rgba(shade)
-
-
-def test_a_mechanism_has_its_hinge_and_its_line_of_thrust(model):
-    """The wall overturns about its foot; resultants cross the joints at M/N from the middle: x = α (3 − z)/2."""
-    limit = limit_analysis(model, "+x")
-    axes = limit.plot()
-    [hinge] = [line for line in axes.lines if line.get_marker() == HINGE["marker"]]
-    assert np.column_stack(hinge.get_data()) == pytest.approx(np.array([[0.3, 0.0]]), abs=1e-6)
-    pieces = [line for line in axes.lines if line.get_linewidth() == THRUST["linewidth"]]
-    points = {(round(x, 6), round(z, 6)) for line in pieces for x, z in zip(*line.get_data(), strict=True)}
-    assert points == {(round(limit.alpha * (3.0 - z) / 2.0, 6), float(z)) for z in range(3)}
-    base = next(p for p in axes.get_children() if getattr(p, "get_facecolor", lambda: 0)() == grey(SUPPORT))
-    assert base.get_path().vertices.max(axis=0) == pytest.approx([1.0, 0.0])
-
-
-def test_onset_and_peak_are_named_alike(model, moved):
-    """Limit analysis of a state gives its onset, the first multiplier of the curve; α_0 is the largest."""
-    curve = pushover(model, control=(0.3, 3.0), increment=0.01, state=moved.final)
-    assert curve.alpha_onset == pytest.approx(limit_analysis(model, "+x", moved.final).alpha, rel=1e-6)
-    assert curve.alpha_0 == curve.multiplier.max() == curve.multiplier[curve.peak]
-
-
-def test_a_curve_is_drawn_in_millimetres_with_its_ends(model):
-    curve = pushover(model, control=(0.3, 3.0), increment=0.02)
-    axes = curve.plot()
-    line, peak, end = axes.lines
-    assert line.get_xdata() == pytest.approx(1000.0 * curve.displacement)
-    fallen = 3000.0 * np.sin(np.arctan(0.2))  # mm: where the centroid is over the edge
-    assert [peak.get_ydata()[0], end.get_xdata()[0]] == pytest.approx([curve.alpha_0, fallen], rel=1e-6)
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["α_0", "d_0"]
-    frame = curve.to_frame()
-    assert list(frame) == ["displacement_m", "multiplier"] and len(frame) == len(curve.multiplier)
 
 
 def test_a_motion_is_a_curve_a_film_and_a_table(model, tmp_path):
@@ -125,10 +87,3 @@ def test_results_print_a_line(model, moved):
         assert len(repr(found)) < 160 and repr(found).startswith(f"{type(found).__name__}(")
     assert repr(model) == "Assembly(4 blocks, 1 of them supports)"
     assert repr(limit_analysis(model, sliding="coulomb")) == "Limit(+x, α = 0.2, coulomb friction)"
-
-
-def test_a_drawing_leaves_the_style_of_the_session(model):
-    before = mpl.rcParams["font.size"]
-    model.plot()
-    assert mpl.rcParams["font.size"] == before
-    assert list(model.to_frame().columns) == ["support", "x_m", "z_m", "area_m2", "depth_m", "weight_kN"]

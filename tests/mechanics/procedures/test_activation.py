@@ -1,28 +1,22 @@
 """Every figure of a state belongs to its α0; displacements in the results are those along x, in either direction."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from assessment.analyses.checks.capacity import activation_of, along_push
-from assessment.analyses.found import Found
-from assessment.analyses.static.lateral import PushSetting, add_curve, push
+from assessment.analyses.checks.capacity import activation_of
+from assessment.analyses.static.lateral import PushSetting, push
 from assessment.benchmark.cases.structures import assembly, rectangle, template
 from assessment.ntc.capacity_curve import participation
 from assessment.project.schema import ControlTable
-from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.drawings.deformed import found_mechanism
-from assessment.report.formats.viewer import viewer
 from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.report.tables.structure import pushover_curves
-from assessment.report.text.language import words_of
 from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import weights
 from assessment.results.configurations.joint_states import situations
-from assessment.results.numbers import plain
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.pictures import field, place
@@ -114,27 +108,6 @@ def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation()
     assert (curve.peak, curve.formed) == (0, 0)
 
 
-def test_a_control_point_that_takes_no_part_at_alpha_0_is_told_with_the_point_that_counts():
-    model = block_on_base(0.6, 4.2)
-    path = pushover(model, (0.6, 4.2), increment=0.05)
-    result = Found()
-    control = ControlTable(name="top", point_m=(0.6, 4.2))
-    later = replace(path, formed=path.peak + 2)
-    setting = PushSetting("rigid", "associative", increment=0.05)
-    add_curve("original, pushover +x, rigid contacts", setting, control, later, result)
-    alpha = later.multiplier[later.formed]
-    [warning] = result.warnings
-    assert f"d = {later.displacement[later.formed]:.4g} m, α = {alpha:.4g}" in warning
-    it = in_italian(warning)
-    assert (
-        "il punto di controllo non partecipa al meccanismo ad α_0" in it
-        and f"{alpha:.4g}".replace(".", ",") in it
-    )
-    results = analysed()
-    results["states"]["original"]["pushover"]["+x"] = plain(result.value.curves)
-    assert mechanisms(typed(results)).rows[0]["mechanism_alpha"] == pytest.approx(alpha)
-
-
 def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     """A panel of 4.2 × 0.6 m turns at α = t/h = 1/7, and after the 20 mm to its neighbour both have to turn."""
     stone = Material(18.0, 0.7)
@@ -186,18 +159,6 @@ def test_curves_are_in_the_axes_of_the_model(state, direction, contacts):
 
 
 @pytest.mark.parametrize(("state", "direction"), PUSHED)
-def test_capacities_are_sizes_along_the_push(state, direction):
-    results = analysed()
-    curves = typed(results).states[state].pushover[direction]
-    d, alpha = map(np.asarray, along_push(curves.rigid.curve, direction))
-    least, most = curves.rigid.d_0_m_range or (d[-1], d[-1])
-    assert abs(alpha[-1]) <= 1e-6 * max(alpha) and 0.0 < least * (1.0 - 1e-6) <= d[-1] <= most * (1.0 + 1e-6)
-    assert least <= curves.rigid.d_0_m <= most
-    assert curves.elastic.d_y_m > 0.0 and curves.elastic.d_u_m > 0.0
-    assert min(results["states"][state]["capacity"][direction]["curve"]["d_star_m"]) == 0.0
-
-
-@pytest.mark.parametrize(("state", "direction"), PUSHED)
 def test_virtual_displacements_go_where_the_loads_push(state, direction):
     """They were scaled to +1 m at the control point in −x too: the mechanism ran backwards."""
     results = analysed()
@@ -212,26 +173,6 @@ def test_virtual_displacements_go_where_the_loads_push(state, direction):
     assert moved == pytest.approx(sense(direction), rel=1e-6)
     assert mechanism["control_displacement_x"] == pytest.approx(moved, rel=1e-6)
     assert sense(direction) * float(weights(typed(results))[1] @ delta[:, 0]) > 0.0
-
-
-def test_figures_count_along_the_push_and_the_page_along_x():
-    results = analysed("en")
-    words = words_of(typed(results))
-    axes = draw_pushover(typed(results), words, ["-x"]).axes[0]
-    assert axes.get_xlabel() == "Displacement of the control point [mm]"
-    curves = [line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2]
-    assert curves and all(x[-1] > 0.0 for x in curves)
-    [settled] = [
-        path
-        for path in json.loads(viewer(typed(results), words).data)["paths"]
-        if path["title"].endswith(f"{SETTLED}, −x, rigid contacts")
-    ]
-    assert settled["x_label"] == "Displacement of the control point [mm]"
-    assert settled["series"][0]["x"][-1] < 0.0 and settled["frames"]["x"][-1] < 0.0
-    rigid = results["states"][SETTLED]["pushover"]["-x"]["rigid"]
-    marks = [line for line in axes.lines if line.get_marker() == "o"]
-    place_of_alpha_0 = -1000.0 * rigid["curve"]["displacement_m"][rigid["mechanism"]["point"]]
-    assert any(line.get_xdata()[0] == pytest.approx(place_of_alpha_0) for line in marks)
 
 
 @pytest.mark.parametrize("direction", ["+x", "-x"])

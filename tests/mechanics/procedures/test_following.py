@@ -54,13 +54,6 @@ def test_a_way_in_two_legs_ends_where_the_support_is_led():
     assert follow.reaction == pytest.approx([0.0, model.weight], abs=1e-6 * model.weight)
 
 
-def test_one_step_at_a_time(arch):
-    follow = Following(arch, "right", increment=0.002)
-    follow.aim(MOVED)
-    assert [follow.advance() for _ in range(7)] == [True] * 5 + [False] * 2
-    assert follow.reached.tolist() == [*MOVED, 0.0]
-
-
 @pytest.mark.parametrize(
     ("given", "named"),
     [
@@ -72,9 +65,3 @@ def test_one_step_at_a_time(arch):
 def test_wrong_arguments_are_named(arch, given, named):
     with pytest.raises(ArgumentError, match=named):
         Following(arch, **{"support": "right", **given})
-
-
-@pytest.mark.parametrize("target", [((np.nan, 0.0), 0.0), ((0.1,), 0.0), ((0.0, 0.0), np.inf), ("here", 0.0)])
-def test_wrong_targets_are_named(arch, target):
-    with pytest.raises(ArgumentError, match=r"displacement|rotation"):
-        Following(arch, "right").to(*target)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, TimeHistory, time_history
-from mechanics.procedures.elastic_periods import contact_period
 from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
 from mechanics.steps.dynamic_system import Halving
 from tests.support.drawn_projects import drawn
@@ -79,19 +78,6 @@ def test_a_bed_that_is_stiff_for_its_step_gives_no_energy() -> None:
         )
 
 
-def test_steps_are_halved_until_a_contact_has_eight() -> None:
-    """√(m/k), a block of mass 18·0.2/g on a bed of 5e5·0.2: 1.9 ms."""
-    assert contact_period(block_on_base()) == pytest.approx(np.sqrt(3.6 / 9.80665 / 1e5))
-    wave = shaking(0.5, STEP, 1.0)
-    soft, stiff = (
-        time_history(block_on_base(stiffness=k), wave, STEP, "elastic", integrator="second-order")
-        for k in (5e3, 5e11)
-    )
-    assert soft.halvings == 0 < stiff.halvings
-    assert "contacts of the stiffest joint are resolved" in soft.chosen
-    assert "contacts of the stiffest joint last" in stiff.chosen
-
-
 def test_an_ensemble_at_the_usual_step_has_the_resolved_median() -> None:
     """Seven members; 45 at 0.3 ms have 5.9 to 15.0 mm, median 13.7 mm (95 % confidence: 13.3 to 13.9 mm)."""
     found = []
@@ -159,10 +145,3 @@ def test_friction_is_not_booked_as_an_impact(integrator: Integrator) -> None:
     energy = time_history(running_bond(3, 3), shaking(0.8, STEP, 0.8), STEP, integrator=integrator).energy
     assert energy.friction[-1] > 0.8 * energy.dissipated[-1]
     assert energy.imbalance <= 1e-4
-
-
-def test_few_steps_are_tried_longer_than_their_impacts_allow() -> None:
-    """Of the programs of a wall that rocks all the time 14 % are of steps then halved; 43 % where each begins whole."""
-    motion = time_history(running_bond(), shaking(0.5, STEP, 1.0), STEP)
-    assert motion.halvings > 20
-    assert motion.halvings < 0.3 * motion.programs

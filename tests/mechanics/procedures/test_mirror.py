@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
-from mechanics.messages import message
 from mechanics.model.tie import Tie
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
@@ -94,23 +93,6 @@ def test_outlines_and_masses_have_to_be_each_others_image():
             np.array(outline) - [np.mean([b.centroid[0] for b in model.blocks[1:]]), 0.0], 1.0, stone
         )
         assert (Mirror.of(Assembly([base, shifted]), "rigid") is not None) is symmetrical
-
-
-def test_control_points_have_to_be_each_others_image():
-    mirror = Mirror.of(arch_on_piers(), "rigid")
-    assert mirror.swaps(CONTROL["+x"], CONTROL["-x"])
-    assert not mirror.swaps(CONTROL["+x"], CONTROL["+x"])
-    assert not mirror.swaps(CONTROL["+x"], (-0.6, 0.8))
-
-
-def test_messages_name_the_image():
-    model = arch_on_piers()
-    mirror = Mirror.of(model, "rigid")
-    path = pushover(model, CONTROL["+x"], "+x", "rigid", 0.005, until=0.9)
-    image = mirror.pushover(
-        replace(path, end=message("{direction}: lost, at block {block} first", direction="+x", block=0))
-    )
-    assert image.end == f"-x: lost, at block {mirror.block[0]} first"
 
 
 def _changed(change):

@@ -11,10 +11,9 @@ import pytest
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
+from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.messages import message
-from mechanics.procedures.pushdown import PushdownTolerances
 from mechanics.procedures.pushover import PushoverTolerances
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
@@ -63,29 +62,6 @@ def test_run_arch_tie():
     assert not path.crossed.size
 
 
-def test_a_path_to_collapse_has_a_bound_on_its_points():
-    """An increment of 1e-7 m after a small movement made a path of tens of millions of points."""
-    few = PushdownTolerances(points=12)
-    path = pushdown(
-        block_on_base(), "base", rotation=-0.001, increment=1e-4, to_collapse=True, tolerances=few
-    )
-    assert len(path.movement) == 12 and path.end == (
-        "a path has 12 points at most; write a larger increment_rad"
-    )
-    assert path.ultimate is None and path.movement[-1] >= 0.001
-    path = pushdown(
-        block_on_base(), "base", (1e-3, 0.0), -0.001, increment=1e-4, to_collapse=True, tolerances=few
-    )
-    assert path.end.endswith("write a larger increment_m")
-
-
-def test_a_turn_with_a_small_translation_is_as_good_as_one_without():
-    model = block_on_base()
-    pure = pushdown(model, "base", rotation=-0.05, increment=0.005).final
-    mixed = pushdown(model, "base", (0.0005, 0.0), rotation=-0.05, increment=0.0005 / 10).final
-    np.testing.assert_allclose(mixed.positions[1] - pure.positions[1], [0.0005, 0.0, 0.0], atol=1e-5)
-
-
 def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge():
     plain = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
     dotted = [*plain[:1], *([x, -0.2] for x in (-0.9, -0.8, -0.7)), *plain[1:]]
@@ -97,27 +73,6 @@ def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge(
         for base in (plain, dotted)
     ]
     assert arcs[0] == pytest.approx(arcs[1], rel=1e-12)
-
-
-def test_a_repeated_vertex_makes_no_difference():
-    def wall_and_buttress(repeat: bool) -> Assembly:
-        buttress = [[0.3, 0.0], [0.8, 0.0], [0.3, 1.5]]
-        return Assembly(
-            [
-                Block(rectangle(-1.0, -0.2, 2.0, 0.0), 1.0, STONE, support="base"),
-                Block(rectangle(0.0, 0.0, 0.3, 2.0), 1.0, STONE),
-                Block([*buttress, buttress[0]] if repeat else buttress, 1.0, STONE),
-            ]
-        )
-
-    plain, repeated = wall_and_buttress(False), wall_and_buttress(True)
-    assert len(repeated.joints.a) == len(plain.joints.a) == 3
-    assert limit_analysis(repeated).alpha == pytest.approx(limit_analysis(plain).alpha, abs=1e-9)
-
-
-def test_fewer_than_three_distinct_vertices_are_refused():
-    with pytest.raises(ValueError, match="vertices"):
-        Block([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]], 1.0, STONE)
 
 
 def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
@@ -330,39 +285,6 @@ def test_a_movement_whose_rest_is_not_decided_ends_in_its_words_with_what_was_fo
     with pytest.raises(ConvergenceError, match="not solved") as caught:
         pushdown(block_on_base(), "base", (0.01, -0.01), increment=0.005, to_collapse=True)
     assert caught.value.path.movement.tolist() == [0.0, 0.005, 0.01]
-
-
-def test_a_movement_that_is_not_solved_carries_what_was_followed(monkeypatch):
-    module, steps = import_module("mechanics.procedures.pushdown"), []
-    step_from = module.reach
-
-    def three(*arguments):
-        steps.append(arguments)
-        if len(steps) > 4:  # the onset and three steps
-            raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
-        return step_from(*arguments)
-
-    monkeypatch.setattr(module, "reach", three)
-    with pytest.raises(ConvergenceError) as caught:
-        pushdown(block_on_base(), "base", (0.01, -0.01), increment=0.002)
-    assert caught.value.path.movement[-1] == pytest.approx(0.006) and caught.value.path.ultimate is None
-
-
-def test_a_curve_that_falls_back_to_where_it_has_jumped_before_ends(monkeypatch):
-    """From its third step on every motion leads back to its first point."""
-    module, found = import_module("mechanics.procedures.pushover"), []
-    step_from = module.reach
-
-    def in_circles(*arguments):
-        if len(found) == 2:
-            return found[0], True
-        found.append(step_from(*arguments)[0])
-        return found[-1], len(found) == 2
-
-    monkeypatch.setattr(module, "reach", in_circles)
-    curve = pushover(block_on_base(0.2, 1.0, stiffness=1e7), (0.2, 1.0), "+x", "elastic", 0.002)
-    assert curve.lost and len(curve.states) == 3
-    assert "falls back to where it has jumped before" in curve.end
 
 
 def test_a_step_that_may_be_halved_is_not_decided_by_a_motion(monkeypatch):

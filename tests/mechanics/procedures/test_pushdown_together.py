@@ -13,13 +13,6 @@ def arch():
     return arch_on_piers(voussoirs=7, courses=3)
 
 
-def test_one_support_alone_follows_the_path_that_it_follows_otherwise(arch):
-    own = pushdown(arch, "right", (0.004, -0.002), 0.001, increment=0.001)
-    found = pushdown_together(arch, [SupportMovement("right", (0.004, -0.002), 0.001)], 0.001)
-    assert found.final.positions == pytest.approx(own.final.positions, abs=1e-12)
-    assert found.reaction == pytest.approx(own.reaction, rel=1e-12, abs=1e-12)
-
-
 def test_supports_that_move_alike_carry_the_structure_with_them(arch):
     # equilibrium is solved to 1e-8 of a weight, positions to 1e-8 of a block: 1e-7 m
     by = (0.004, -0.003)

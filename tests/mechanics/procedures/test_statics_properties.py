@@ -269,15 +269,6 @@ def test_a_turned_support_lowers_the_multiplier_on_its_low_side(angle):
         assert limit_analysis(model, direction, moved.final).alpha == pytest.approx(expected, abs=1e-5)
 
 
-def test_a_turned_support_turns_about_its_centroid():
-    model = arch()
-    moved = pushdown(model, "left", (0.0, -0.004), rotation=-0.01, increment=0.002)
-    support = model.support("left")[0]
-    assert moved.final.positions[support] == pytest.approx(
-        model.initial.positions[support] + (0.0, -0.004, -0.01)
-    )
-
-
 def multipliers(model):
     for direction in ("+x", "-x"):
         program = closed_program(model, model.initial).pushed(model, model.lateral_load(direction)).program

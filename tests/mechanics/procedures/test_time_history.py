@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
-from mechanics.messages import message
-from mechanics.model.contacts import end_gaps
 from mechanics.procedures.collapse import ControlPoint, collapse
-from mechanics.procedures.energy import may_fall
-from mechanics.procedures.time_history import HistoryTolerances, Integrator
+from mechanics.procedures.time_history import Integrator
 from mechanics.steps import dynamic_system
 from tests.support.structures import (
     arch_on_piers,
@@ -21,7 +17,6 @@ from tests.support.structures import (
     rectangle,
     semicircular_arch,
 )
-from tests.support.wording import in_italian
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
 STEP = 0.005
@@ -205,15 +200,6 @@ def test_midpoint_rule_with_elastic_contacts_gives_next_to_no_energy() -> None:
         assert energy.imbalance < 1e-3
 
 
-def test_open_energy_balance_is_said() -> None:
-    record = np.full(40, 0.3), 0.04, "elastic"
-    first = time_history(arch_on_piers(), *record, integrator="implicit-euler").energy.imbalance
-    assert first > 0.0
-    strict = HistoryTolerances(balanced=0.1 * first)
-    notes = time_history(arch_on_piers(), *record, integrator="implicit-euler", tolerances=strict).notes
-    assert any("the energy balance leaves" in note for note in notes)
-
-
 def test_implicit_euler_dissipates_what_its_formula_says() -> None:
     """Where no contact works (free flight), ½ΔvᵀMΔv a step: v grows by gΔt."""
     model = block_on_base(0.5, 0.5)
@@ -288,15 +274,6 @@ def test_a_step_that_cannot_be_solved_is_no_collapse(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(dynamic_system, "march", lambda *_: (3, 2, 0))
     with pytest.raises(ConvergenceError, match="not solved, 3 steps on"):
         time_history(block_on_base(), burst(0.5, 20), STEP, "rigid", integrator="implicit-euler")
-
-
-def test_blocks_that_penetrate_each_other_are_pushed_apart() -> None:
-    arch = semicircular_arch(9, 0.2)
-    positions = arch.initial.positions.copy()
-    positions[4, 1] -= 0.01
-    start = State(positions, np.zeros_like(positions))
-    motion = time_history(arch, np.zeros(3), STEP, "rigid", start, "implicit-euler")
-    assert end_gaps(arch.contacts.places(motion.final.positions)).min() > -2e-3, "10 mm at the start"
 
 
 def test_block_that_slides_off_is_out_of_reach() -> None:
@@ -375,17 +352,6 @@ def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: I
     assert abs(after.positions - whole.positions[cut:]).max() < 1e-9
 
 
-def test_a_rest_that_is_not_decided_before_a_motion_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def undecided(*_):
-        raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
-
-    module = import_module("mechanics.procedures.time_history")
-    monkeypatch.setattr(module, "rest", undecided)
-    motion = time_history(block_on_base(), np.zeros(5), STEP, "elastic")
-    assert "was not decided: a step of the path was not solved" in motion.notes[0]
-    assert "non è stato deciso" in in_italian(motion.notes[0])
-
-
 def test_a_motion_does_not_go_on_with_joints_of_another_kind() -> None:
     model = block_on_base()
     first = time_history(model, burst(0.3), STEP, "rigid")
@@ -413,23 +379,3 @@ def test_bad_arguments_are_named(change: dict[str, object], message: str) -> Non
     arguments = {"acceleration": np.zeros(10), "time_step": STEP} | change
     with pytest.raises(ValueError, match=message):
         time_history(block_on_base(), **arguments)
-
-
-def test_a_motion_that_ends_before_rest_says_so_and_whether_blocks_may_fall():
-    """A block that leans by 1.1 of its slenderness angle has no collapse in 0.3 s, and falls later."""
-    model, alpha = block_on_base(0.6, 4.2, stiffness=1e6), float(np.arctan(0.6 / 4.2))
-    leaning = model.rotated(1, (0.6, 0.0), -1.1 * alpha)
-    short = time_history(model, np.zeros(61), STEP, state=leaning)
-    assert not short.collapsed and abs(short.positions[-1, 1, 2]) > alpha
-    [told] = short.notes
-    assert "may fall" in told and "potrebbero cadere" in in_italian(told)
-    assert time_history(model, np.zeros(1000), STEP, state=leaning).collapsed
-    assert time_history(model, burst(0.05), STEP).notes == ()
-
-
-def test_a_motion_that_cannot_fall_any_more_tells_nothing():
-    """A squat block rocks on with less than half of the energy from which it has come back."""
-    model, alpha = block_on_base(1.0, 2.0, stiffness=1e6), float(np.arctan(0.5))
-    rocking = time_history(model, np.zeros(200), STEP, state=model.rotated(1, (1.0, 0.0), -0.6 * alpha))
-    assert rocking.speed_at_end > 0.0 and not may_fall([rocking.energy], 0.5)
-    assert rocking.notes == ()

@@ -188,12 +188,6 @@ def test_a_stated_time_step_wins(write, name):
     assert read_record(write(FORMATS[name]), time_step=0.02).time_step == STEP
 
 
-def test_whole_numbers_under_a_header_with_a_comma_are_two_columns(write):
-    record = read_record(write("t,a\n0,0\n1,1\n2,-1\n"))
-    assert record.acceleration.tolist() == [0.0, 1.0, -1.0]
-    assert record.time_step == 1.0
-
-
 NAN = np.where(np.arange(VALUES.size) == 7, np.nan, VALUES)
 GARBLED = columns(",").replace("-0.250000000", "-0.25x")
 
@@ -397,11 +391,6 @@ def test_faults_of_k_net_files_are_named(write, name):
         read_record(write(knet(SHAKEN, **change)))
 
 
-def test_a_v2_file_is_known_by_its_name(write):
-    with pytest.raises(ValueError, match=r"this is a V2 file by its name, of an unknown form; supported are"):
-        read_record(write("Something else\n", "CE1234.V2"))
-
-
 UNITS = {
     "time (s),acceleration (ms-2)": ("m/s²", 1.0 / GRAVITY, STEP),
     "Time [ms],Acc [m/s²]": ("m/s²", 1.0 / GRAVITY, STEP / 1e3),
@@ -419,11 +408,6 @@ def test_units_of_the_heading_are_converted_and_kept(write, title, encoding):
     record = read_record(write(heading(title).encode(encoding)))
     assert record.acceleration == pytest.approx(size * VALUES, rel=1e-6, abs=1.1e-9)
     assert (record.time_step, record.unit) == (pytest.approx(step), unit)
-
-
-def test_the_unit_of_a_file_outlives_what_is_done_to_the_record(write):
-    record = read_record(write(five_column()))
-    assert record.scaled(2.0).windowed(0.01, 0.04).resampled(0.01).unit == "m/s²"
 
 
 @given(line=st.integers(0, 11), place=st.integers(0, 14), letter=st.sampled_from("OolIx'*?"))
@@ -445,10 +429,3 @@ def test_files_have_a_limit(write, monkeypatch, limit, said):
     monkeypatch.setattr(record_formats, limit, 20)
     with pytest.raises(ValueError, match=f"{said}; give one record, of one component"):
         read_record(write(columns(",")))
-
-
-def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(ValueError, match=r"absent.asc: cannot be read: No such file.*check the name"):
-        read_record(tmp_path / "absent.asc")
-    with pytest.raises(ValueError, match=r"cannot be read"):
-        read_record(tmp_path)

@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.records.record import Record, read_record
-from mechanics.records.spectrum import response_spectrum
 
 NOISE = Record(np.random.default_rng(3).normal(size=2001) * np.hanning(2001), 0.01, "noise")
 
@@ -16,14 +15,6 @@ def velocity_and_displacement(record):
     v = np.concatenate([[0.0], np.cumsum(a[1:] + a[:-1])]) * h / 2.0
     d = np.concatenate([[0.0], np.cumsum(v[:-1] * h + (2.0 * a[:-1] + a[1:]) * h**2 / 6.0)])
     return v, d
-
-
-def test_properties():
-    record = Record([0.0, -0.3, 0.2], 0.5, "three")
-    assert (record.pga, record.duration) == (0.3, 1.0)
-    assert record.time.tolist() == [0.0, 0.5, 1.0]
-    with pytest.raises(ValueError):
-        record.acceleration[0] = 1.0
 
 
 def test_scaled_and_compressed():
@@ -108,26 +99,10 @@ def test_coarsening_keeps_final_velocity_and_displacement(ratio):
     assert NOISE.duration - coarse.time_step < end <= NOISE.duration * (1.0 + 1e-9)
 
 
-def test_coarsening_keeps_the_spectrum_better_than_picking_samples():
-    smooth = np.convolve(np.random.default_rng(5).normal(size=8000), np.hanning(25), "same") * np.hanning(
-        8000
-    )
-    record = Record(0.05 * smooth, 0.005, "smooth")
-    periods = np.geomspace(0.3, 3.0, 40)
-    S_a = response_spectrum(record.acceleration, 0.005, periods)[0]
-    projected = response_spectrum(record.resampled(0.02).acceleration, 0.02, periods)[0] / S_a - 1.0
-    picked = response_spectrum(record.acceleration[::4], 0.02, periods)[0] / S_a - 1.0
-    assert np.abs(projected).max() < 5e-3 < np.abs(picked).max()
-
-
 def test_a_broken_line_on_the_coarser_grid_is_reproduced():
     corners = np.array([0.0, 0.3, -0.2, 0.1, 0.4])
     record = Record(np.interp(np.arange(41) / 10.0, np.arange(5.0), corners), 0.1, "broken")
     assert record.resampled(1.0).acceleration == pytest.approx(corners, abs=1e-12)
-
-
-def test_the_same_step_is_the_same_record():
-    assert NOISE.resampled(0.01 * (1.0 + 1e-12)) is NOISE
 
 
 @pytest.mark.parametrize(

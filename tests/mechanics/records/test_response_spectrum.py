@@ -48,19 +48,6 @@ def test_agrees_with_runge_kutta(period, damping):
     assert S_a[0] == pytest.approx((2.0 * np.pi / period) ** 2 * expected / GRAVITY, rel=2e-3)
 
 
-def test_samples_are_exact():
-    """A constant base acceleration from rest: u = −(a/ω²)(1 − cos ωt), whose peak 2a/ω² falls on a sample."""
-    S_d = response_spectrum(np.full(201, 0.1), 0.01, 1.0, damping=0.0)[1]
-    assert S_d[0] == pytest.approx(2.0 * 0.1 * GRAVITY / (2.0 * np.pi) ** 2, rel=1e-9)
-
-
-def test_resonance_under_a_sine():
-    """Steady state at resonance: u = a/(2ξω²), so S_a = a/(2ξ)."""
-    t = 0.005 * np.arange(20001)
-    S_a = response_spectrum(0.1 * np.sin(2.0 * np.pi * t), 0.005, 1.0, damping=0.05)[0]
-    assert S_a[0] == pytest.approx(0.1 / 0.1, rel=1e-3)
-
-
 def test_short_periods_give_the_peak_acceleration():
     a = np.sin(np.linspace(0.0, 6.0, 600)) * np.hanning(600)
     S_a, S_d = response_spectrum(a, 0.01, [0.0, 1e-3, 1e-2])
@@ -94,17 +81,6 @@ def test_linear_in_the_record_and_similar_in_time(factor, stretch):
     slow = response_spectrum(NOISE, stretch * STEP, stretch * periods)
     assert slow[0] == pytest.approx(S_a, rel=1e-6)
     assert slow[1] == pytest.approx(stretch**2 * S_d, rel=1e-6)
-
-
-def test_periods_are_independent_and_keep_their_order():
-    periods = np.array([2.0, 0.0, 0.1, 0.7])
-    together = response_spectrum(NOISE, STEP, periods)[0]
-    assert together == pytest.approx([response_spectrum(NOISE, STEP, T)[0][0] for T in periods], rel=1e-9)
-
-
-def test_a_record_at_rest_has_no_response():
-    S_a, S_d = response_spectrum(np.zeros(10), 0.01, [0.0, 0.1, 1.0])
-    assert not S_a.any() and not S_d.any()
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from mechanics import pushover, time_history
+from mechanics import time_history
 from mechanics.kernels.joint import PLACE
 from mechanics.kernels.linalg import factors
 from mechanics.kernels.linalg.pattern import Pattern
@@ -71,24 +71,6 @@ def test_what_a_front_reaches_is_later_and_held_by_the_first_front_reached(block
         if rows:
             parent = owner[min(rows)]
             assert {row for row in rows if owner[row] > parent} <= reached[parent]
-
-
-def test_products_are_half_the_squares_of_the_columns_below_the_diagonal() -> None:
-    centres, linked = scattered(400, 1.0)
-    order, bounds = dissected(linked, centres)
-    found = fronts(np.argsort(order)[linked], bounds)
-    rows = 3 * (np.diff(bounds) + np.diff(found.start))
-    columns = [range(n, n - 3 * own, -1) for n, own in zip(rows, np.diff(bounds), strict=True)]
-    assert found.products() == pytest.approx(0.5 * sum(n**2 for column in columns for n in column))
-
-
-def test_rows_that_lie_side_by_side_are_taken_off_together() -> None:
-    centres, linked = scattered(400, 1.0)
-    order, bounds = dissected(linked, centres)
-    found = fronts(np.argsort(order)[linked], bounds)
-    assert found.together.max() > 9
-    for i, rows in enumerate(found.together // 3):
-        assert np.array_equal(found.place[i : i + rows] - found.place[i], 3 * np.arange(rows))
 
 
 def dense(lower: Array, upper: Array, row: Index, pattern: Pattern) -> Array:
@@ -166,14 +148,6 @@ def test_fronts_tell_a_matrix_that_is_not_positive_definite() -> None:
             assert not factors.cholesky(stored, layout.pattern)
 
 
-def test_a_choice_of_joints_keeps_its_places() -> None:
-    layout = laid_out(60, 1.0)
-    index = np.arange(0, len(layout.row), 3)
-    some = layout.take(index)
-    assert np.array_equal(some.pattern.between, layout.pattern.between[index])
-    assert np.array_equal(some.row, layout.row[index])
-
-
 def test_walls_are_dissected_from_some_size_on_and_arches_are_not() -> None:
     """Products of a factorisation: fewer than half of the band's in a wall of a thousand blocks."""
 
@@ -201,13 +175,3 @@ def test_a_motion_is_the_same_in_fronts_and_in_a_band(
     band, found = motions
     assert found.worst <= 1e-6
     assert found.positions == pytest.approx(band.positions, abs=1e-7)
-
-
-def test_a_pushover_is_the_same_in_fronts_and_in_a_band(monkeypatch: pytest.MonkeyPatch) -> None:
-    curves = []
-    for storage in (BANDED, IN_FRONTS):
-        store_in(storage, monkeypatch)
-        model = running_bond(6, 8)
-        curves.append(pushover(model, model.blocks[-1].centroid, increment=0.02, until=0.5))
-    band, found = curves
-    assert found.multiplier == pytest.approx(band.multiplier, abs=1e-6)

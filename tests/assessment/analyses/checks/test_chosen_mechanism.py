@@ -10,14 +10,12 @@ from assessment.analyses.checks.chosen_mechanism import (
     MechanismError,
     compared,
     evaluate,
-    joint_motion,
 )
 from assessment.analyses.checks.kinematics import (
     Hinge,
     KinematicsError,
     _unhindered,
     finite_motion,
-    virtual_displacements,
 )
 from assessment.cli.main import main
 from assessment.ntc.capacity_curve import mechanism_participation
@@ -242,14 +240,6 @@ def test_the_control_point_is_that_of_the_pushover_where_it_moves():
     assert other.SLC.governing == "0.60 d_0"  # a limit of another point is none of this one
 
 
-def test_displacements_are_a_rotation_of_each_macro_block():
-    """Centre (0.6, 0), θ = −2: δ_x = 2 z, δ_z = −2 (x − 0.6); supports and blocks left out stay still."""
-    model = column(3)
-    delta = virtual_displacements(model, model.initial.positions, mechanism(((0.6, 0.0), -2.0, [2, 3])))
-    np.testing.assert_allclose(delta[2:], [[1.5, 0.6, -2.0], [2.5, 0.6, -2.0]])
-    assert not delta[:2].any()
-
-
 @pytest.mark.parametrize(
     ("part", "says"),
     [
@@ -262,14 +252,6 @@ def test_displacements_are_a_rotation_of_each_macro_block():
 def test_what_cannot_move_is_refused(part, says):
     with pytest.raises(MechanismError, match=says):
         found(column(3), part)
-
-
-def test_a_mechanism_that_needs_no_load_is_refused():
-    """A block whose centre lies beyond its hinge: a wall leaning 20° over its corner at (0.6, 0)."""
-    model = block_on_base(0.6, 4.2)
-    leaning = model.rotated(1, (0.6, 0.0), -np.radians(20.0)).positions
-    with pytest.raises(MechanismError, match="without any horizontal load"):
-        found(model, ((0.6, 0.0), -1.0, [1]), positions=leaning)
 
 
 def test_a_hinge_set_back_from_the_edge_is_told():
@@ -291,21 +273,6 @@ def test_in_a_settled_state_it_stands_beside_the_alpha_0_that_is_printed():
         "alpha_0 is below that of the state, 0.2: a hinge of the settlement closes from α = 0.037"
     )
     assert "cerniera del cedimento" in in_italian(note)
-
-
-def test_a_joint_that_slides_is_told():
-    """Two equal columns side by side: the right one turns away from the left one and rubs along their joint."""
-    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
-    blocks += [Block(rectangle(x, 0.0, x + 0.6, 2.0), 1.0, STONE) for x in (0.0, 0.6)]
-    model = Assembly(blocks)
-    part = mechanism(((1.2, 0.0), -1.0, [2]))
-    delta = virtual_displacements(model, model.initial.positions, part)
-    motion = joint_motion(model, model.initial.positions, delta)
-    assert motion.penetration == pytest.approx(0.0, abs=1e-12)
-    assert len(motion.sliding) == 1
-    assert any(
-        "slide as the mechanism moves: 1;" in note for note in found(model, ((1.2, 0.0), -1.0, [2])).notes
-    )
 
 
 def test_every_step_follows_from_its_inputs():
@@ -349,13 +316,6 @@ about_m = [0.303, -0.006]
 blocks = [1]
 state = "base turned"
 """
-
-
-def test_check_tells_which_mechanism_a_run_refuses(project, capsys):
-    """It needs no analysis, and was told by the run alone."""
-    assert main(["check", str(written(project, GIVEN))]) == 0
-    [told] = [line for line in capsys.readouterr().out.splitlines() if "refused" in line]
-    assert told.startswith('warning: mechanism "wrong way": refused: block 0 penetrates block 1')
 
 
 def test_a_project_with_mechanisms(project):

@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 
 from assessment.analyses.checks import capacity
-from assessment.analyses.checks.capacity import CONTRADICTION, assess, other_mechanism, told
+from assessment.analyses.checks.capacity import CONTRADICTION, assess, told
 from assessment.analyses.checks.demand import Demands
-from assessment.analyses.checks.governing import _refusals
-from assessment.analyses.found import Found
-from assessment.analyses.static.paths import crossings
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from tests.support.analysed import analysed, arch
 from tests.support.block_project import ASSESSMENT, PUSHED, block, read_results, run, write_block
 from tests.support.typed import typed
-from tests.support.wording import as_sentence, in_italian
+from tests.support.wording import in_italian
 
 pytestmark = pytest.mark.usefixtures("no_figures")
 
@@ -68,32 +65,6 @@ def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):
     [said] = [text for text in warnings if text.startswith("+x: no capacity")]
     assert "was asked for and gave no curve" in said and "ask for contacts" not in said
     assert "è stato richiesto" in in_italian(said)
-
-
-def test_jumps_below_the_accuracy_of_the_path_are_left_out():
-    """Increments of 0.5 mm, located to 1/32: the first jump is rounding, told twice; the next two are one."""
-    jumps = [[7.757e-12, 7.272e-12], [7.757e-12, 7.272e-12], [0.002, 0.003], [0.003, 0.0035]]
-    [said] = crossings("a wall", jumps, 0.0005)
-    assert said.startswith("a wall: between d = 0.002 and 0.0035 m")
-
-
-def refusals(*multipliers, runs: int):
-    """What is said of runs whose mechanisms virtual work contradicts."""
-    return list(
-        _refusals([Found(failures=[other_mechanism(work, alpha)]) for work, alpha in multipliers], runs)
-    )
-
-
-def test_runs_refused_for_the_same_reason_are_told_once_with_how_many_and_between_what():
-    """One of the five lines a run was printed for each member, which none of them named."""
-    [told] = refusals((0.277, 0.643), (0.0189, 0.641), (-0.147, 0.642), runs=5)
-    assert told.startswith(
-        "no capacity in 3 of 5 runs: virtual work on the mechanism gives α = -0.147 to 0.277, "
-        "the curve 0.641 to 0.643: blocks slide"
-    )
-    assert "α = −0.147 to 0.277" in as_sentence(told, "en")
-    assert in_italian(told).startswith("la capacità non è determinata in 3 delle 5 analisi")
-    assert "fra −0,147 e 0,277" in in_italian(told)
 
 
 @pytest.mark.parametrize("height", [4.2, 0.02])

@@ -163,22 +163,6 @@ def test_figures_tables_and_report(outcome, tmp_path, language):
         assert f"<h3>{words_of(typed(results))(f'section.{chapter}')}</h3>" in html
 
 
-def test_a_state_that_collapses_under_its_settlement(tmp_path):
-    _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
-    project = _edited(tmp_path / "block", "rotation_rad = -0.02 ", "rotation_rad = -0.40 ")
-    project = _edited(tmp_path / "block", "increment_rad = 0.001", "increment_rad = 0.02")
-    outcome = run(project, build_model(project), jobs=1)
-    assert not outcome.complete
-    name = project.states[1]
-    state = plain(outcome.results)["states"][name]
-    (entry,) = state["history"]
-    assert entry["peak_displacement_m"] is entry["collapsed"] is entry["time_of_collapse_s"] is None
-    assert entry["reason"]
-    assert state["incremental"]["pga_collapse_g"] is None
-    assert any(name in warning and "history" in warning for warning in outcome.results.quality.warnings)
-    assert outcome.results.states["original"].history[0].peak_displacement_m > 0.0
-
-
 def test_the_window_scale_and_step_of_a_motion(tmp_path):
     window = "window_s = [1.5, 2.0]\ntime_step_s = 0.01\n"
     project = _project(tmp_path / "block", TAIL.format(scale=-2.0), window)

@@ -112,13 +112,6 @@ def test_a_smooth_motion_ends_after_two_members():
     assert not any("within 1 %" in text for text in found.warnings)
 
 
-def test_one_member_is_the_motion_itself():
-    model = block_on_base(0.6, 2.4, stiffness=1e5)
-    found, runs = shaken(model, (0.6, 2.4), "elastic", 0.02 * WAVE, STEP, scatter=1)
-    assert runs == [1.0]
-    assert found.numbers.peak_displacement_m_range is None and found.numbers.members is None
-
-
 def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
     model, point = arch_on_piers(), (0.0, 1.44)
     acceleration = 0.185 * np.r_[WAVE, np.zeros(40)]

@@ -110,19 +110,6 @@ def test_stripes_of_any_levels_maximise_the_likelihood():
         compared += 1
 
 
-def test_two_partial_stripes_close_together_by_hand():
-    """2 and 4 of 15 collapse at 0.331 and 0.333 g; the other levels are too far away to tell.
-
-    β = ln(0.333/0.331)/(Φ⁻¹(4/15) − Φ⁻¹(2/15)) = 0.0060241/(−0.622926 + 1.110772) = 0.0123484,
-    median = 0.333 exp(0.622926 β) = 0.3355714 g.
-    """
-    levels, fell = [0.067, 0.188, 0.331, 0.333, 0.653, 0.668, 0.838], [0, 0, 2, 4, 15, 15, 15]
-    assert _fitted(levels, fell, 15) == (
-        pytest.approx(0.3355714, rel=1e-6),
-        pytest.approx(0.0123484, rel=1e-5),
-    )
-
-
 @pytest.mark.parametrize(
     ("levels", "fell", "of", "median"),
     [

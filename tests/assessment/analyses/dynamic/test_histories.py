@@ -97,15 +97,6 @@ def test_two_time_steps_that_agree_do_not_end_the_search(monkeypatch):
     assert "estimated error of peak_displacement_m" in found.warnings[0]
 
 
-def test_levels_that_agree_by_chance_are_told_as_scatter(monkeypatch):
-    """A record weaker by 1 % gives another peak: no fourth level is run."""
-    found = made_up(monkeypatch, "fine", lambda _: (3.2, False), weaker=3.6, scatter=2)
-    row = found.convergence
-    assert row.peak_displacement_scatter_m == pytest.approx(0.4) and not row.met
-    assert len(row.levels["peak_displacement_m"]) == 3
-    assert any("scatters by" in text for text in found.warnings)
-
-
 def test_a_collapse_is_confirmed_by_three_time_steps(monkeypatch):
     """Where one says collapse and another does not, nothing is known."""
     three = made_up(monkeypatch, "standard", lambda _: (9.9, True))
@@ -113,13 +104,6 @@ def test_a_collapse_is_confirmed_by_three_time_steps(monkeypatch):
     assert "peak_displacement_error_m" not in three.convergence
     late = made_up(monkeypatch, "standard", lambda share: (0.1, share == 1.0))
     assert not late.convergence.met and "not known" in late.warnings[0]
-
-
-def test_a_finer_time_step_that_fails_leaves_the_coarser_one(monkeypatch):
-    found = made_up(monkeypatch, "standard", lambda share: (None if share < 0.4 else 0.1, False))
-    assert found.numbers.peak_displacement_m == 0.1 and found.convergence.halvings == 1
-    assert not found.convergence.met and not found.failures
-    assert "a finer time step fails: no step is solved" in found.warnings[0]
 
 
 def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
@@ -204,8 +188,3 @@ def test_a_collapse_that_all_levels_see_has_no_error_and_one_that_some_see_leave
     assert "relative_error" not in levels(None, None, None).row("s", "r", 0.05).model_fields_set
     assert levels(0.1, None, None).error is None and not levels(0.1, None, None).within(0.05)
     assert "not known" in levels(0.1, 0.1, None).missed("original", 0.05)[0]
-
-
-def test_values_that_are_nothing_have_no_error():
-    found = Refinement((3e-13, 1e-13, 2e-13), (0.0,) * 3, 1e-6)
-    assert found.within(0.01)

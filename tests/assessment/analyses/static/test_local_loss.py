@@ -94,10 +94,6 @@ def test_the_check_is_made_with_it(tmp_path):
     assert any("write no more than that" in warning for warning in told)
 
 
-def test_an_example_without_losses_says_nothing():
-    assert "local_displacement_limit_m" not in limits_told(results_example("en"), "en")
-
-
 ELASTIC_END = "structure with elastic contacts loses equilibrium"
 
 

@@ -209,22 +209,6 @@ def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
     )
 
 
-def test_warnings_are_those_of_the_governing_run_alone():
-    """Those of another run told other numbers than the tables."""
-    runs = runs_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6))
-    told = governed("s", made(State), runs, checked(SLV=1.0))
-    assert [text for text in told.warnings if text.startswith("run")] == ["run 2"]
-    assert told.runs["+x"] is runs[1]
-    assert sum("give the ranges" in text for text in told.warnings) == 1
-
-
-def test_one_run_has_no_range():
-    found = governing(runs_of(curve(0.10, 0.5), ultimate=(0.3,)), checked(SLV=1.0))
-    assert not {"alpha_0_range", "members"} & found.pushover["+x"].rigid.model_fields_set
-    assert "a_g_g_range" not in found.capacity["+x"].SLV.model_fields_set
-    assert "ultimate_movement_m_range" not in found.pushdown["rigid"].model_fields_set
-
-
 def test_a_ratio_that_is_no_index_governs_only_where_no_index_was_checked():
     """At SLD the first run is the least, at SLV the second: ζ_E is the index at SLV and SLC."""
 

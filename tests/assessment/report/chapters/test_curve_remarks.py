@@ -57,11 +57,6 @@ def test_d_0_where_equilibrium_is_lost_is_said_to_be_that():
     assert any(place[0] == pytest.approx([371.0, 0.0907]) for place in triangles)
 
 
-def test_a_curve_down_to_zero_is_not_lost():
-    results = typed(results_example("en"))
-    assert not list(lost_before_zero(results, words_of(results)))
-
-
 def test_a_fitted_curve_far_above_the_elastic_one_is_told_with_the_side_it_errs_on():
     results = results_example("en")
     original = results["states"]["original"]

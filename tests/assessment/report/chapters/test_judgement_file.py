@@ -1,14 +1,11 @@
 """judgement.md: drafted, edited, kept, printed; and told when its numbers have changed."""
 
-import re
 from types import SimpleNamespace
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from assessment.cli.main import main
-from assessment.report.chapters.judgement import NAME, judgement, to_html, without_comments
+from assessment.report.chapters.judgement import NAME, judgement, to_html
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
 from assessment.runtime.pool import Pool
@@ -48,17 +45,6 @@ def test_an_edited_text_is_kept_and_a_change_of_the_numbers_is_said(results, tmp
     later = judgement(typed(results), words, tmp_path)
     assert later.content.decode() == edited
     assert "changed" in later.warnings[0]
-
-
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
-@pytest.mark.parametrize("newline", ["\n", "\r\n"])
-def test_the_encodings_of_windows_editors_are_read_and_left(results, tmp_path, encoding, newline):
-    text = newline.join(["Più sicuro: “legare” il piè.", "", "- così", ""])
-    mark = "\ufeff" if encoding in {"utf-16-le", "utf-16-be"} else ""
-    (tmp_path / NAME).write_bytes((mark + text).encode(encoding))
-    kept = judgement(typed(results), words_of(typed(results)), tmp_path)
-    assert kept.content == (mark + text).encode(encoding)
-    assert kept.edited == "<p>Più sicuro: “legare” il piè.</p>\n<ul>\n<li>così</li>\n</ul>"
 
 
 def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results, tmp_path):
@@ -135,9 +121,3 @@ class _Printer:
 
         def render(self):  # without heights, so that the page stays as it is
             return SimpleNamespace(pages=[])
-
-
-@given(st.lists(st.sampled_from(["a", "\n", "<!--", "-->", "<", "--", ">"])).map("".join))
-def test_comments_are_those_of_the_plain_pattern(text):
-    """Which takes a time that grows with the square of the number of comments without end."""
-    assert without_comments(text) == re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)

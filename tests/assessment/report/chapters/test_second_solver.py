@@ -57,16 +57,6 @@ def test_with_coulomb_friction_it_says_which_multiplier_is_compared(language, sa
     assert said in text and "Coulomb" in text
 
 
-def test_without_a_linear_program_it_says_why_and_has_no_table():
-    results = example(found=None)
-    words = words_of(results)
-    [sentence] = comparison(results, words)
-    assert "crush" in sentence and not second_solver(results).rows
-    assert not list(agreement(results, words))
-    earlier = typed(results_example("en"))  # results without the key
-    assert not list(comparison(earlier, words))
-
-
 def test_the_judgement_says_whether_they_agree():
     words = words_of(example())
     assert "the same multipliers" in next(iter(agreement(example(found=pair()), words)))

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
-from assessment.report.chapters.synthesis import basis, governing_mechanism, synthesis_grid
+from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.tables.capacity import verification
-from assessment.report.tables.mechanisms import mechanism_name, mechanisms
-from assessment.report.text.language import Words, direction_name, plain_text, words_of
+from assessment.report.tables.mechanisms import mechanisms
+from assessment.report.text.language import Words, direction_name, plain_text
 from assessment.results.schema.static import Strengthening
 from assessment.results.schema.summary import SummaryCheck
 from assessment.results.summary import index_limit, worst_settled
@@ -100,20 +100,6 @@ def test_so_do_those_of_an_analysis(make):
     assert len(made.rows) == 4 and "ζ" in lead(results, WORDS)[0]
 
 
-def test_the_sentence_reads_as_an_engineer_says_it():
-    results = results_example("it")
-    for state, ratio in (("original", 0.48), (SETTLED, 0.39)):
-        for direction, more in (("+x", 1.0), ("-x", 1.1)):
-            check = results["states"][state]["capacity"][direction]["SLV"]
-            check |= {"zeta_E": more * ratio, "a_g_g": more * ratio * 0.261, "verified": False}
-    found = typed(results)
-    [said] = lead(found, words_of(found))[:1]
-    assert Markup(said).striptags() == (
-        f"Nello stato attuale (“{SETTLED}”) ζE = 0,39 (SLV, +x); prima del cedimento 0,48: riduzione 19 %."
-        " Non verificata."
-    )
-
-
 def test_what_is_just_below_the_threshold_is_told_with_digits_enough():
     """ "1.00 not verified" stood there."""
     results = results_example("en")
@@ -132,14 +118,6 @@ def test_the_confidence_factor_without_a_level_and_the_other_law_are_told():
     told = " ".join(Markup(each).striptags() for each in basis(typed(results), WORDS))
     assert "given without a level of knowledge" in told
     assert f"With Coulomb friction ζE would be 0.31 (“{SETTLED}”, {direction_name('-x')})" in told
-
-
-def test_mechanisms_have_names():
-    results = typed(analysed("it"))
-    words = words_of(results)
-    names = {mechanism_name(results, "original", way, words) for way in ("+x", "-x")}
-    assert names == {"meccanismo a quattro cerniere"}
-    assert "meccanismo a quattro cerniere" in governing_mechanism(results, words)
 
 
 def test_without_an_assessment_the_multiplier_is_the_answer():

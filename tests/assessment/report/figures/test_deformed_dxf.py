@@ -52,8 +52,3 @@ def test_bytes_do_not_hang_on_the_order_of_sets(written, tmp_path, monkeypatch, 
     monkeypatch.setattr(EntityDB, "dxf_types_in_use", lambda db: sorted(kinds(db), reverse=backwards))
     write_deformed(typed(analysed()), tmp_path / "again.dxf")
     assert (tmp_path / "again.dxf").read_bytes() == written.read_bytes()
-
-
-def test_the_same_results_give_the_same_bytes(written, tmp_path):
-    write_deformed(typed(analysed()), tmp_path / "again.dxf")
-    assert (tmp_path / "again.dxf").read_bytes() == written.read_bytes()

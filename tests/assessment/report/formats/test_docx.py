@@ -79,34 +79,3 @@ def test_equations_keep_their_subscripts_and_styles_are_named(made):
         "Figure",
     }
     assert not [p.text for p in document.paragraphs if p.style.name == "Normal" and p.text]
-
-
-def test_tables_of_twenty_rows_stand_on_one_and_the_stamp_has_its_room(made):
-    """Of a longer one three rows at its head and three at its end go together."""
-    _, folder = made
-    document = Document(folder / "report.docx")
-    whole = 0
-    for table in (each for each in document.tables if each.style.name == "Report Table"):
-        *rows, last = table.rows
-        kept = [row.cells[0].paragraphs[0].paragraph_format.keep_with_next is True for row in rows]
-        assert all(kept[:3]) and all(kept[-2:])
-        whole += all(kept)
-        assert all(kept) if len(rows) < 20 else not any(kept[3:-2])
-        assert not last.cells[0].paragraphs[0].paragraph_format.keep_with_next
-    assert whole > 10
-    cover = document.tables[0]
-    assert [row.height.mm for row in cover.rows if row.height is not None] == [pytest.approx(22.0, abs=0.1)]
-
-
-def test_contents_refer_to_the_pages_of_the_headings(made):
-    _, folder = made
-    document = Document(folder / "report.docx")
-    headings = [p for p in document.paragraphs if p.style.name == "Heading 1"]
-    entries = [p for p in document.paragraphs if p.style.name == "toc 1"]
-    assert [p.text.partition("\t")[0] for p in entries] == [p.text for p in headings]
-    for entry, heading in zip(entries, headings, strict=True):
-        [field] = [each.get(qn("w:instr")).split() for each in entry._p.iter(qn("w:fldSimple"))]
-        [start] = heading._p.iter(qn("w:bookmarkStart"))
-        assert field[:2] == ["PAGEREF", start.get(qn("w:name"))]
-    numbers = [each.get(qn("w:id")) for each in document.element.body.iter(qn("w:bookmarkStart"))]
-    assert len(set(numbers)) == len(numbers) == len(headings)

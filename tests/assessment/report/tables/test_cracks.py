@@ -1,19 +1,14 @@
 """The table of cracks against the geometry of one rotation, and the drawing whose numbers it is read with."""
 
-from itertools import combinations
-
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
 from assessment.report.chapters.remarks import cracks as crack_sentences
 from assessment.report.chapters.remarks import damping
 from assessment.report.chapters.remarks import survey as survey_sentences
-from assessment.report.figures.drawings.deformed import NUMBER, draw_cracks
-from assessment.report.figures.drawings.parts import write_numbers
-from assessment.report.figures.style import sheet
+from assessment.report.figures.drawings.deformed import draw_cracks
 from assessment.report.tables.cracks import SEEN, cracks, survey_table
 from assessment.report.tables.structure import PRINTED
 from assessment.report.text.language import words_of
@@ -71,30 +66,6 @@ def test_every_joint_of_the_table_is_numbered_in_the_drawing():
         [axes] = draw_cracks(typed(results), words_of(typed(results)), SETTLED, 40).axes
     said = {text.get_text() for text in axes.texts}
     assert said >= {f"G{row['joint']}" for row in cracks(typed(results)).rows}
-
-
-def test_numbers_are_off_marks_and_off_one_another():
-    """Seven numbers wanted at one place, which a mark has: bold letters are up to 0.75 of their size wide."""
-    page, place = sheet((0.0, 0.0, 10.0, 10.0)), np.array([5.0, 5.0])
-    with mpl.rc_context(STYLE):
-        write_numbers(
-            page, axes := page.panels[0], [(f"G88{k}", [place]) for k in range(7)], [place], **NUMBER
-        )
-        FigureCanvasAgg(page.figure).draw()
-        boxes = [Text.get_window_extent(text).padded(1.0) for text in axes.texts]
-    assert not any(box.contains(*axes.transData.transform(place)) for box in boxes)
-    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
-
-
-def test_numbers_of_supports_are_light_on_their_dark_ground():
-    results = typed(results_example("en"))
-    with mpl.rc_context(STYLE):
-        [axes] = draw_cracks(results, words_of(results), SETTLED, 40).axes
-    colours = {text.get_text(): text.get_color() for text in axes.texts}
-    supports = {str(n) for n, block in enumerate(results.geometry.blocks) if block.support is not None}
-    assert supports <= colours.keys()
-    light = {text for text, colour in colours.items() if mpl.colors.to_rgb(colour) == (1.0, 1.0, 1.0)}
-    assert light == supports
 
 
 def test_of_cracks_that_is_told_which_there_is(monkeypatch):

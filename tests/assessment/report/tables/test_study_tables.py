@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from xml.etree import ElementTree
-
 import pytest
 from markupsafe import Markup
 
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
-from assessment.report.figures.index import pictures
-from assessment.report.tables.studies import reported_studies, scenarios, sensitivity, tornado
+from assessment.report.tables.studies import scenarios, tornado
 from assessment.report.text.language import LANGUAGES, joined, words_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -102,31 +98,6 @@ def test_scenarios_have_the_worst_marked_and_the_ultimate_movement_where_it_was_
     assert not any("ultimate_rigid_m" in row for row in scenarios(typed(results)).rows)
 
 
-def test_without_assessment_there_are_multipliers_only():
-    results = results_with_studies()
-    results["scenarios"] |= {"quantity": "alpha_0", "limit_state": None}
-    for each in results["scenarios"]["points"]:
-        del each["a_g_g"], each["zeta_E"]
-    assert draft_judgement(typed(results), words_of(typed(results)))
-    assert not any({"a_g_g", "zeta_E", "limit_state"} & set(row) for row in scenarios(typed(results)).rows)
-
-
-def test_results_without_studies_have_none_of_it():
-    results = results_example()
-    assert not any(
-        table.rows
-        for table in (scenarios(typed(results)), sensitivity(typed(results)), tornado(typed(results)))
-    )
-    assert not {"scenarios", "sensitivity"} & {picture.section for picture in pictures(typed(results))}
-
-
-def test_collapse_is_a_column_only_where_there_is_one():
-    results = results_with_studies()
-    assert "collapses" not in reported_studies(typed(results))[0].columns
-    results["scenarios"]["points"][-1]["collapses"] = True
-    assert "collapses" in reported_studies(typed(results))[0].columns
-
-
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("fallen", [False, True])
 def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fallen, tmp_path):
@@ -151,23 +122,3 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
     widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
                    low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC", reference=rock)  # fmt: skip
     assert widest in draft_judgement(typed(results), words)
-
-
-def texts(path) -> list[str]:
-    tag = "{http://www.w3.org/2000/svg}text"
-    return ["".join(node.itertext()).strip() for node in ElementTree.parse(path).getroot().iter(tag)]
-
-
-def test_the_plots_name_scenarios_worst_case_and_factors(tmp_path):
-    draw_sections(typed(results_with_studies("en")), tmp_path, "scenarios", "sensitivity")
-    shown = texts(tmp_path / "scenarios.svg")
-    assert f"1  {SETTLED}" in shown and f"worst: {SETTLED}, 20.0 mm, −x" in shown
-    assert "ultimate movement (the smaller)" in shown
-    bars = texts(tmp_path / "tornado.svg")
-    assert bars.count("×0.5") == bars.count("×2") == 2  # a panel for each state
-    assert bars.count("×0.9: not reached") == 2
-    assert (
-        bars.index("depth") < bars.index("friction") < bars.index("joint stiffness")
-    )  # from the axis upwards
-    glyphs = re.sub(r"<[^>]+>|\s", "", (tmp_path / "tornado.svg").read_text(encoding="utf-8"))
-    assert "=0.600g" in glyphs  # beside the symbol, glyph by glyph

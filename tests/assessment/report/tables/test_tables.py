@@ -6,12 +6,10 @@ import pandas as pd
 import pytest
 
 from assessment.project.project import json_schema
-from assessment.report.chapters.grids import echoed
 from assessment.report.chapters.remarks import indices as index_sentences
 from assessment.report.tables import write_tables
 from assessment.report.tables.capacity import summary, verification
 from assessment.report.tables.equilibrium import hand_check
-from assessment.report.tables.mechanisms import all_mechanisms
 from assessment.report.tables.structure import layers
 from assessment.report.text.language import LANGUAGES, Words, cell
 from tests.support.results_example import SETTLED, results_example
@@ -109,44 +107,6 @@ def test_every_key_of_a_project_has_a_name_in_the_report(language):
     tables = [schema, *schema["$defs"].values()]
     keys = {key for table in tables for key in table.get("properties", {})}
     assert keys - {"SLO", "SLD", "SLV", "SLC"} <= named
-
-
-def test_the_input_is_told_in_words_with_the_names_of_the_user():
-    echo = {
-        "title": "T",
-        "layers": {"WALL": {"depth_m": 0.5, "compressive_strength_kN_m2": "inf"}},
-        "settlements": [{"name": "moved"}, {"name": "it <b>", "displacement_m": [0.02, -0.02]}],
-        "pushover": {"contacts": ["rigid"], "control": {"+x": "C1"}},
-        "assessment": {"site": {"SLV": {"ag_g": 0.261}}},
-        "report": {"client": ""},
-    }
-    rows = [tuple(map(str, row.values())) for row in echoed(echo, Words.of("it"))]
-    assert rows == [
-        ("Progetto", "Titolo", "T"),
-        ("Layer WALL", "Spessore fuori piano [m]", "0,5"),
-        ("", "Resistenza a compressione [kN/m²]", "∞"),
-        ("Cedimento assegnato 1", "Nome", "moved"),
-        ("Cedimento assegnato 2", "Nome", "it &lt;b&gt;"),
-        ("", "Spostamento x; z [m]", "0,02; −0,02"),
-        ("Pushover", "Giunti", "rigidi"),
-        ("Pushover, punto di controllo", "+x", "C1"),
-        ("Verifica, sito, SLV", "a<sub>g</sub> su suolo rigido (cat. A), senza S [g]", "0,261"),
-    ]
-
-
-def test_mechanisms_found_and_chosen_stand_in_one_table():
-    """By macro-element: the layers that move, the structure where all do; refused ones are not there."""
-    results = results_example()
-    capacity = results["states"]["original"]["capacity"]["+x"]
-    moved = [[0.0, 0.0, 0.0]] * 7
-    moved[2] = [0.5, 0.1, -0.2]
-    chosen = {"name": "crown", "state": "original", "direction": "+x", "alpha_0": 0.2, "a_0_star_g": 0.15}
-    chosen |= {"displacements": moved, "SLV": capacity["SLV"]}
-    results["mechanisms"] = [chosen, {"name": "no", "state": "original", "refused": "it penetrates"}]
-    rows = all_mechanisms(typed(results)).rows
-    assert [row["macro_element"] for row in rows] == ["*"] * 4 + ["ARCH"]
-    assert rows[-1]["mechanism"] == "crown" and rows[-1]["zeta_SLV"] == capacity["SLV"]["zeta_E"]
-    assert rows[0]["zeta_SLC"] == capacity["SLC"]["zeta_E"]
 
 
 @pytest.mark.parametrize(

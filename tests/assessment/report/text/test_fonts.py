@@ -8,14 +8,12 @@ import sys
 from importlib.resources import files
 
 import pytest
-from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from assessment.report.document import FACES
 from assessment.report.figures.style import save_svg
 from assessment.report.formats.pdf import printable
 from assessment.report.text.fonts import FAMILY, embedded_faces, file, file_faces
-from assessment.report.text.language import NO_BREAK, joined
 
 PRINT = "import sys, weasyprint; weasyprint.HTML(sys.argv[1]).write_pdf(sys.argv[2])"
 
@@ -57,22 +55,5 @@ def test_the_pdf_is_the_same_with_other_fonts_on_the_machine(tmp_path):
     }  # fmt: skip
 
 
-def test_a_figure_carries_the_glyphs_of_its_texts(tmp_path):
-    save_svg(figure, tmp_path / "figure.svg")
-    text = (tmp_path / "figure.svg").read_text(encoding="utf-8")
-    assert "DejaVu" not in text and text.count("@font-face") == 3  # upright, bold, and the italic of a symbol
-    assert text.count("data:font/woff;base64,") == 3 and len(text) < 60_000
-
-
 def test_letters_beyond_the_usual_ones_are_there_too():
     assert embedded_faces("中ሴa") and embedded_faces("abc") == embedded_faces("cab")
-
-
-def test_no_line_ends_between_a_number_and_its_unit_or_its_symbol():
-    """ "right support 20" stood over "mm", "α =" over "0.110"; a blank after any other word stays one."""
-    text = "<b>α<sub>0</sub></b> = 0,110 a 8 mm, 20 % di 3 gradi; ≤ 30; 5 metri; [kN/m³], e/o"
-    kept = "<b>α<sub>0</sub></b>~=~0,110 a 8~mm, 20~% di 3 gradi; ≤~30; 5 metri; [kN/\u2060m³], e/o".replace(
-        "~", NO_BREAK
-    )
-    assert joined(text) == kept == joined(kept)
-    assert type(joined(Markup(text))) is Markup

@@ -39,10 +39,3 @@ def test_signs_subscripts_and_superscripts(formula, printed):
 def test_decimal_comma_parts_arguments_by_a_semicolon():
     assert typeset("max(0.55, sqrt(10/(5 + 100*xi)))", ITALIAN) == "max(0,55; √(10/(5 + 100·ξ)))"
     assert typeset("1.1*T_C_star**(-0.2)", ITALIAN) == "1,1·T<sub>C</sub>*<sup>−0,2</sup>"
-
-
-def test_words_below_a_symbol_are_those_of_the_language():
-    assert typeset("a_g_act", ENGLISH) == "a<sub>g,act</sub>"
-    assert typeset("a_g_act", ITALIAN) == "a<sub>g,att</sub>"
-    assert typeset("PGA_demand", ITALIAN) == "PGA<sub>D</sub>"  # as the text of the chapter has it
-    assert typeset("V_N_acceptable", ITALIAN) == "V<sub>N,acc</sub>"

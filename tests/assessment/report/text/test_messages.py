@@ -6,16 +6,15 @@ from string import Formatter
 
 import pytest
 
-from assessment.analyses.static.lateral import FRICTION
 from assessment.report.chapters.judgement import all_warnings
-from assessment.report.text.language import Words, merged, sentence, templates, translated, words_of
+from assessment.report.text.language import merged, templates, translated, words_of
 from assessment.results.file import as_bytes, read_results
 from mechanics import UnstableError
 from mechanics.messages import Message, SaidError, headed, linked, message
 from tests import ROOT
 from tests.support.analysed import analysed
 from tests.support.typed import typed
-from tests.support.wording import as_sentence, in_italian
+from tests.support.wording import in_italian
 
 TITLE = message(
     "{state}, pushover {direction}, {contacts} contacts",
@@ -137,22 +136,6 @@ def test_messages_within_messages_numbers_and_names():
     assert in_italian(headed("geometry.dxf", hidden)) == (
         "geometry.dxf: layer «A.1»: polilinee congelate, spente o invisibili tralasciate: 3"
     )
-
-
-def test_symbols_of_warnings_are_set_as_symbols():
-    told = message(
-        "by {law} α0 is {other:.4g}, not {multiplier:.4g}",
-        law=FRICTION["coulomb"],
-        other=0.07,
-        multiplier=0.08,
-    )
-    assert as_sentence(told, "en").count("α<sub>0</sub> is") == 1
-    assert "α<sub>0</sub> è 0,07" in as_sentence(told, "it")
-    text = "SLV: S_De at T_SLV; see max_scale, Tc_star_s, d_0_m"
-    assert sentence(text, Words.of("en")) == (
-        "SLV: S<sub>De</sub> at T<sub>SLV</sub>; see max_scale, Tc_star_s, d_0_m."
-    )
-    assert sentence("<b> a_g", Words.of("en")) == "&lt;b&gt; a<sub>g</sub>."
 
 
 def test_every_warning_of_a_run_is_worded_in_italian():

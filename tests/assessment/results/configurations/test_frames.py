@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.report.chapters.remarks import joint_law, pressures
 from assessment.report.tables.equilibrium import balance, joint_table, reactions
-from assessment.report.tables.structure import edge_pressures, reported_pressures
-from assessment.report.text.language import words_of
+from assessment.report.tables.structure import edge_pressures
 from assessment.results.configurations.faces import Met, described, faces_of, outlines
 from assessment.results.configurations.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
 from assessment.results.configurations.joint_states import (
@@ -227,17 +225,6 @@ def test_the_line_of_thrust_of_an_arch_passes_each_voussoir_within_its_joints():
             assert max(z0, z1) <= high[1] + 1e-9
 
 
-def test_nothing_slides_where_friction_is_infinite():
-    """Null in results.json, which has no infinity; idle joints included."""
-    results = analysed()
-    for joint in results["geometry"]["joints"]:
-        joint["friction"] = None
-    conditions = {
-        c for each in situations(typed(results)) for c in joint_states(typed(results), each).condition
-    }
-    assert "sliding" not in conditions and "edge" in conditions
-
-
 def test_four_hinges_at_the_onset_of_an_arch_and_open_joints_there():
     results = analysed()
     onset = next(each for each in situations(typed(results)) if each.direction == "+x")
@@ -263,42 +250,6 @@ def test_edge_pressures_are_the_greatest_of_the_elastic_joints_and_crushing_boun
     crushed = edge_pressures(typed(results))
     assert crushed[0].edge_pressure_kN_m2 == pytest.approx(0.5 * greatest)
     assert crushed[0].uncrushed_pressure_kN_m2 == greatest
-
-
-def test_pressures_without_bound_are_a_sentence_and_no_table():
-    """Without elastic joints the hinges of the mechanisms press at a point."""
-    results = analysed()
-    for state in results["states"].values():
-        state["pushdown"].pop("elastic", None)
-        for curves in state["pushover"].values():
-            curves["elastic"] = None
-    words = words_of(typed(results))
-    assert np.isinf(edge_pressures(typed(results))[0].edge_pressure_kN_m2)
-    assert reported_pressures(typed(results)).rows == []
-    assert "press without bound" in " ".join(pressures(typed(results), words))
-    assert "greatest edge pressure" not in " ".join(joint_law(typed(results), words, elastic=False))
-    assert reported_pressures(typed(analysed())).rows
-
-
-def test_the_table_of_edge_pressures_holds_the_joints_that_are_pressed_most():
-    """Ten in short annexes, forty in full ones; the sentence above it says where there are more."""
-    results = typed(analysed())
-    full = results.replace(echo=results.echo.replace(report=results.echo.report.replace(annexes="full")))
-    joints = len(edge_pressures(results))
-    assert 10 < joints == len(results.geometry.joints) == len(reported_pressures(full).rows) <= 40
-    assert len(reported_pressures(results).rows) == 10
-    assert "csv" not in " ".join(pressures(full, words_of(results)))
-    assert "The 10 joints that are pressed most are printed" in " ".join(
-        pressures(results, words_of(results))
-    )
-
-
-def test_rounding_is_no_reaction():
-    rows = balance(typed(analysed())).rows + reactions(typed(analysed())).rows
-    values = np.array([value for row in rows for key, value in row.items() if key.endswith("_kN")])
-    weight = analysed()["model"]["weight_kN"]
-    assert (values[abs(values) < 1e-6 * weight] == 0.0).all()  # equilibrium is held to that
-    assert [row["load_x_kN"] for row in rows if "load_x_kN" in row and row["direction"] is None]
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])

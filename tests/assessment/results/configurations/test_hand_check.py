@@ -8,12 +8,11 @@ from assessment.report.chapters.grids import macro_block_grids
 from assessment.report.chapters.remarks import too_many
 from assessment.report.document import render_html
 from assessment.report.figures.drawings.deformed import found_mechanism
-from assessment.report.tables.equilibrium import hand_check, macro_block_table
+from assessment.report.tables.equilibrium import hand_check
 from assessment.report.text.language import words_of
 from assessment.results.configurations.hand_check import (
     MacroBlock,
     figures_of,
-    governing_mechanisms,
     hand_checks,
     macro_blocks,
     multiplier,
@@ -79,15 +78,6 @@ def test_the_multiplier_of_the_printed_figures_is_the_programs():
                 assert float(f"{number:.3e}") == number
         total = virtual_work_table(by_hand).rows[-1]
         assert total["work_weight"] / total["work_load"] == check.hand_alpha
-
-
-def test_the_weaker_direction_is_printed_and_all_are_in_the_table():
-    results = analysed()
-    alphas = {d: results["states"][SETTLED]["pushover"][d]["rigid"]["alpha_0"] for d in ("+x", "-x")}
-    assert (SETTLED, min(alphas, key=alphas.get)) in governing_mechanisms(typed(results))
-    assert {(row["state"], row["direction"]) for row in macro_block_table(typed(results)).rows} == {
-        (state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")
-    }
 
 
 def test_weights_come_from_the_input_alone():

@@ -120,12 +120,3 @@ def test_lu_tells_a_pivot_that_vanishes() -> None:
         band, pattern = banded(pairs, 4, 6 + PADDING), pattern_of(pairs, 4, 6 + PADDING)
         band[0, 0] = value
         assert factors.lu(band.ravel(), band.ravel().copy(), pattern) == -1
-
-
-def test_an_empty_right_hand_side_is_left_alone(capfd: pytest.CaptureFixture[str]) -> None:
-    """LAPACK, which once took it, printed a line of complaint for each."""
-    pairs = linked(4, 1, 1.0)
-    band, pattern, b = banded(pairs, 4, 6 + PADDING).ravel(), pattern_of(pairs, 4, 6 + PADDING), np.empty(0)
-    assert factors.cholesky(band, pattern)
-    factors.substitute(band, band, pattern, b)
-    assert not len(b) and capfd.readouterr() == ("", "")
