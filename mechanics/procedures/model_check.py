@@ -27,8 +27,8 @@ from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
-# of motions, whose steps hold velocities to the model: gaps of rigid joints may drift by SUNK of a block's size, and a
-# program leaves products of forces and gaps (kernels.dynamics.program.STALLED): FELT of a block's weight is a force
+# of motions, whose steps hold velocities to the model: gaps of rigid joints may drift by SUNK of a block's size; FELT
+# of its weight is a force
 SUNK, FELT = 1e-2, 1e-2
 
 
@@ -68,14 +68,14 @@ def check_path(steps: Sequence[Equilibrium]) -> None:
 
 
 def departure_in_motion(
-    system: StaticSystem, positions: Array, velocities: Array, forces: Array, step: float
+    system: StaticSystem, positions: Array, velocities: Array, forces: Array, step: float, unsure: float
 ) -> Message | None:
     """Return how a step of a motion departs from the model, None where it does not.
 
     `positions` and `velocities` (2, b, 3) at its beginning and end; `forces` (j, 3): N, P and T in between, kN and kNm;
     `step` in s. Faces may have met in between as far as their blocks go in a step, by the larger of both speeds, and
-    rigid ones that slide may lift by RIGHT of the way of the fastest block. How deep elastic joints are pressed is
-    their law.
+    rigid ones that slide may lift by RIGHT of the way of the fastest block. A program leaves force times gap of its
+    share in what is `unsure` of the kinetic energy (kernels.dynamics.step). How deep elastic joints go is their law.
     """
     contacts = system.contacts
     places = [contacts.places(at) for at in positions]
@@ -84,8 +84,11 @@ def departure_in_motion(
     speed = np.hypot(velocities[..., 0], velocities[..., 1]) + system.model.radius * abs(velocities[..., 2])
     lift = RIGHT * step * speed.max() if system.rigid else 0.0
     way = step * (speed[:, contacts.a] + speed[:, contacts.b]).max(axis=0) + lift
+    kinetic = 0.5 * (system.model.mass * velocities**2).sum(axis=(1, 2)).max()
+    left = 0.5 * unsure * kinetic / max(int((forces[:, 0] > 0.0).sum()), 1)
     apart = np.where(overlaps & (system.dilation == 0.0), nearer.min(axis=0) - way, 0.0)
     inside = np.where(overlaps & system.rigid, nearer.max(axis=0) + way, 0.0)
+    apart[forces[:, 0] * apart <= left] = 0.0
     return _worst(system, forces, apart, inside, SUNK, FELT * system.weight)
 
 

@@ -276,8 +276,8 @@ def unfinished(*parts: TimeHistory) -> Message | None:
 def _check_motion(system: DynamicSystem, part: Recorded, done: int, step: float, every: int) -> None:
     """Raise ConvergenceError if one of the steps (s) that are checked departs from the model; `done` are before."""
     for k in range(every - done % every, len(part.x), every):
-        ends = slice(k - 1, k + 1)
-        wrong = departure_in_motion(system.system, part.x[ends], part.v[ends], part.forces[k], step)
+        moves = part.x[k - 1 : k + 1], part.v[k - 1 : k + 1], part.forces[k]
+        wrong = departure_in_motion(system.system, *moves, step, system.halving.unsure)
         if wrong is not None:
             raise ConvergenceError(
                 message(

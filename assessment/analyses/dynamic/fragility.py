@@ -80,7 +80,8 @@ def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
         return Observed(safe=max(standing, default=0.0), gap=_gap(levels, 0.0))
     low = falls[0]
     safe = max((level for level in standing if level < low), default=0.0)
-    bracket = [_between(safe, low, share) for share in PROBABILITIES]
+    # in ln level; above no level at all, of the level itself
+    bracket = [safe ** (1.0 - p) * low**p if safe else p * low for p in PROBABILITIES]
     stands = tuple(level for level in standing if level > low)
     certain = next((level for level in falls if not stands or level > stands[-1]), None)
     probable, beta = bracket, 0.0
@@ -103,11 +104,6 @@ def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
         gap=_gap([level for level in levels if certain is None or level <= certain], CONSIDERED * low),
         spacing=math.log(low / safe) if safe else 1.0,
     )
-
-
-def _between(safe: float, low: float, share: float) -> float:
-    """Return the level at a share of a bracket, in ln level; above no level at all, of the level itself."""
-    return safe ** (1.0 - share) * low**share if safe else share * low
 
 
 def _gap(levels: Sequence[float], least: float) -> tuple[float, float] | None:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from assessment.analyses.dynamic.histories import Scatter, Track, enough, lowest_median_highest
-from assessment.analyses.dynamic.time_history import Response, Setting, respond, thinned
+from assessment.analyses.dynamic.time_history import Setting, respond, thinned
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.messages import Message, message
@@ -55,8 +55,8 @@ class Reach:
 class Scan:
     """The `points` of every level (PGA, g) that was run, and the time step (s) of its motions.
 
-    `reason`: why there is no answer; `failures`: why it could not be completed. `notes`: warnings of the motions.
-    `counts` of all motions, the worst residual of their programs, and the seconds that they took.
+    `reason`: why there is no answer; `failures`: why it could not be completed. `notes`: warnings of the motions, and
+    levels whose outcome is not known. `counts` of all motions, their worst residual, and the seconds that they took.
     """
 
     points: list[Level] = field(default_factory=list)
@@ -83,7 +83,7 @@ def scan(
     """Run the levels of a record from a state at rest.
 
     `near` (g): where collapse is expected, None: not known. `curves`: numbers of the motions of a level whose curves
-    are kept. A level that cannot be completed ends the scan.
+    are kept. Whether a level that cannot be completed collapses is not known; of stripes it ends the scan.
     """
     levels = _Motions(model, motion, setting, start, scatter, reach, curves)
     found = Scan(time_step=motion.record.time_step, stripes=bool(reach.stripes))
@@ -96,79 +96,87 @@ def scan(
             scan_levels(levels.collapses, motion.pga, reach, near)
     except ConvergenceError as error:
         found.reason = error.message
-        found.failures = [error.message]
     found.points = [levels.points[pga] for pga in sorted(levels.points)]
+    if levels.refused and len(levels.refused) == len(found.points):
+        found.reason = next(iter(levels.refused.values()))
+    found.failures = [found.reason] if found.reason else []
     found.notes = [
         message(
             "{count} of {all} motions: {text}", count=len(alike), all=levels.counts["motions"], text=alike[0]
         )
         for alike in levels.notes.values()
     ]
-    if levels.points:
+    if levels.refused and found.reason is None:
+        text = message(
+            "whether it collapses at {levels:.3g} g is not known and counts as neither: {reason}",
+            levels=list(levels.refused),
+            reason=next(iter(levels.refused.values())),
+        )
+        found.notes.append(text)
+    if levels.counts["motions"]:
         found.counts = Counts(**levels.counts)
     found.worst, found.seconds = levels.worst, time.perf_counter() - began
     return found
 
 
-def scan_levels(falls: Callable[[float], bool], pga: float, reach: Reach, near: float | None = None) -> None:
-    """Ask at which levels (g) a structure `falls`, around its lowest collapse; `pga` (g): of the record itself."""
+def scan_levels(
+    falls: Callable[[float], bool | None], pga: float, reach: Reach, near: float | None = None
+) -> None:
+    """Ask at which levels (g) a structure `falls`, None: not known, near the lowest; `pga` (g): of the record."""
     lattice = _Lattice(falls, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands
-    place, stride = lattice.nearest(near or pga), 1
-    fell = lattice.run(place)
-    end = lattice.bottom if fell else lattice.top
-    while lattice.run(place) == fell and place != end:
-        place = max(place - stride, end) if fell else min(place + stride, end)
+    place, stride, fell = lattice.nearest(near or pga), 1, None
+    while (now := lattice.run(place)) in (fell, None) or fell is None:
+        fell = fell if now is None else now
+        end = lattice.top if fell is False else lattice.bottom
+        if place == end:
+            break
+        place = min(place + stride, end) if fell is False else max(place - stride, end)
         stride = min(2 * stride, FARTHEST)
     for ask in iter(lambda: next(_missing(lattice), None), None):
         lattice.run(ask)
-    if reach.members > 1 and lattice.fallen:
-        low = min(lattice.fallen)
+    if reach.members > 1 and (fallen := lattice.those(True)):
+        low = min(fallen)
         half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
         for half in half_way[: reach.members - 1]:
             lattice.run(half)
-    while (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
-        lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
+    known: bool | None = True
+    while known is not None and (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
+        known = lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
 
 
 class _Lattice:
     """The levels pga·ratio^k, up to the largest; places k that were run, with whether the structure fell."""
 
-    def __init__(self, falls: Callable[[float], bool], pga: float, reach: Reach) -> None:
+    def __init__(self, falls: Callable[[float], bool | None], pga: float, reach: Reach) -> None:
         self.falls, self.pga, self.ratio = falls, pga, reach.ratio
         self.largest = reach.max_scale * pga
         step = math.log(reach.ratio)
         self.top = math.ceil(math.log(reach.max_scale) / step - 1e-9)
         self.bottom = min(math.ceil(math.log(LEAST / pga) / step), self.top)
         self.depth = math.ceil(math.log(1.0 / DOWN) / step - 1e-9)
-        self.tried: dict[float, bool] = {}
-        self.levels: dict[float, bool] = {}
+        self.tried: dict[float, bool | None] = {}
+        self.levels: dict[float, bool | None] = {}
 
     def nearest(self, level: float) -> int:
         """Return the place of a level (g)."""
         return min(max(round(math.log(level / self.pga) / math.log(self.ratio)), self.bottom), self.top)
 
-    def run(self, place: float) -> bool:
+    def run(self, place: float) -> bool | None:
         """Whether the structure falls at a place; half a place lies between two."""
         if place not in self.tried:
             self.tried[place] = self.at(min(self.pga * self.ratio**place, self.largest))
         return self.tried[place]
 
-    def at(self, level: float) -> bool:
+    def at(self, level: float) -> bool | None:
         """Whether the structure falls at a level (g)."""
         if level not in self.levels:
             self.levels[level] = self.falls(level)
         return self.levels[level]
 
-    @property
-    def fallen(self) -> list[float]:
-        """Places at which the structure falls."""
-        return [place for place, fell in self.tried.items() if fell]
-
-    @property
-    def standing(self) -> list[float]:
-        """Places at which it stands."""
-        return [place for place, fell in self.tried.items() if not fell]
+    def those(self, fell: bool) -> list[float]:
+        """Places at which the structure falls, or stands."""
+        return [place for place, outcome in self.tried.items() if outcome is fell]
 
     def bracket(self) -> tuple[float, float] | None:
         """Return the largest level (g) below all collapses, 0: none, and the lowest collapse; None without one."""
@@ -176,18 +184,18 @@ class _Lattice:
         if not fallen:
             return None
         low = min(fallen)
-        below = (level for level, fell in self.levels.items() if not fell and level < low)
+        below = (level for level, fell in self.levels.items() if fell is False and level < low)
         return max(below, default=0.0), low
 
 
 def _missing(lattice: _Lattice) -> Iterator[int]:
     """Yield the places that have still to be run, the next one first."""
-    low = min(map(int, lattice.fallen), default=lattice.top + 1)
+    low = min(map(int, lattice.those(True)), default=lattice.top + 1)
     for place in range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1):
         if place not in lattice.tried:
             yield place
     if low <= lattice.top:
-        high = max(map(int, lattice.standing), default=low - 1)
+        high = max(map(int, lattice.those(False)), default=low - 1)
         for place in range(low + 1, min(high + CERTAIN, lattice.top) + 1):
             if place not in lattice.tried:
                 yield place
@@ -206,15 +214,21 @@ class _Motions:
     curves: tuple[int, ...]
     points: dict[float, Level] = field(default_factory=dict)
     notes: dict[str, list[Message]] = field(default_factory=dict)  # by their template
+    refused: dict[float, Message] = field(default_factory=dict)  # why a level could not be completed
     counts: dict[str, int] = field(default_factory=lambda: {"motions": 0})
     worst: float = 0.0
 
-    def collapses(self, pga: float) -> bool:
-        """Run the motions of a level, of stripes the members of an ensemble; whether any collapses."""
+    def collapses(self, pga: float) -> bool | None:
+        """Run the motions of a level, of stripes the members of an ensemble; whether any collapses, None: not known."""
         scatter = self.scatter if self.reach.stripes else replace(self.scatter, members=1)
         members: list[_Member] = []
-        while not enough(members, scatter, self.model.size):
-            members.append(self._run(pga, len(members)))
+        try:
+            while not enough(members, scatter, self.model.size):
+                members.append(self._run(pga, len(members)))
+        except ConvergenceError as error:
+            if self.reach.stripes:
+                raise
+            self.refused[pga] = error.message
         self.points[pga] = self._point(pga, members)
         return self.points[pga].collapsed
 
@@ -223,32 +237,34 @@ class _Motions:
         done = self.counts["motions"]
         expected = max(len(self.reach.stripes) or EXPECTED, done + 1)
         with stretch(done / expected, (done + 1) / expected):
-            response = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
+            found = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
         self.counts["motions"] += 1
-        for name, count in response.counts().items():
+        for name, count in found.counts().items():
             self.counts[name] = self.counts.get(name, 0) + count
-        self.worst = max(self.worst, response.worst)
-        for note in response.notes:
+        self.worst = max(self.worst, found.worst)
+        for note in found.notes:
             self.notes.setdefault(note.template, []).append(note)
-        return _Member.of(response)
+        end, fell = float(found.time[-1]), found.last.collapse_reason
+        return _Member(found.time, found.displacement, found.collapsed, end, fell, found.integrator_share())
 
     def _point(self, pga: float, members: Sequence[_Member]) -> Level:
         """Return what the motions of a level come to; it counts as a collapse if any collapses."""
         first = min((each for each in members if each.collapsed), key=lambda each: each.end, default=None)
-        low, _, high = lowest_median_highest(
-            [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
-        )
+        peaks = [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
+        low, _, high = lowest_median_highest(peaks or [None])
         found = Level(
             pga_g=pga,
             peak_displacement_m=high,
             peak_displacement_m_range=[low, high],
-            residual_displacement_m=None if first else max(abs(float(m.displacement[-1])) for m in members),
+            residual_displacement_m=None
+            if first or not members
+            else max(abs(float(m.displacement[-1])) for m in members),
             members=len(members),
-            members_collapsed=sum(bool(each.collapsed) for each in members),
-            collapsed=first is not None,
+            members_collapsed=peaks.count(None),
+            collapsed=first is not None if members else None,
             time_of_collapse_s=self.motion.start + first.end if first else None,
-            reason=first.fell if first else None,
-            integrator_share=max(each.integrator for each in members),
+            reason=first.fell if first else self.refused.get(pga),
+            integrator_share=max((each.integrator for each in members), default=None),
         )
         return found.replace(curves=list(self._curves(members))) if self.curves else found
 
@@ -271,15 +287,3 @@ class _Member(Track):
     end: float
     fell: str
     integrator: float
-
-    @classmethod
-    def of(cls, response: Response) -> _Member:
-        """Return what is kept of a motion."""
-        return cls(
-            response.time,
-            response.displacement,
-            response.collapsed,
-            float(response.time[-1]),
-            response.last.collapse_reason,
-            response.integrator_share(),
-        )

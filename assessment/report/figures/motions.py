@@ -145,7 +145,7 @@ def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> F
     (figure, panels), mm = _grid(words, len(states), 75.0), scale("peak_displacement_m")
     found = [results.states[name].incremental for name in states]
     records = [record for each in found for record in known(each.records)]
-    stood = [point for record in records for point in record.points if not point.collapsed]
+    stood = [point for record in records for point in record.points if point.collapsed is False]
     reach = 1.25 * max((known(point.peak_displacement_m) for point in stood), default=0.0)
     tops = [level for record in records for level in (record.lowest_collapse_g, record.pga_safe_g) if level]
     tops += [level for record in records for level in record.resurrections_g]
@@ -206,7 +206,7 @@ def _curve(axes: Axes, record: dynamic.Search, marker: str, edge: float) -> None
     """Draw one IDA curve (mm, g): the runs withstood below collapse, the arrow of collapse, resurrections alone."""
     line: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "marker": marker, "markersize": 3.0}
     collapse = record.lowest_collapse_g
-    stood = [point for point in record.points if not point.collapsed]
+    stood = [point for point in record.points if point.collapsed is False]
     below = [p for p in stood if collapse is None or p.pga_g < collapse]
     x, y = _path(below)
     axes.plot([0.0, *x], [0.0, *y], **line)
@@ -305,7 +305,7 @@ def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Fig
     for axes, share in zip(panels, shares, strict=True):
         for row in (each for each in rows if each.share == share):
             lowest = row.lowest_collapse_g
-            found = (p for p in _points(row, runs) if not p.collapsed)
+            found = (p for p in _points(row, runs) if p.collapsed is False)
             x, y = _path(p for p in found if not (lowest and p.pga_g > lowest))
             if x:
                 axes.plot([0.0, *x], [0.0, *y], **line)

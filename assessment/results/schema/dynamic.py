@@ -126,7 +126,7 @@ class MemberCurve(Course):
 
 
 class Level(Part):
-    """`points[]` of a record: what its motions come to at one PGA."""
+    """`points[]` of a record: what its motions come to at one PGA; of no motion that was completed: null."""
 
     pga_g: float = key("level")
     peak_displacement_m: float | None = key("largest peak; null: a collapse")
@@ -134,9 +134,9 @@ class Level(Part):
     residual_displacement_m: float | None = key("largest at the end; null: a collapse")
     members: int = key("motions that were run: one, of stripes up to `scatter`")
     members_collapsed: int = key("motions that collapse")
-    collapsed: bool = key("whether any collapses")
+    collapsed: bool | None = key("whether any collapses; null: not known, which counts as neither")
     time_of_collapse_s: float | None = key("of the first to collapse")
-    reason: Sentence | None = key("of its collapse")
+    reason: Sentence | None = key("of its collapse, or why it is not known")
     integrator_share: float | None = key("what the integrator took of the energy turned over: the largest")
     curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
 

@@ -45,7 +45,7 @@ from assessment.studies.campaign.scans import (
     own_setting,
     reach_of,
 )
-from assessment.studies.campaign.summary import fragility_of, loss_of, within_records
+from assessment.studies.campaign.summary import fragility_of, loss_of
 from assessment.studies.variants import (
     Statics,
     Study,
@@ -230,9 +230,6 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
     }
     fits = {state: fragility_of(state, own, scans, table, measures) for state, own in by_state.items()}
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
-    # the structure as drawn is before every movement, and counts once
-    distinct = {tuple(each.key for each, _ in own): fits[state] for state, own in by_state.items()}
-    beta = within_records(fit.beta_ensemble for fit in distinct.values())
     found = Campaign(
         measure=table.measure,
         period_s=table.period_s,
@@ -260,7 +257,7 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
         computed=len({each.key for each in asked if each.starts}),
         failures=list(study.failures),
         fragility=list(fits.values()),
-        loss=[loss_of(state, unmoved.get(state.settlement), asked, scans, beta, fits) for state in moved],
+        loss=[loss_of(state, unmoved.get(state.settlement), asked, scans, fits) for state in moved],
         warnings=list(study.warnings),
     )
     study.findings += [message("campaign: {text}", text=text) for text in _findings(found)]
@@ -287,7 +284,7 @@ def _rows(
             row = row.replace(sa_collapse_g=None if seen.capacity is None else each.ratio * seen.capacity)
         if scan.stripes and scan.reason is None:
             row = row.replace(
-                collapsed=[point.collapsed for point in scan.points],
+                collapsed=[bool(point.collapsed) for point in scan.points],
                 all_collapsed=[point.members_collapsed == point.members for point in scan.points],
             )
         origin = first.setdefault(each.key, each)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -148,32 +148,23 @@ def standard_of(rows: Sequence[CampaignCombination]) -> Standard:
     return standard_value(worse)
 
 
-def within_records(betas: Iterable[float | None]) -> float:
-    """Return β of the levels of one record over all states, given those of each: how far a single level is known."""
-    found = [beta for beta in betas if beta is not None]
-    return math.sqrt(sum(beta**2 for beta in found) / len(found)) if found else 0.0
-
-
 def loss_of(
     state: Moved,
     base: Moved | None,
     asked: Sequence[Asked],
     scans: Scans,
-    beta: float,
     fits: Mapping[Moved, CampaignFragility],
 ) -> CampaignLoss:
     """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic beside static.
 
-    Scans give the median over records and signs of the losses of 50 % levels, at one time step; its range is that of
-    the bootstrap over records, with what each level is known to (`beta`: of the levels of one record). Pairs with a
-    value missing are counted in `left_out`. Stripes give the loss of the median, without a range.
+    Scans give the loss of `paired_loss`, stripes that of the median, without a range.
     """
     own, before = ([each for each in asked if each.state is of] for of in (state, base))
     loss = Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
     if base is not None and own and own[0].reach.stripes:
         loss = loss.replace(dynamic=reduction(fits[base].median_g, fits[state].median_g))
     elif base is not None:
-        loss = paired_loss(list(zip(before, own, strict=True)), scans, beta)
+        loss = paired_loss(list(zip(before, own, strict=True)), scans)
         if state is base:
             loss = loss.replace(dynamic_range=[0.0, 0.0])
     return as_part(
@@ -187,14 +178,20 @@ def loss_of(
     )
 
 
-def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans, beta: float) -> Loss:
-    """Return the median loss of `pairs`, before and after, with its range; see loss_of."""
+def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> Loss:
+    """Return the median over `pairs`, before and after, of the losses of 50 % levels, at one time step.
+
+    Its range is that of the bootstrap over records, with what each level is known to where collapse scatters by the
+    root of the mean square of the β of all these levels. Pairs with a value missing are counted in `left_out`.
+    """
     names, changes, errors = [], [], []
-    for both in pairs:
-        before, after = (observed_in(scan) for scan in scans.paired(*both))
+    seen = [tuple(observed_in(scan) for scan in scans.paired(*both)) for both in pairs]
+    betas = [each.beta for both in seen for each in both if each.lowest is not None]
+    beta = math.sqrt(sum(each**2 for each in betas) / max(len(betas), 1))
+    for (one, _), (before, after) in zip(pairs, seen, strict=True):
         if before.middle is None or not (after.middle or after.safe):
             continue
-        names.append(both[0].record)
+        names.append(one.record)
         changes.append(math.log(after.middle / before.middle) if after.middle else math.inf)
         errors.append(math.hypot(before.known_to(beta), after.known_to(beta)))
     left_out = len(pairs) - len(names)
@@ -255,10 +252,9 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
     for state, own in by_state.items():
         searches = [_search(both, scans) for both in zip(own[::2], own[1::2], strict=True)]
         found.states[state] = summarise(searches, found.warnings, state, measures)
-    beta = within_records(part.fragility.beta_ensemble for part in found.states.values() if part.fragility)
     for state, own in by_state.items():
         if state != ORIGINAL and (before := by_state.get(ORIGINAL)):
-            loss = paired_loss(list(zip(before, own, strict=True)), scans, beta)
+            loss = paired_loss(list(zip(before, own, strict=True)), scans)
             found.states[state] = found.states[state].replace(loss=loss)
     return found
 

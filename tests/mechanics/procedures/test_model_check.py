@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import ConvergenceError, pushdown, pushover, time_history
+from mechanics.kernels.dynamics.program import RIGHT
 from mechanics.messages import message
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.model_check import check_path, departure, departure_in_motion
@@ -108,9 +109,9 @@ def test_a_step_of_a_motion_reaches_as_far_as_its_blocks_go() -> None:
     still = np.zeros_like(above)
     fast = wall.movable[:, None] * np.array([0.0, -1.0, 0.0])
     both = np.stack([above, above])
-    told = departure_in_motion(system, both, np.stack([still, still]), forces, 0.005)
+    told = departure_in_motion(system, both, np.stack([still, still]), forces, 0.005, 0.0)
     assert "across a gap of 0.001 m" in str(told)
-    assert departure_in_motion(system, both, np.stack([still, fast]), forces, 0.005) is None
+    assert departure_in_motion(system, both, np.stack([still, fast]), forces, 0.005, 0.0) is None
 
 
 @pytest.mark.parametrize(("share", "valid"), [(0.005, True), (0.02, False)])
@@ -122,4 +123,21 @@ def test_what_a_program_of_a_motion_leaves_is_no_force(share: float, valid: bool
     forces[:, 0] = share * system.weight
     above = wall.initial.positions + wall.movable[:, None] * [0.0, 0.001, 0.0]
     both, still = np.stack([above, above]), np.zeros((2, *above.shape))
-    assert (departure_in_motion(system, both, still, forces, 0.005) is None) is valid
+    assert (departure_in_motion(system, both, still, forces, 0.005, 0.0) is None) is valid
+
+
+def test_a_search_leaves_as_much_across_gaps_as_its_programs_may() -> None:
+    """A wall of flying bricks was refused: each end had its share of 1 % of the kinetic energy, force by gap."""
+    wall = running_bond(1, 1)
+    system = static_system(wall, "rigid", "coulomb")
+    above = wall.initial.positions + wall.movable[:, None] * [0.0, 0.1, 0.0]
+    flying = np.zeros((2, *above.shape))
+    flying[:, wall.movable, 0] = 5.0
+    kinetic = 0.5 * float((wall.mass * flying[0] ** 2).sum())
+    way = 0.005 * 5.0 * (1.0 + RIGHT)
+    forces = np.zeros((len(system.contacts), 3))
+    for share, valid in ((0.9, True), (1.1, False)):
+        forces[0, 0] = share * 0.5 * 1e-2 * kinetic / (0.1 - way)
+        assert forces[0, 0] > 0.01 * system.weight
+        told = departure_in_motion(system, np.stack([above, above]), flying, forces, 0.005, 1e-2)
+        assert (told is None) is valid

@@ -11,16 +11,19 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.special import ndtr
 
+from assessment.analyses.dynamic import scan as scans
 from assessment.analyses.dynamic.fragility import RecordLevel, observed, over_records
 from assessment.analyses.dynamic.histories import Scatter
-from assessment.analyses.dynamic.scan import CERTAIN, DOWN, Reach, scan, scan_levels
+from assessment.analyses.dynamic.scan import CERTAIN, DOWN, FARTHEST, Reach, scan, scan_levels
 from assessment.analyses.dynamic.time_history import Setting
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
 from assessment.studies.campaign.scans import level_found, observed_in
-from mechanics import Assembly, Block, Material
+from mechanics import Assembly, Block, ConvergenceError, Material
+from mechanics.messages import message
 from mechanics.records.record import Record
 from tests.support.structures import block_on_base, rectangle
+from tests.support.wording import in_italian
 
 RATIO = 1.05
 
@@ -114,6 +117,26 @@ def test_the_lowest_bracket_is_halved_to_the_width_asked_for():
     assert 0.0 < seen.lowest - below <= 0.002
 
 
+def test_a_level_that_cannot_be_completed_counts_as_neither_and_the_scan_goes_on():
+    """Of a falling wall one motion of many was refused, and the whole scan was lost."""
+    whole = Trial((0.5, 99.0))
+    whole.seen()
+    for lost in whole.tried:
+        again = Trial((0.5, 99.0))
+
+        def falls(level, again=again, lost=lost):
+            return None if again(level) is None or level == lost else again.tried[level]
+
+        scan_levels(falls, 0.3, Reach(8.0))
+        known = {level: fell for level, fell in again.tried.items() if level != lost}
+        seen = observed(list(known), list(known.values()))
+        assert lost in again.tried and 0.5 <= seen.lowest < 0.5 * RATIO**2
+        assert len(again.tried) <= len(whole.tried) + FARTHEST + CERTAIN
+    nothing = []
+    scan_levels(nothing.append, 0.3, Reach(8.0))
+    assert 0 < len(nothing) < 30
+
+
 def test_probability_in_a_bracket_grows_evenly_in_ln_level():
     seen = observed([0.2, 0.3, 0.4], [False, True, True])
     assert seen.probable == pytest.approx([0.2 * 1.5**p for p in (0.16, 0.5, 0.84)])
@@ -201,6 +224,36 @@ def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
     assert found.counts.motions == len(found.points) and found.counts.steps > 0 and found.worst < 1e-6
     assert all((point.peak_displacement_m is None) == point.collapsed for point in found.points)
     assert not found.failures and found.reason is None
+
+
+def test_a_motion_that_is_refused_is_told_and_leaves_the_levels_of_the_others(monkeypatch):
+    record = Record(np.where(np.arange(251) < 50, 0.1, 0.0), 0.01, "pulse")
+    motion, model = BaseMotion(record, record, record.pga, 1.0), block_on_base(0.6, 4.2)
+    setting = Setting(MotionTable(contacts="rigid"), ControlTable(name="top", point_m=(0.3, 4.2)))
+
+    def scanned():
+        return scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0))
+
+    whole = scanned()
+    lost, true = next(p.pga_g for p in whole.points if p.collapsed is False), scans.respond
+
+    def refused(*of, **how):
+        if not lost or of[4] * record.pga == pytest.approx(lost):
+            raise ConvergenceError(message("not solved"))
+        return true(*of, **how)
+
+    monkeypatch.setattr(scans, "respond", refused)
+    found = scanned()
+    assert found.reason is None and not found.failures
+    assert [p.pga_g for p in found.points if p.collapsed is None] == [lost]
+    others = {p.pga_g: p for p in found.points if p.collapsed is not None}
+    assert len(others) >= CERTAIN + 5 and all(others.get(p.pga_g, p) == p for p in whole.points)
+    [note] = [note for note in found.notes if "not known" in note]
+    assert "not solved" in note and "non è noto" in in_italian(note)
+    assert observed_in(found).lowest == observed_in(whole).lowest
+
+    lost = None  # every motion
+    assert "not solved" in scanned().reason
 
 
 def test_the_band_of_a_fragility_is_that_of_its_samples():
