@@ -18,9 +18,8 @@ if TYPE_CHECKING:
         UnstableError,
     )
     from mechanics.model.assembly import Assembly, State
-    from mechanics.model.block import Block, Material
+    from mechanics.model.block import Block, Material, Tie
     from mechanics.model.drawing import Layer, read_drawing
-    from mechanics.model.tie import Tie
     from mechanics.procedures.following import Following
     from mechanics.procedures.limit_analysis import Limit, limit_analysis
     from mechanics.procedures.pushdown import Pushdown, pushdown
@@ -32,9 +31,8 @@ _HOME = {  # module: public names
     "errors": "ArgumentError CollapseError ControlError ConvergenceError DrawingError MechanicsError "
     "NoEquilibriumError RecordError UnstableError",
     "model.assembly": "Assembly State",
-    "model.block": "Block Material",
+    "model.block": "Block Material Tie",
     "model.drawing": "Layer read_drawing",
-    "model.tie": "Tie",
     "procedures.following": "Following",
     "procedures.limit_analysis": "Limit limit_analysis",
     "procedures.pushdown": "Pushdown pushdown",

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from mechanics import Block, Material
-from mechanics.model.joints import find_joints
+from mechanics.model.block import find_joints
 from tools.pictures import write_picture
 
 STONE = Material(unit_weight=18.0, friction=0.6)

@@ -57,7 +57,6 @@ if ! [ "$ready" -nt pyproject.toml ] || ! [ "$ready" -nt constraints.txt ] || ! 
         echo "setup: the versions of constraints.txt are not all to be had here: the newest instead" >&2
         pip
     }
-    echo "compiling the loops" >&2
     .venv/bin/python tools/compile_loops.py
     touch "$ready"
 fi

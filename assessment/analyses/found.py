@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
+from assessment.ntc.tables import Step
 from assessment.project.project import Project
 from assessment.project.schema import SettlementTable
-from assessment.results.numbers import finite
-from assessment.results.quality import lines
-from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import Part
+from assessment.results.schema.model import WORST, Line, Quality, QualityRow
+from assessment.results.schema.part import Part, finite
 from mechanics.messages import Message
 
 Value = TypeVar("Value")
@@ -119,3 +118,31 @@ def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project,
     """
     projects = [refined(project, halvings.get(each.name, 0)) for each in project.settlements]
     return [(each, each.settlements[number]) for number, each in enumerate(projects)]
+
+
+def joined(state: str | None, stage: str, rows: Sequence[QualityRow]) -> QualityRow:
+    """Return one row for the rows of several analyses."""
+    lifting = sum(row.lifting or 0 for row in rows) or None
+    return QualityRow(
+        state=state, stage=stage, solves=sum(row.solves for row in rows), lifting=lifting, **_worst(rows)
+    )
+
+
+def quality_of(rows: Sequence[QualityRow], warnings: Sequence[str]) -> Quality:
+    """Return the certificates and the warnings of a run; null: no analysis has such a certificate."""
+    worst = dict.fromkeys(WORST) | _worst(rows)
+    return Quality(
+        solves=sum(row.solves for row in rows), warnings=list(warnings), by_stage=list(rows), **worst
+    )
+
+
+def _worst(rows: Sequence[QualityRow]) -> dict[str, float]:
+    """Return the worst certificates of some rows; motions have no penetration and no cone violation."""
+    known = {key: [value for row in rows if (value := getattr(row, key)) is not None] for key in WORST}
+    return {key: max(values) for key, values in known.items() if values}
+
+
+def lines(trace: Iterable[Step]) -> list[Line]:
+    """Return the steps of a calculation as lines of results.json, in their order."""
+    told = [{name: getattr(step, name) for name in Line.model_fields} for step in trace]
+    return [Line(**each | {"inputs": dict(each["inputs"])}) for each in told]

@@ -17,8 +17,7 @@ from pydantic import ValidationError
 from assessment.project.formats import TOML
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.problems import project_error, schema_problems
-from assessment.project.schema import KeyPath, ProjectContent
-from assessment.project.schema.index import alternatives, annotation_at
+from assessment.project.schema import KeyPath, ProjectContent, alternatives, annotation_at
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically
 

@@ -22,8 +22,7 @@ from assessment.project.schema import ProjectContent
 from assessment.project.structure.model import build_model, how_to_read, with_repaired_drawing
 from assessment.report.text.language import Words, translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
-from assessment.workflow.checking import checked
-from assessment.workflow.duration import elapsed, expected
+from assessment.workflow.checking import checked, elapsed, expected
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError, Outline
 from mechanics.model import repair_drawing, survey_drawing

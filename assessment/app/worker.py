@@ -185,8 +185,7 @@ def followed(follow: Following) -> dict[str, Any]:
     import numpy as np
 
     from assessment.app.pictures import bilingual
-    from assessment.results.configurations.faces import shares
-    from assessment.results.configurations.joint_states import EDGE, IDLE
+    from assessment.results.configurations.joint_states import EDGE, IDLE, shares
     from mechanics.model import end_gaps, end_points
 
     step, model = follow.equilibrium, follow.model

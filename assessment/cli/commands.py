@@ -79,8 +79,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawings.model import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.text.language import Words
-    from assessment.workflow.checking import checked
-    from assessment.workflow.duration import expected_line
+    from assessment.workflow.checking import checked, expected_line
     from mechanics.faults import FaultyDrawingError
 
     project = load_project(options.project)
@@ -126,7 +125,7 @@ def status(options: argparse.Namespace) -> int:
     said = (status_json if options.json else as_text)(options.out or options.project / "output")
     say(said)
     if said.startswith(NOTHING):
-        from assessment.workflow.duration import first_run
+        from assessment.workflow.checking import first_run
 
         say(first_run(options.project))
     return DONE

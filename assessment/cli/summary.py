@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 from assessment.ntc.tables import INDEXED
 from assessment.report.chapters.lead import lead
 from assessment.report.text.language import Words, plain_text
-from assessment.results.asked import turns, undetermined
-from assessment.results.identified import best_of, fits, movement_text, settlement_lines
-from assessment.results.numbers import plain
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import Campaign
+from assessment.results.schema.part import plain
+from assessment.results.summary import best_of, fits, movement_text, settlement_lines, turns, undetermined
 from assessment.results.table import among_known, gains_by, quoted_limit_state
 
 if TYPE_CHECKING:

@@ -12,9 +12,8 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.calculation import Trace, datum, step
 from assessment.ntc.curve_fit import CapacityError, CurveFit
-from assessment.ntc.tables import CONFIDENCE_FACTOR
+from assessment.ntc.tables import CONFIDENCE_FACTOR, Trace, datum, step
 from mechanics import Assembly
 from mechanics.errors import is_between, require
 from mechanics.messages import message
@@ -49,11 +48,7 @@ class Participation:
 
 
 def participation(
-    weights: ArrayLike,
-    dx: ArrayLike,
-    control_dx: float,
-    moving: ArrayLike | None = None,
-    still: float = 1e-6,
+    weights: ArrayLike, dx: ArrayLike, control_dx: float, moving: ArrayLike | None = None, still: float = 1e-6
 ) -> Participation:
     """Return e* = (ΣPδ)²/(ΣP ΣPδ²) and Γ* = ΣPδ²/(δ_C ΣPδ) of a mechanism (Circolare C8.7.1.2; paper §7.1).
 

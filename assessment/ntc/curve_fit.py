@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.calculation import Step, Trace, datum, step
+from assessment.ntc.tables import Step, Trace, datum, step
 from mechanics.errors import require
 from mechanics.messages import Message, SaidError, message
 from mechanics.types import Array

@@ -16,9 +16,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.calculation import Step, Trace, step
 from assessment.ntc.hazard import RETURN_PERIODS, Hazard, HazardCurve
 from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.tables import Step, Trace, step
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY, Array

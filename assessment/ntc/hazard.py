@@ -16,8 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.ntc.calculation import Step, Trace, datum, step
-from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, return_period
+from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Step, Trace, datum, return_period, step
 from mechanics.errors import ArgumentError, require
 from mechanics.types import Array
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import log
 
-from assessment.ntc.calculation import Trace, datum, step
-from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT
+from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, step
 
 CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
 _IS_V = (1.0, 0.80, 0.60, 0.45, 0.30, 0.15)  # least IS-V of classes A+ to E; below: F

@@ -10,7 +10,7 @@ from typing import Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.calculation import Trace, datum, step
+from assessment.ntc.tables import Trace, datum, step
 from mechanics.errors import is_between, require, require_positive
 from mechanics.records import response_spectrum
 from mechanics.types import GRAVITY, Array

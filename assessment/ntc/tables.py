@@ -5,12 +5,14 @@ A run in which nothing has changed reads a project, and needs no arrays for that
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from math import inf, log
+from types import MappingProxyType
 from typing import Final
 
-from assessment.ntc.calculation import Step, datum, step
-
+_NAME = re.compile(r"[A-Za-z_]\w*")
 # SLO, SLD and "SLV linear" are the linear kinematic check (a_0* of the rigid multiplier); "elastic" is the end of the
 # elastic branch of a curve that has one; SLV and SLC are the nonlinear check
 CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
@@ -29,6 +31,45 @@ SURFACE: Final = "surface"
 EXCEEDANCE = {"SLO": 0.81, "SLD": 0.63, "SLV": 0.10, "SLC": 0.05}  # P_VR, Tab. 3.2.I
 USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.II
 SHORTEST, LONGEST = 30.0, 2475.0  # years, of the reference hazard
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One line of a calculation: symbol = formula(inputs) = result [unit], paragraph.
+
+    An empty formula marks a datum: a number given by the user or read from a table, a curve or a record.
+    """
+
+    symbol: str
+    formula: str
+    inputs: Mapping[str, float]
+    result: float
+    unit: str
+    paragraph: str
+
+
+Trace = tuple[Step, ...]
+
+
+def step(symbol: str, formula: str, result: float, unit: str, paragraph: str, /, **inputs: float) -> Step:
+    """Return a Step whose inputs are the keyword arguments, in their order."""
+    numbers = {name: float(value) for name, value in inputs.items()}
+    return Step(symbol, formula, MappingProxyType(numbers), float(result), unit, paragraph)
+
+
+def datum(symbol: str, value: float, unit: str, source: str) -> Step:
+    """Return the Step of a number that is given or read, not calculated; `source`: from where."""
+    return step(symbol, "", value, unit, source)
+
+
+def names(formula: str) -> list[str]:
+    """Return the names in a formula, each once."""
+    return list(dict.fromkeys(_NAME.findall(formula)))
+
+
+def renamed(formula: str, other: Mapping[str, str]) -> str:
+    """Return the formula with other names in the place of some of its own."""
+    return _NAME.sub(lambda match: other.get(match[0], match[0]), formula)
 
 
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:

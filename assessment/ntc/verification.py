@@ -13,13 +13,12 @@ from typing import Literal
 
 import numpy as np
 
-from assessment.ntc.calculation import Step, Trace, datum, step
 from assessment.ntc.capacity_curve import CapacityCurve
 from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
-from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE
+from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Step, Trace, datum, step
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY
@@ -101,7 +100,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class Check:
+class Verification:
     """The answer of one check of one limit state, named as in the results.
 
     d_star_m, a_star_g: point of the capacity curve that counts; T_s: its period; a_g_g: capacity; demand_a_g_g: demand;
@@ -149,12 +148,12 @@ class Check:
 
 def verify(
     capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method | None = None
-) -> dict[str, Check]:
+) -> dict[str, Verification]:
     """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
 
     SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, where the curve has
     one; SLV and SLC: nonlinear. For a mechanism at height the spectra are floor spectra; for the paper's assessment a
-    RecordSpectrum. A capacity that is not defined (d_0 not reached) gives a Check without numbers that says why.
+    RecordSpectrum. A capacity that is not defined (d_0 not reached) gives a Verification without numbers that says why.
     Raises ValueError for an unknown limit state or an unsuitable method.
     """
     method = method or Method()
@@ -170,7 +169,9 @@ def verify(
         try:
             checks[state] = check_nonlinear(capacity, state, spectrum, method)
         except CapacityError as refusal:
-            checks[state] = Check(state, "nonlinear", *_demand(state, spectrum, method), (refusal.message,))
+            checks[state] = Verification(
+                state, "nonlinear", *_demand(state, spectrum, method), (refusal.message,)
+            )
         if state == "SLV":
             checks["SLV linear"] = check_linear(capacity, state, spectrum, method)
     life, collapse = (checks[state].a_g_g if state in checks else None for state in ("SLV", "SLC"))
@@ -183,7 +184,9 @@ def verify(
     return checks
 
 
-def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method) -> Check:
+def check_linear(
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
+) -> Verification:
     """Return the linear kinematic check of a_0* = α0/(e* F_C), of the rigid multiplier (Circolare 7/2019, C8.7.1.2).
 
     At the ground a_0* ≥ a_g S/q, at height a_0* ≥ a_Z(z)/q with a_Z = S_e(T_1) |γ ψ| √(1 + 0.0004 ξ²), not below
@@ -207,7 +210,7 @@ def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, 
 
 def check_nonlinear(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
-) -> Check:
+) -> Verification:
     """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
 
     d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same);
@@ -270,8 +273,8 @@ def _check(
     spectrum: Spectrum,
     method: Method,
     kind: CheckMethod,
-) -> Check:
-    """Return the Check of a solution against the demand."""
+) -> Verification:
+    """Return the verification of a solution against the demand."""
     a_g, S = solved.a_g, solved.base.S
     demand, reference, S_demand = _demand(limit_state, spectrum, method)
     given = limit_state in method.site_acceleration
@@ -291,7 +294,7 @@ def _check(
         lines += [period] if period else []
     else:
         period = None
-    return Check(
+    return Verification(
         limit_state, kind, demand, reference, S_demand, (*capacity.fit.notes, *solved.notes), solved.d_star,
         solved.a_star, solved.T, a_g, S, zeta, zeta >= 1.0, solved.damping, period.result if period else None,
         solved.governing, (*capacity.steps(), *solved.steps, *lines),

@@ -15,8 +15,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.schema import ProjectContent
-from assessment.project.schema.index import keys_at, tables_of
+from assessment.project.schema import ProjectContent, keys_at, tables_of
 from assessment.project.schema.motions import GENERATED
 from assessment.project.schema.values import (
     DISTINCT,
@@ -26,7 +25,7 @@ from assessment.project.schema.values import (
     KeyPath,
     NameOf,
     Problem,
-    Table,
+    ProjectTable,
     key_of,
 )
 from assessment.runtime.errors import ProjectError, nearest, shortened
@@ -230,7 +229,7 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
                 yield Problem((*path, where) if isinstance(where, str) else (*path, *where), text)
 
 
-def _tables(table: Table, path: KeyPath) -> Iterator[tuple[KeyPath, Table]]:
+def _tables(table: ProjectTable, path: KeyPath) -> Iterator[tuple[KeyPath, ProjectTable]]:
     """Yield a table and those in it with their paths."""
     yield path, table
     for key, form in tables_of(type(table)).items():

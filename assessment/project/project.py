@@ -18,7 +18,7 @@ from assessment.project.formats import SOURCES, is_converted
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.problems import content_problems, matches, project_error, schema_problems
-from assessment.project.schema import CampaignTable, Contacts, ControlTable, Direction, ProjectContent
+from assessment.project.schema import Behaviour, CampaignTable, ControlTable, Direction, ProjectContent
 from assessment.project.schema.motions import GENERATED, IncrementalTable
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import file_digest
@@ -31,7 +31,7 @@ class Project(ProjectContent):
 
     folder: Path = Field(description="absolute folder of the project")
     source: str = Field(description="name of the project file in the folder")
-    moved_contacts: tuple[Contacts, ...] = Field(
+    moved_contacts: tuple[Behaviour, ...] = Field(
         default=(), description="contacts under which supports move, beside those of the stages that are left"
     )
 
@@ -40,12 +40,12 @@ class Project(ProjectContent):
         return self.folder / name
 
     @property
-    def pushed_contacts(self) -> tuple[Contacts, ...]:
+    def pushed_contacts(self) -> tuple[Behaviour, ...]:
         """Contacts of the pushover."""
         return self.pushover.contacts if self.pushover else ()
 
     @property
-    def dynamic_contacts(self) -> tuple[Contacts, ...]:
+    def dynamic_contacts(self) -> tuple[Behaviour, ...]:
         """Contacts of the dynamic stages; each needs its own settled state."""
         tables = [*self.history, self.incremental, self.campaign]
         return tuple(dict.fromkeys(table.contacts for table in tables if table))

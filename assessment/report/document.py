@@ -27,9 +27,9 @@ from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.text.fonts import embedded_faces, file_faces
 from assessment.report.text.language import Words, joined, sentence, translated, words_of
-from assessment.results.asked import coulomb, limit_states
 from assessment.results.configurations.hand_check import mechanisms
 from assessment.results.schema import Results
+from assessment.results.summary import coulomb, limit_states
 from assessment.runtime.files import read_picture, write_atomically
 
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")

@@ -1,15 +1,16 @@
-"""The summary of results, and what is read off it: indices by state and direction, their loss, the rows that govern."""
+"""What is read off results: what was asked for, each state in each direction, what an identification found."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from typing import Any
 
-from assessment.ntc.tables import INDEXED, SURFACE
-from assessment.results.asked import directions_asked, limit_states
-from assessment.results.schema import Results, State
+from assessment.ntc.tables import CHECKS, INDEXED, SURFACE
+from assessment.results.schema import DrawnBlock, Echo, Indices, Results, StateResults, present
 from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
+from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
 from assessment.results.schema.summary import (
     Summary,
     SummaryCheck,
@@ -17,11 +18,107 @@ from assessment.results.schema.summary import (
     SummaryMechanism,
     SummaryRow,
 )
-from assessment.results.table import quoted_limit_state, reduction, static_pga
+from assessment.results.table import ORIGINAL, quoted_limit_state, reduction, static_pga
+from mechanics.messages import layer_key
 
-ORIGINAL = "original"
 EMPTY = Summary(reference=SURFACE, governing=None, verified=None, rows=[])
 """Of results without any analysis."""
+UNLIKELY = 0.05  # probability of a χ² as large, below which a movement explains nothing
+UNMET = 9.0  # χ² of a measurement that is off by three standard deviations
+
+
+def material(echo: Echo, block: DrawnBlock) -> dict[str, Any]:
+    """Return what a block is made of and loaded by: keys of its region before those of its layer and of [material]."""
+    own = {layer_key(name): table for name, table in (echo.layers or {}).items()}
+    regions = {each["name"]: each for each in echo.region or ()}
+    layer, region = own.get(layer_key(block.layer)), regions.get(block.region or "")
+    return echo.material | present(layer or {}) | present(region or {})
+
+
+def segments(echo: Echo) -> list[int]:
+    """Return the numbers of segments that joints are divided into, each once; of exact joints none."""
+    tables = [echo.geometry, *(echo.layers or {}).values(), *(echo.region or ())]
+    return sorted({table["segments_per_joint"] for table in tables if table.get("segments_per_joint")})
+
+
+def coulomb(echo: Echo) -> bool:
+    """Return whether what slides does not lift."""
+    return (echo.contacts or {}).get("sliding") == "coulomb"
+
+
+def collisions(echo: Echo) -> bool:
+    """Return whether blocks that were apart may come to touch."""
+    return bool((echo.contacts or {}).get("collisions", True))
+
+
+def damped(echo: Echo) -> bool:
+    """Return whether joints of a motion have dashpots."""
+    shaking = (*(echo.history or ()), echo.incremental or {}, echo.campaign or {})
+    return any(each.get("damping_ratio") for each in shaking)
+
+
+def taken_to_collapse(echo: Echo) -> set[str]:
+    """Return the settlements whose ultimate movement is to be found."""
+    return {each["name"] for each in echo.settlements or () if each.get("to_collapse")}
+
+
+def turns(echo: Echo) -> set[str]:
+    """Return the settlements that are a rotation alone."""
+    rotated = (each for each in echo.settlements or () if each["rotation_rad"])
+    return {each["name"] for each in rotated if not any(each["displacement_m"])}
+
+
+def limit_states(echo: Echo) -> list[str]:
+    """Return the limit states of the project."""
+    return list((echo.assessment or {}).get("limit_states", []))
+
+
+def printed(echo: Echo) -> dict[str, Any]:
+    """Return the input to be printed: nominal life and use class only where the hazard is known to follow from them."""
+    content = echo.model_dump(exclude_unset=True)
+    assessment = echo.assessment or {}
+    site = assessment.get("site") or {}
+    typed = [site[limit] for limit in ("SLD", "SLV", "SLC") if site.get(limit)]
+    if not typed or all(hazard.get("return_period_years") for hazard in typed):
+        return content
+    kept = {key: value for key, value in site.items() if key not in {"nominal_life_years", "use_class"}}
+    return {**content, "assessment": {**assessment, "site": kept}}
+
+
+def undetermined(results: Results) -> dict[str, list[Direction]]:
+    """Return by state the directions in which a capacity was asked for and none found; nothing of complete states."""
+    if not results.echo.assessment:
+        return {}
+    asked = directions_asked(results)
+    missing = {name: without(state.capacity, asked) for name, state in results.states.items()}
+    return {name: directions for name, directions in missing.items() if directions}
+
+
+def without(capacities: Iterable[Direction], asked: Iterable[Direction]) -> list[Direction]:
+    """Return the directions asked for that are not among those with a capacity."""
+    known = set(capacities)
+    return [direction for direction in asked if direction not in known]
+
+
+def directions_asked(results: Results) -> list[Direction]:
+    """Return the directions of the pushover: those of the project file, then any other that a state was pushed in."""
+    pushed = [direction for state in results.states.values() for direction in sorted(state.pushover)]
+    return list(dict.fromkeys([*((results.echo.pushover or {}).get("directions") or ()), *pushed]))
+
+
+def checks_asked(results: Results) -> list[str]:
+    """Return the checks of each direction: those that any has; where none has, those of the limit states."""
+    capacities = [each for state in results.states.values() for each in state.capacity.values()]
+    if made := {name for capacity in capacities for name in capacity.checks}:
+        return [name for name in CHECKS if name in made]
+    asked = set(limit_states(results.echo))
+    return [name for name in CHECKS if name.removesuffix(" linear") in asked]
+
+
+def determined_indices(results: Results) -> dict[str, Indices]:
+    """Return the indices of the states that have a capacity in every direction asked for."""
+    found = present({name: state.indices for name, state in results.states.items()})
+    return {name: each for name, each in found.items() if name not in undetermined(results)}
 
 
 def summary_of(results: Results) -> Summary:
@@ -44,11 +141,11 @@ def summary_of(results: Results) -> Summary:
 
 
 def _row(
-    states: dict[str, State], name: str, direction: Direction | None, limits: Iterable[str]
+    states: dict[str, StateResults], name: str, direction: Direction | None, limits: Iterable[str]
 ) -> SummaryRow:
     """Return the row of a state in a direction, its losses from the original state in the same direction."""
 
-    def there(of: State | None) -> tuple[Capacity | None, Pushovers | None]:
+    def there(of: StateResults | None) -> tuple[Capacity | None, Pushovers | None]:
         return (of.capacity.get(direction), of.pushover.get(direction)) if of and direction else (None, None)
 
     state, original = states[name], states.get(ORIGINAL) if name != ORIGINAL else None
@@ -183,3 +280,56 @@ def governing_view(results: Results) -> tuple[str, Direction] | None:
     if least and (least.state, least.direction) in pushed:
         return least.state, least.direction
     return min(pushed, key=lambda view: pushed[view].alpha_0, default=None)
+
+
+def best_of(found: Identification) -> Explanation | None:
+    """Return the hypothesis with the least AIC; None where none could be followed."""
+    return None if found.best is None else found.hypotheses[found.best]
+
+
+def told_of(found: Identification) -> list[Explanation]:
+    """Return the hypotheses that are not told from the best one, it first."""
+    best = best_of(found)
+    others = [each for each in found.hypotheses if each is not best and not each.distinguished]
+    return [] if best is None else [best, *others]
+
+
+def fits(best: Explanation) -> bool:
+    """Return whether a movement explains the measurements.
+
+    It does not where its χ² is improbable, where a measurement contradicts it, and where as many unknowns as
+    measurements leave a χ² above that of one measurement off by three standard deviations.
+    """
+    unlikely = best.probability is not None and best.probability < UNLIKELY
+    unmet = not best.degrees_of_freedom and (best.chi_squared or 0.0) > UNMET
+    return not (unlikely or unmet or best.contradicting)
+
+
+def settlement_lines(ready: ReadySettlement) -> list[str]:
+    """Return the lines of a movement in a project file."""
+    x, z = ready.displacement_m
+    lines = [
+        "[[settlements]]",
+        f"name = {json.dumps(ready.name, ensure_ascii=False)}",
+        f"support = {json.dumps(ready.support, ensure_ascii=False)}",
+        f"displacement_m = [{_number(x)}, {_number(z)}]",
+    ]
+    return [*lines, f"rotation_rad = {_number(ready.rotation_rad)}"] if ready.rotation_rad else lines
+
+
+def movement_text(each: FittedMovement) -> str:
+    """Return a movement on one line, in mm and mrad, with the standard errors that are known."""
+    told = []
+    for name, unit in (("x", "m"), ("z", "m"), ("rotation", "rad")):
+        key = f"{name}_standard_error_{unit}"
+        if key in each.model_fields_set:
+            value, error = getattr(each, f"{name}_{unit}"), getattr(each, key)
+            known = f" m{unit} (not determined)" if error is None else f" ± {1e3 * error:.2g} m{unit}"
+            told.append(f"{name} {1e3 * value:.3g}{known}")
+    return f"{each.support}: {', '.join(told)}"
+
+
+def _number(value: float) -> str:
+    """Return a number as TOML has it: with a point, and without a power."""
+    text = f"{value:.7f}".rstrip("0")
+    return f"{text}0" if text.endswith(".") else text

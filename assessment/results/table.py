@@ -1,4 +1,4 @@
-"""What every table of results is made of."""
+"""What every table of results is made of, and the columns that are in no class of rows."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from functools import cache
 from typing import Any, get_type_hints
 
 from assessment.ntc.tables import INDEXED, QUOTED, ROCK, SURFACE
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity, Check, StrengtheningRow
-from assessment.results.schema.part import QUANTITIES, Part, enter, plain_value
+from assessment.results.schema import Results, StateResults
+from assessment.results.schema.checks import Capacity, Check, ComparisonRow, Direction, StrengtheningRow
+from assessment.results.schema.part import QUANTITIES, Part, enter, key, plain_value
 from assessment.results.schema.studies import Capacities, Scenarios
 
+ORIGINAL = "original"
 Row = dict[str, Any]
+COMPARED = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")  # of which the first that is known gives the gain
 
 
 @dataclass(frozen=True)
@@ -97,9 +99,8 @@ def among_known(found: Scenarios) -> tuple[int, int] | None:
 
 def gains_by(row: StrengtheningRow) -> str | None:
     """Return the quantity that the gain of a strengthened state is of: the first that is known before."""
-    quantities = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")
     before = (row.a_g_before_g, row.alpha_0_before, row.alpha_u_before, row.dynamic_pga_before_g)
-    return next((name for name, value in zip(quantities, before, strict=True) if value is not None), None)
+    return next((name for name, value in zip(COMPARED, before, strict=True) if value is not None), None)
 
 
 def reference_of(results: Results) -> str:
@@ -117,3 +118,160 @@ def indices(ratios: Mapping[str, float]) -> dict[str, float]:
     if "SLV" in found:
         found.pop("SLV linear", None)
     return found
+
+
+class Derived(Part):
+    """Every such column, by its name in tables/*.csv."""
+
+    chi_squared_probability: float = key("", "Probabilità|Probability", digits=2, null="none")
+    told_apart: str = key("", "Distinta dalla migliore|Told from the best")
+    x_error_m: float = key("", "±", shown="mm", digits=2, null="none")
+    z_error_m: float = key("", "±", shown="mm", digits=2, null="none")
+    rotation_mrad: float = key("", "Rotazione|Rotation")
+    rotation_error_mrad: float = key("", "±", digits=2, null="none")
+    number: int = key("", "N.|No.")
+    from_x_m: float = key("", "x_1", decimals=3)
+    from_z_m: float = key("", "z_1", decimals=3)
+    to_x_m: float = key("", "x_2", decimals=3)
+    to_z_m: float = key("", "z_2", decimals=3)
+    time_of_greatest_s: float = key("", "Istante|Time", null="none")
+    before: str = key("", "Prima|Before")
+    after: str = key("", "Dopo|After")
+    alpha_own_run: float = key("", "α_0, analisi propria|α_0, own run")
+    alpha_0_associative: float = key("", "α_0 con attrito associato|α_0, associative friction")
+    alpha_0_coulomb: float = key("", "α_0 con attrito di Coulomb|α_0, Coulomb friction")
+    macro_element: str = key("", "Macroelemento|Macro-element")
+    ratio_SLV_linear: float = key("", "Rapporto SLV lineare|Ratio SLV linear", ratio=True)
+    P_VR: float = key("", "P_VR", shown="%")
+    share_used: float = key("", "Quota del tiro di snervamento|Share of the yield force", shown="%", digits=2)
+    plate_20_MPa: float = key("", "Piastra 20 × 20 cm|Plate 20 × 20 cm", digits=2)
+    plate_30_MPa: float = key("", "Piastra 30 × 30 cm|Plate 30 × 30 cm", digits=2)
+    plate_40_MPa: float = key("", "Piastra 40 × 40 cm|Plate 40 × 40 cm", digits=2)
+    improvement: float = key("", "Miglioramento, §8.4.2|Improvement, §8.4.2")
+    improvement_school: float = key("", "Scuole, §8.4.2|Schools, §8.4.2")
+    retrofit_use: float = key("", "Adeguamento c, e, §8.4.3|Retrofit c, e, §8.4.3")
+    retrofit: float = key("", "Adeguamento a, b, d, §8.4.3|Retrofit a, b, d, §8.4.3")
+    parameter: str = key("", "Parametro|Parameter")
+    factor_component: float = key("", "F_Ck")
+    origin: str = key("", "Origine|Origin")
+    scaling: str = key("", "Domanda seguita per|Demand followed by")
+    counts: str = key("", "Adottata|Adopted")
+    alpha_0_given: float = key("", "α_0 lavori virtuali|α_0 virtual work")
+    area_m2: float = key("", "Area")
+    unit_weight_kN_m3: float = key("", "Peso sp.|Unit weight")
+    normal_stiffness_kN_m3: float = key("", "k_n")
+    tangential_stiffness_kN_m3: float = key("", "k_t")
+    displacement_x_m: float = key("", "δ_x", shown="mm")
+    displacement_z_m: float = key("", "δ_z", shown="mm")
+    ultimate_rigid_m: float = key("", "Ultimo, rigido|Ultimate, rigid", shown="mm")
+    ultimate_elastic_m: float = key("", "Ultimo, elastico|Ultimate, elastic", shown="mm")
+    lowest: float = key("", "Minimo|Lowest", unit="")
+    highest: float = key("", "Massimo|Highest", unit="")
+    lowest_peak_m: float = key("", "Picco minimo|Lowest peak", shown="mm")
+    median_peak_m: float = key("", "Mediano|Median", shown="mm")
+    highest_peak_m: float = key("", "Massimo|Highest", shown="mm")
+    pga_all_collapse_g: float = key("", "PGA a cui tutti collassano|All collapse", ground="surface")
+    widest_gap: str = key("", "Intervallo più largo|Widest gap", unit="g", ground="surface")
+    resurrections: str = key("", "PGA sopportate oltre|Withstood above", unit="g", ground="surface")
+    median_low_g: float = key("", "Estremo inferiore, 95 %|Lower end, 95 %", null="none", ground="surface")
+    median_high_g: float = key("", "Estremo superiore, 95 %|Upper end, 95 %", null="none", ground="surface")
+    beta_low: float = key("", "da|from", digits=2, null="none")
+    beta_high: float = key("", "a|to", digits=2, null="none")
+    dynamic_loss_low: float = key("", "Limite inf., 95 %|Lower, 95 %", shown="%", digits=2)
+    dynamic_loss_high: float = key("", "Limite sup., 95 %|Upper, 95 %", shown="%", digits=2)
+    median_of_measure: float = key("", "Mediana|Median", unit="")
+    beta_of_measure: float = key("", "β", digits=2)
+    efficient: str = key("", "La più efficiente|Most efficient")
+    analysis: str = key("", "Analisi|Analysis")
+    pga_surface_g: float = key("", "PGA", null="not_determined", ground="surface")
+    over_static: float = key("", "Su quella statica|Over the static one", null="none", ratio=True)
+    capacity_loss: float = key("", "Perdita|Loss", shown="%", digits=2, null="none")
+    static_loss: float = key("", "Perdita statica|Static loss", shown="%", digits=2)
+    work_load: float = key("", "W_s δ_x", unit="kNm")
+    work_weight: float = key("", "W δ_z", unit="kNm")
+    mechanism_alpha: float = key("", "α dove si attiva|α where it is activated")
+    case: str = key("", "Caso|Case")
+    source: str = key("", "Fonte|Source")
+    load_x_kN: float = key("", "Carico x|Load x")
+    load_z_kN: float = key("", "Carico z|Load z")
+    unbalanced: float = key("", "Squilibrio / peso|Unbalanced / weight")
+    expected: str = key("", "Valore di riferimento|Reference value")
+    table: str = key("", "Gruppo|Group")
+    setting: str = key("", "Grandezza|Quantity")
+    value: str = key("", "Valore|Value")
+
+
+def comparison(states: Mapping[str, StateResults]) -> list[ComparisonRow]:
+    """Return a row for each settled state and direction; the dynamic capacity is the same in every direction.
+
+    The static capacity is that of the farthest limit state checked, with F_C; the dynamic one has none, and
+    `dynamic_to_static` is over `static_surface_pga_g`, which has none either. All are PGA at the surface.
+    """
+    if ORIGINAL not in states:
+        return []
+    original, rows = states[ORIGINAL], []
+    for name, state in states.items():
+        dynamic = state.incremental.pga_collapse_g
+        for direction in _directions(original, state) if name != ORIGINAL else ():
+            was, now = (each.capacity.get(direction) if direction else None for each in (original, state))
+            before, after = static_pga(was), static_pga(now)
+            limits = [quoted_limit_state(each.checks) for each in (was, now) if each]
+            row = ComparisonRow(
+                state=name, direction=direction, limit_state=next(filter(None, limits), None),
+                static_pga_g=after, static_reduction=reduction(before, after), dynamic_pga_g=dynamic,
+                dynamic_reduction=reduction(original.incremental.pga_collapse_g, dynamic),
+                static_reference=None if after is None else SURFACE,
+                dynamic_reference=None if dynamic is None else SURFACE,
+            )  # fmt: skip
+            nominal = now.nominal.pga_g if now and now.nominal else None
+            rows.append(row if dynamic is None else row.replace(**brought_together(nominal, dynamic)))
+    return rows
+
+
+def _directions(original: StateResults, state: StateResults) -> Iterable[Direction | None]:
+    """Return the directions of the pushover; None if there is none and the state has a dynamic capacity."""
+    return original.pushover or ([None] if state.incremental.records else [])
+
+
+def strengthened(states: Mapping[str, StateResults]) -> list[StrengtheningRow]:
+    """Return a row for each strengthened state and direction: its capacities beside those of the state before.
+
+    The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked. A quantity before the
+    strengthening has its unit last: a_g_before_g.
+    """
+    rows = []
+    for strong, state in states.items():
+        made = state.strengthening
+        for direction in _directions(states[made.of], state) if made and made.of in states else ():
+            of = made.of if made else ""
+            (was, limit_was), (now, limit) = (_measured(states[each], direction) for each in (of, strong))
+            row: dict[str, Any] = {}
+            for name in {**was, **now}:
+                stem, _, unit = name.rpartition("_")
+                row[f"{stem}_before_{unit}" if unit in {"m", "g"} else f"{name}_before"] = was.get(name)
+                row[name] = now.get(name)
+            by = next((name for name in COMPARED if was.get(name) is not None), "")
+            if was.get(by) and now.get(by) is not None:
+                row["gain"] = now[by] / was[by] - 1.0
+            if limit_was or limit:
+                row["limit_state"] = limit_was or limit
+            rows.append(StrengtheningRow(state=strong, of=of, direction=direction, **({"gain": None} | row)))
+    return rows
+
+
+def _measured(state: StateResults, direction: Direction | None) -> tuple[dict[str, Any], str | None]:
+    """Return the capacities of a state in a direction, those that were asked for, and the limit state checked."""
+    found: dict[str, Any] = {}
+    pushed = state.pushover.get(direction) if direction else None
+    capacity = state.capacity.get(direction) if direction else None
+    if pushed and pushed.rigid:
+        found |= {"alpha_0": pushed.rigid.alpha_0, "d_0_m": pushed.rigid.d_0_m}
+    if pushed and pushed.elastic:
+        found["alpha_u"] = pushed.elastic.alpha_u
+    limit = ("SLV" if "SLV" in capacity.checks else quoted_limit_state(capacity.checks)) if capacity else None
+    if capacity and limit:
+        check = capacity.checks[limit]
+        found |= {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E}
+    if state.incremental.records is not None:
+        found["dynamic_pga_g"] = state.incremental.pga_collapse_g
+    return found, limit

@@ -202,7 +202,7 @@ class Workers:
             # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
             gc.freeze()
             if self.scheduler:
-                from assessment.runtime.cluster import Cluster  # late: few runs have one
+                from assessment.runtime.pool import Cluster  # late: few runs have one
 
                 self.engine = Cluster(self.scheduler)
             else:

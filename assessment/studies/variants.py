@@ -19,9 +19,9 @@ from assessment.analyses.found import Found, finest, refined
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.tables import QUOTED
 from assessment.project.project import Project
-from assessment.project.schema import ORIGINAL, SettlementTable, Table
+from assessment.project.schema import ORIGINAL, ProjectTable, SettlementTable
 from assessment.project.structure.model import StateModel, build_model
-from assessment.results.schema import State
+from assessment.results.schema import StateResults
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
@@ -65,7 +65,7 @@ class Statics:
     models: Mapping[str, StateModel]
     demands: Demands
     workers: Workers
-    states: Mapping[str, State]
+    states: Mapping[str, StateResults]
     stages: Sequence[StateResult]
     halvings: Mapping[str, int]
 
@@ -337,7 +337,7 @@ def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[Messag
 def with_factor(project: Project, key: str, factor: float) -> Project:
     """Return the project with a property (see KEYS) times a `factor` wherever it is given; loads stay as they are."""
 
-    def scaled(table: Table) -> Table:
+    def scaled(table: ProjectTable) -> ProjectTable:
         values = {name: getattr(table, name, None) for name in KEYS[key]}
         return table.model_copy(
             update={name: factor * value for name, value in values.items() if value is not None}

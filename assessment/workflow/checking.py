@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,31 +18,45 @@ from assessment.analyses.static.paths import pressed_in, stand
 from assessment.ntc.tables import psi_2
 from assessment.project import motions as base
 from assessment.project.plausibility import implausible_hazard
-from assessment.project.project import Project, spelt
+from assessment.project.project import Project, load_project, spelt
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.masonry import table_of
 from assessment.project.structure.model import ProjectModel, build_model
-from assessment.results.configurations.faces import described
-from assessment.results.numbers import finite
-from assessment.results.schema import FORMAT, Results, State
+from assessment.results.configurations.joint_states import described
+from assessment.results.schema import FORMAT, Results, StateResults
 from assessment.results.schema import model as parts
 from assessment.results.schema.dynamic import Incremental
+from assessment.results.schema.part import finite
 from assessment.results.schema.static import Settlement, Strengthening
 from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
 from assessment.runtime.cache import installed
+from assessment.runtime.pool import cores
 from mechanics.faults import visible
 from mechanics.messages import Message, headed
 from mechanics.records import Record
 from mechanics.types import GRAVITY
 
 if TYPE_CHECKING:
+    from assessment.project.schema import StatesTable
+    from assessment.project.schema.motions import SensitivityTable
     from mechanics import Assembly
-
 
 PACKAGES = (
     "numpy", "scipy", "piqp", "ezdxf", "shapely", "pandas", "matplotlib", "jinja2", "weasyprint", "pydantic",
 )  # fmt: skip
+PROGRAM = (1e-3, 8e-6)  # s of a program of a static step, and for each joint of it
+STEP = {"rigid": (5e-5, 9e-6), "elastic": (3e-5, 5e-6)}  # s of a sample of a motion, and for each joint
+PROGRAMS = 6.0  # of an increment
+BOND = 10.0  # times the programs, for each joint of a block beyond two: what lies in bond slides, and hangs together
+COLLAPSE = 4.0  # times the movement at which a structure falls
+CURVE, HIGH = 40.0, 1e-3  # increments of a pushover, each so much of the height; of others in proportion
+AGAIN = 0.75  # of the time of a path or motion: each further member of its ensemble
+SEARCH = {"rigid": 10, "elastic": 30}  # motions for a PGA at collapse; elastic ones near it take many steps
+GENERATED = 2500  # samples of a record that is made
+FITS = 60  # movements that are tried to fit what was measured, for each hypothesis
+MUCH = 40.0  # s: less of it is not shared out among cores
+PRINTED = 15.0  # s of figures, tables and the report
 
 
 def describe(project: Project, model: ProjectModel) -> Results:
@@ -75,7 +91,7 @@ def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
     drawn = []
     for tie in project.tie:
         later = [name for name, (_, later) in ties.items() if tie in later]
-        drawn.append(parts.Tie(
+        drawn.append(parts.DrawnTie(
             name=tie.name, start_m=list(tie.from_m), end_m=list(tie.to_m),
             blocks=[a.block_at(tie.from_m), a.block_at(tie.to_m)], yield_force_kN=finite(tie.yield_force_kN),
             stiffness_kN_m=tie.stiffness_kN_m, pretension_kN=tie.pretension_kN,
@@ -84,11 +100,11 @@ def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
     return found.replace(ties=drawn) if drawn else found
 
 
-def _empty(project: Project, name: str, blocks: int) -> State:
+def _empty(project: Project, name: str, blocks: int) -> StateResults:
     made = project.strengthening_of(name)
     moved = None if made else project.settlement_of(name)
     keys = {"support", "displacement_m", "rotation_rad", "increment_m", "after"}
-    found = State(
+    found = StateResults(
         configuration=[[0.0, 0.0, 0.0]] * blocks,
         settlement=Settlement(**moved.model_dump(mode="json", include=keys, exclude_none=True)) if moved else None,
         pushdown={}, pushover={}, capacity={}, history=[], incremental=Incremental(),
@@ -121,7 +137,7 @@ def _geometry(project: Project, model: ProjectModel) -> parts.Geometry:
     """Return blocks, control points, joints and surveyed cracks as drawn."""
     a = model.assembly
     blocks = [
-        parts.Block(
+        parts.DrawnBlock(
             vertices_m=block.polygon.tolist(), centroid_m=block.centroid.tolist(), depth_m=block.depth,
             layer=block.layer, handle=block.handle, region=block.region or None, support=block.support,
             vertical_load_kN=block.vertical_load, weight_kN=block.weight,
@@ -219,3 +235,77 @@ def checked(project: Project, model: ProjectModel | None = None) -> Checked:
     more = [unstable] if unstable else pressed_in(model.assembly)
     warnings = (*results.model.warnings, *found.notes, *refused, *more)
     return replace(found, project=project, results=results, warnings=warnings)
+
+
+def expected(read: Checked) -> dict[str, float]:
+    """Return the processor time (s) of every stage that a run of the project has, about, and of its `report`."""
+    project, motions, joints = read.project, read.motions, len(read.model.assembly.joints.a)
+    height = float(np.ptp(np.concatenate([block.polygon[:, 1] for block in read.model.assembly.blocks])))
+    ensemble = 1.0 + AGAIN * (project.scatter - 1)
+    bonded = 1.0 + BOND * max(0.0, joints / int(read.model.assembly.movable.sum()) - 2.0)
+    increment = PROGRAMS * bonded * (PROGRAM[0] + PROGRAM[1] * joints)
+    step = {contacts: once + each * joints for contacts, (once, each) in STEP.items()}
+
+    def states(table: StatesTable | SensitivityTable) -> int:
+        return len(table.states or project.states)
+
+    contacts = {*project.pushed_contacts, *project.dynamic_contacts, *project.moved_contacts} or {"rigid"}
+    paths = increment * sum(
+        each.increments * (COLLAPSE if each.to_collapse else 1.0) for each in project.settlements
+    )
+    found = {"pushdown": paths * len(contacts) * ensemble}
+    curves = 0.0  # s of those of one state under one behaviour of its joints
+    if push := project.pushover:
+        curves = increment * len(push.directions) * CURVE * max(0.5, HIGH * height / push.increment_m)
+        found["pushover"] = curves * len(push.contacts) * len(project.states) * ensemble
+    for table, motion in zip(project.history, motions.history, strict=True):
+        own = states(table) * motion.record.time.size * step[table.contacts] * ensemble
+        found["history"] = found.get("history", 0.0) + own
+    if search := project.incremental:
+        samples = sum(each.record.time.size for each in motions.incremental)
+        runs = (
+            4 * states(search) * SEARCH[search.contacts]
+        )  # of both signs, and as long again at half the step
+        found["incremental"] = runs * samples * step[search.contacts]
+    if study := project.campaign:
+        moved = len(study.settlements or project.settlements)
+        cases = len(study.signs) * sum(moved if share else 1 for share in study.shares)
+        runs = cases * (len(study.levels_g) if study.levels_g else SEARCH[study.contacts])
+        samples = sum(each.record.time.size for each in motions.campaign) + study.generated * GENERATED
+        found["campaign"] = runs * samples * step[study.contacts]
+    found["scenarios"] = curves * sum(each.steps or 0 for each in project.settlements)
+    if varied := project.sensitivity:
+        found["sensitivity"] = 2 * len(varied.factors) * (paths + curves * states(varied))
+    if fit := project.identification:
+        found["identification"] = FITS * len(fit.hypotheses) * CURVE * increment
+    return {stage: seconds for stage, seconds in found.items() if seconds} | {"report": PRINTED}
+
+
+def elapsed(seconds: Mapping[str, float]) -> float:
+    """Return how long stages take (s) that compute side by side where there is much of them; the report goes last."""
+    work = sum(seconds.values()) - seconds["report"]
+    return work / (cores() if work > MUCH else 1) + seconds["report"]
+
+
+def first_run(folder: Path) -> str:
+    """Return `expected_line` of a project; for one that cannot be read, how to find out why."""
+    try:
+        project = load_project(folder)
+        return expected_line(read_inputs(project, build_model(project)))
+    except (ValueError, OSError):
+        return f"it cannot be run as it is: assesto check {folder} says why"
+
+
+def expected_line(read: Checked) -> str:
+    """Return what a run computes and about how long it takes with all cores of this machine, as a line."""
+    seconds = expected(read)
+    parts = ", ".join(f"{stage} {about(each)}" for stage, each in seconds.items())
+    return f"a run: about {about(elapsed(seconds))} ({parts}), a minute more where nothing is compiled yet"
+
+
+def about(seconds: float) -> str:
+    """Return a time in the unit and digits of an estimate."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{5.0 * round(seconds / 5.0):.0f} s" if seconds >= 10.0 else f"{max(1.0, seconds):.0f} s"

@@ -21,18 +21,17 @@ from assessment.analyses.checks.demand import (
 from assessment.analyses.checks.governing import Governed, Run, governed, members
 from assessment.analyses.dynamic.histories import histories
 from assessment.analyses.dynamic.time_history import MotionInputs, motion_part, starts_of, ultimates
-from assessment.analyses.found import Found, refined
+from assessment.analyses.found import Found, joined, quality_of, refined
 from assessment.analyses.static.lateral import second_solver
 from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.schema import ORIGINAL
-from assessment.results.asked import without
-from assessment.results.quality import joined, quality_of
-from assessment.results.schema import Results, State
+from assessment.results.schema import Results, StateResults
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known, present
 from assessment.results.schema.studies import ConvergenceRow
-from assessment.results.summary import summary_of
+from assessment.results.summary import summary_of, without
+from assessment.results.table import comparison, strengthened
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies.campaign import summary as searches
@@ -42,7 +41,6 @@ from assessment.studies.convergence import Converged, converge
 from assessment.studies.identification.stage import identification
 from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Checked, read_inputs
-from assessment.workflow.comparison import comparison, strengthened
 from mechanics.messages import Message, message
 
 if TYPE_CHECKING:
@@ -115,7 +113,7 @@ class Draft:
         return self.read.model.states
 
     @property
-    def states(self) -> dict[str, State]:
+    def states(self) -> dict[str, StateResults]:
         """Every state of the project by name, as far as it was analysed."""
         return self.results.states
 

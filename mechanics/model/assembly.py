@@ -13,11 +13,9 @@ from numpy.typing import ArrayLike
 from mechanics.errors import ArgumentError, is_number, is_whole, point_of, require, require_positive
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.kernels.joint import H
-from mechanics.model.block import Block
-from mechanics.model.contacts import Contacts, drawn_contacts
-from mechanics.model.joints import Joints, default_tolerance, find_joints
+from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints
+from mechanics.model.contacts import Contacts, drawn_contacts, tie_contacts
 from mechanics.model.proximity import Outlines
-from mechanics.model.tie import Tie, tie_contacts
 from mechanics.types import GRAVITY, Array, Index, Mask
 
 if TYPE_CHECKING:

@@ -38,10 +38,11 @@ from mechanics.kernels.joint import (
     V,
     place,
 )
-from mechanics.model.block import Block
-from mechanics.model.joints import Joints
+from mechanics.model.block import Block, Joints, Tie
 from mechanics.types import Array, Index, Mask
 
+ACROSS = 1e-7  # of the tension: a force across the tie, without which the cone of friction had no inside
+RIGID = 10.0  # times the stiffest joint: a rigid tie in analyses with elastic joints
 MOST_FRICTION = 1e3  # tangent of the friction angle that stands for infinite friction
 # of the shorter face of a joint: how near two corners meet. Their normal turns as they slide past each other: if it
 # turned over less slip than joints yield in shear, hinges at corners would be unstable
@@ -255,3 +256,38 @@ def end_points(contacts: Contacts, positions: Array) -> Array:
     low = np.maximum(f[:, A1], f[:, B1] - slid)
     ends = [0.5 * (p + s[:, None] * tangent[0] + q + (s + slid)[:, None] * tangent[1]) for s in (low, high)]
     return np.stack(ends, axis=1)
+
+
+def tie_contacts(
+    ties: Sequence[Tie], ends: Array, blocks: Index, centroid: Array, drawn: Contacts
+) -> Contacts:
+    """Return the contacts of ties with `ends` (t, 2, 2) m in the `blocks` (t, 2), beside the `drawn` joints.
+
+    Ends and the centroids (b, 2) m of all blocks count from one origin. The normal of such a joint is the tie's line:
+    its tension is N, its elongation the closing, its yielding the crushing; it has no face, P and T are none.
+    Their length along the joint is 1 m: bed and strength are stiffness and yield force. A rigid one is as stiff as
+    RIGID times the stiffest joint where joints are elastic.
+    """
+    count = len(ties)
+    faces = np.zeros((count, FACE))
+    faces[:, [PX, PZ]], faces[:, [QX, QZ]] = (
+        ends[:, 0] - centroid[blocks[:, 0]],
+        ends[:, 1] - centroid[blocks[:, 1]],
+    )
+    faces[:, [A1, B1]], faces[:, [A2, B2]], faces[:, MEET] = -0.5, 0.5, 1.0
+    joint = drawn.bed * shorter_face(drawn.faces)
+    stiffest = RIGID * float(joint.max()) if len(joint) and not np.isnan(joint).any() else 1.0
+    faces[:, LENGTH] = [tie.taut_length for tie in ties]
+    number = np.arange(count)
+    return Contacts(
+        a=blocks[:, 0],
+        b=blocks[:, 1],
+        faces=faces,
+        friction=np.full(count, ACROSS),
+        bed=np.array([tie.stiffness or stiffest for tie in ties]).reshape(count),
+        shear=np.full(count, np.inf),
+        strength=np.array([tie.yield_force for tie in ties]).reshape(count),
+        segments=np.zeros(count, dtype=np.intp),
+        edges=np.stack([-1 - number, -1 - number], axis=1),  # no edges of blocks: numbers of its own
+        tolerance=drawn.tolerance,
+    )

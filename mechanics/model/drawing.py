@@ -22,9 +22,8 @@ from scipy.spatial import cKDTree
 from mechanics.errors import DrawingError, require
 from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
 from mechanics.messages import Message, headed, layer_key, message
-from mechanics.model.block import Block, Material
-from mechanics.model.dxf import open_document
-from mechanics.model.joints import default_tolerance
+from mechanics.model.block import Block, Material, default_tolerance
+from mechanics.model.dxf import Placed, covered, open_document, placed_entities
 from mechanics.model.overlaps import NEAR
 from mechanics.model.polylines import (
     FARTHEST,
@@ -35,7 +34,6 @@ from mechanics.model.polylines import (
     placed_outline,
     view_of,
 )
-from mechanics.model.shown import Placed, covered, placed_entities
 from mechanics.types import Array
 
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}

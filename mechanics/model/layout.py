@@ -13,8 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from mechanics.faults import Fault, FaultyDrawingError, listed
 from mechanics.messages import Message, message
-from mechanics.model.block import Block
-from mechanics.model.joints import Joints, find_joints
+from mechanics.model.block import Block, Joints, find_joints
 from mechanics.model.overlaps import (
     NEAR,
     Polygons,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from mechanics.faults import Fault
 from mechanics.messages import Message, message
 from mechanics.model.block import Block
-from mechanics.model.shown import can_change
+from mechanics.model.dxf import can_change
 from mechanics.types import Array, Index, Mask
 
 NEAR = 20.0  # edges that face each other within this many tolerances were likely meant to touch

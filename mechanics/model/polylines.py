@@ -16,7 +16,7 @@ from ezdxf.math import Vec3
 from numpy.typing import NDArray
 
 from mechanics.faults import Fault, Remedy
-from mechanics.model.shown import SAME_POINT, Placed, can_change, has_direction
+from mechanics.model.dxf import SAME_POINT, Placed, can_change, has_direction
 from mechanics.types import Array, Index
 
 SAGITTA = 1e-3  # of an arc's width: the default distance between an arc and its chords

@@ -14,9 +14,8 @@ import numpy as np
 import shapely
 
 from mechanics.kernels.joint import A1, A2, B1, B2, FACE, MEET, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
-from mechanics.model.block import Block
+from mechanics.model.block import Block, block_edges
 from mechanics.model.contacts import Contacts, between, end_gaps
-from mechanics.model.joints import block_edges
 from mechanics.types import Array, Index
 
 POINTS_AT = 0.3  # sine of the angle by which a corner's edges may lean towards the face at which it points

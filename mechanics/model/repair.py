@@ -12,14 +12,12 @@ from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError
 from mechanics.faults import FaultyDrawingError
-from mechanics.model.block import Block
+from mechanics.model.block import Block, default_tolerance
 from mechanics.model.drawing import Layer, Sheet
-from mechanics.model.dxf import dxf_bytes
-from mechanics.model.joints import default_tolerance
+from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes
 from mechanics.model.layout import misfits, survey_layout, touching
 from mechanics.model.overlaps import NEAR, name_of, place_of
 from mechanics.model.polylines import SHARE, PlacedOutline, ends_major_arc, file_points, redraw, without_loops
-from mechanics.model.shown import SAME_POINT, can_change
 from mechanics.types import Array, Index, Mask
 
 FIRST = 2.0  # times what blocks are apart in the median: how far vertices are moved at first, then twice as far, …

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import scipy
 
 from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.interior.inertia import inertia
@@ -14,7 +20,6 @@ from mechanics.kernels.joint import CURVED, H
 from mechanics.kernels.law import DILATION, FRICTION
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.threads import one_thread
 from mechanics.types import Array
 
 MOST_ITERATIONS, IDLE = 100, 10  # in all, and without progress
@@ -24,6 +29,43 @@ ROUGH, APART = (
 )  # residual of a solution by the associative law, and distance from it at which one begins
 LARGER = 10.0  # forces of a further start
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Limit the OpenBLAS of NumPy's and SciPy's wheels to one thread; no effect with another BLAS.
+
+    A band of a hundred rows is factored in half a millisecond, an inner product of ten thousand numbers takes a
+    hundredth of that: threads that wait for each other make them ten times as long, a hundred times where other
+    programs want the processor too.
+    """
+    before = [(give, ask()) for ask, give in _libraries()]
+    for give, _ in before:
+        give(1)
+    try:
+        yield
+    finally:
+        for give, threads in before:
+            give(threads)
+
+
+@cache
+def _libraries() -> tuple[tuple[Any, Any], ...]:
+    """Yield for each library its number of threads and the function that sets it."""
+    found = []
+    for package, suffix in ((np, "64_"), (scipy, "")):
+        folder = Path(str(package.__file__)).parent
+        for path in (
+            *folder.parent.glob(f"{folder.name}.libs/*openblas*"),
+            *folder.glob(".dylibs/*openblas*"),
+        ):
+            library = ctypes.CDLL(str(path))
+            if hasattr(library, f"scipy_openblas_set_num_threads{suffix}"):
+                ask, give = (
+                    getattr(library, f"scipy_openblas_{verb}_num_threads{suffix}") for verb in ("get", "set")
+                )
+                found.append((ask, give))
+    return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +92,7 @@ class Iterate:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class IterationEnd:
     """End of an iteration: whether its result is `accepted`, or equilibrium was found `unstable`; its `iterations`.
 
     Residuals: `force` per weight, `product` per weight and step, `gap` per step.
@@ -102,7 +144,9 @@ def near_lifting(program: Program, layout: Elimination) -> Iterate:
 
 
 @one_thread()
-def run(program: Program, layout: Elimination, start: Iterate, accepted: float) -> tuple[Iterate, Outcome]:
+def run(
+    program: Program, layout: Elimination, start: Iterate, accepted: float
+) -> tuple[Iterate, IterationEnd]:
     """Iterate from a start until the residuals, per weight and step, are within `accepted`; `start` is not changed."""
     p, order = program, layout.order
     none = np.zeros(0)
@@ -127,7 +171,7 @@ def run(program: Program, layout: Elimination, start: Iterate, accepted: float) 
         np.arange(len(layout.row)),
     )
     good = max(force, product) <= accepted and abs(alpha) < LARGEST_MULTIPLIER
-    outcome = Outcome(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
+    outcome = IterationEnd(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
     return Iterate(forces, gaps, alpha, x[layout.back]), outcome
 
 

@@ -29,7 +29,7 @@ from mechanics.model.assembly import Assembly, MotionMemory, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.threads import one_thread
+from mechanics.solvers.interior import one_thread
 from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem
 from mechanics.types import Array, Index

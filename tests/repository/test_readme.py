@@ -12,8 +12,15 @@ import pytest
 from assessment.analyses.found import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
 from assessment.cli import arguments, commands
-from assessment.project.schema import KeyPath, MotionTable, ProjectContent, Table
-from assessment.project.schema.index import annotation_at, table_at, tables_of
+from assessment.project.schema import (
+    KeyPath,
+    MotionTable,
+    ProjectContent,
+    ProjectTable,
+    annotation_at,
+    table_at,
+    tables_of,
+)
 from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
 from tests import ROOT
 
@@ -66,7 +73,7 @@ def place_of(path: tuple[str, ...]) -> KeyPath:
     return found
 
 
-def table_of(name: str) -> type[Table]:
+def table_of(name: str) -> type[ProjectTable]:
     found = ProjectContent if name == TOP else table_at(place_of(path_of(name)))
     assert found is not None, name
     return found
@@ -98,7 +105,7 @@ def test_the_keys_of_a_table_their_defaults_and_what_is_required(name):
 def test_every_table_of_the_schema_has_a_row_in_the_form_of_the_file():
     written = {path_of(name): name for name in TABLES}
 
-    def forms(path: tuple[str, ...], table: type[Table]) -> Iterator[tuple[tuple[str, ...], str]]:
+    def forms(path: tuple[str, ...], table: type[ProjectTable]) -> Iterator[tuple[tuple[str, ...], str]]:
         for key, form in tables_of(table).items():
             inner, here = table_at(place_of((*path, key))), (*path, key)
             assert inner is not None

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.numbers import plain
 from assessment.results.schema import FORMAT, Results
+from assessment.results.schema.part import plain
 from assessment.results.summary import EMPTY, summary_of
 
 G = 9.80665

@@ -6,7 +6,7 @@ from typing import Any
 
 from assessment.project.catalogue.new_project import made
 from mechanics import Assembly, Block, Material
-from mechanics.model.tie import Tie
+from mechanics.model.block import Tie
 
 
 def template_assembly(template: str, tolerance: float | None = None, **options: Any) -> Assembly:

@@ -17,7 +17,7 @@ from assessment.analyses.checks.demand import (
     ground_of,
     site_acceleration,
 )
-from assessment.analyses.found import Found, as_part
+from assessment.analyses.found import Found, as_part, lines
 from assessment.analyses.static.lateral import FRICTION
 from assessment.analyses.static.paths import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
@@ -32,14 +32,12 @@ from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import QUOTED
-from assessment.ntc.verification import THRUSTING_A_G, Check, Method, verify, vertical_component
+from assessment.ntc.verification import THRUSTING_A_G, Method, Verification, verify, vertical_component
 from assessment.project.project import Project
-from assessment.results.numbers import finite
-from assessment.results.quality import lines
 from assessment.results.schema import checks as parts
 from assessment.results.schema import static
 from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.part import known
+from assessment.results.schema.part import finite, known
 from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
 from assessment.results.table import sense
 from mechanics import Assembly
@@ -110,11 +108,7 @@ def refused(reason: str) -> Message:
 
 
 def _assessed(
-    project: Project,
-    model: Assembly,
-    direction: Direction,
-    curves: Pushovers,
-    demands: Demands,
+    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands
 ) -> Found[Assessed]:
     """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
     assessment, rigid, elastic = known(project.assessment), curves.rigid, curves.elastic
@@ -215,7 +209,7 @@ class _ByLaw(NamedTuple):
     part: Participation
     capacity: CapacityCurve
     method: Method
-    checks: Mapping[str, Check]
+    checks: Mapping[str, Verification]
 
 
 def _by_law(
@@ -240,7 +234,7 @@ def _by_law(
     return _ByLaw(law, part, capacity, method, verify(capacity, demands.spectra, method))
 
 
-def _apart(checks: Mapping[str, Check], others: Mapping[str, Check]) -> list[Message]:
+def _apart(checks: Mapping[str, Verification], others: Mapping[str, Verification]) -> list[Message]:
     """Return the checks whose ratios by two laws differ by more than TOLD."""
     pairs = ((name, check.zeta_E, others[name].zeta_E) for name, check in checks.items() if name in others)
     return [
@@ -272,7 +266,7 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
 
 
 def _scalings(
-    capacity: CapacityCurve, used: Check, spectrum: Spectrum, method: Method
+    capacity: CapacityCurve, used: Verification, spectrum: Spectrum, method: Method
 ) -> dict[str, parts.ScaledCheck]:
     """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
     ways, common = {"shape": "demand-shape", "return_period": "grid"}, len(capacity.steps())
@@ -284,7 +278,7 @@ def _scalings(
 
 
 def _vertical(
-    model: Assembly, capacity: CapacityCurve, linear: Check | None, demands: Mapping[str, Spectrum]
+    model: Assembly, capacity: CapacityCurve, linear: Verification | None, demands: Mapping[str, Spectrum]
 ) -> parts.VerticalCheck | None:
     """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
 
@@ -376,7 +370,7 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     )
 
 
-def check_of(kind: type[Kind], check: Check, common: int, **more: Any) -> Kind:
+def check_of(kind: type[Kind], check: Verification, common: int, **more: Any) -> Kind:
     """Return a check as a part of the results of that kind, with what such a part has `more`; null: not finite.
 
     Its trace leaves out the `common` first steps, those of the capacity curve.
@@ -384,7 +378,7 @@ def check_of(kind: type[Kind], check: Check, common: int, **more: Any) -> Kind:
     return as_part(kind, check, **{"trace": lines(check.trace[common:])} | more)
 
 
-def checks_of(curve: CapacityCurve, checks: Mapping[str, Check]) -> dict[str, parts.Check]:
+def checks_of(curve: CapacityCurve, checks: Mapping[str, Verification]) -> dict[str, parts.Check]:
     """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
     common = len(curve.steps())
     linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
@@ -394,6 +388,6 @@ def checks_of(curve: CapacityCurve, checks: Mapping[str, Check]) -> dict[str, pa
     }
 
 
-def curve_of(curve: CapacityCurve) -> parts.CapacityCurve:
+def curve_of(curve: CapacityCurve) -> parts.OscillatorCurve:
     """Return a capacity curve as a part of the results: d* (m) and a* (g), divided by the confidence factor."""
-    return parts.CapacityCurve(d_star_m=curve.displacement.tolist(), a_star_g=curve.acceleration.tolist())
+    return parts.OscillatorCurve(d_star_m=curve.displacement.tolist(), a_star_g=curve.acceleration.tolist())

@@ -25,17 +25,16 @@ from assessment.analyses.checks.kinematics import (
     virtual_work,
     works,
 )
+from assessment.analyses.found import lines
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
 from assessment.project.schema import ORIGINAL
 from assessment.project.structure.places import chosen_mechanisms
-from assessment.results.configurations.faces import Met
-from assessment.results.numbers import finite
-from assessment.results.quality import lines
+from assessment.results.configurations.joint_states import Met
 from assessment.results.schema import checks as parts
-from assessment.results.schema.part import known
+from assessment.results.schema.part import finite, known
 from mechanics.messages import Message, SaidError, message
 from mechanics.model import Contacts, H, end_gaps, end_points, relative_motion
 from mechanics.steps import LIMIT, static_system
@@ -47,7 +46,7 @@ if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.project.structure.model import StateModel
     from assessment.project.structure.places import Chosen
-    from assessment.results.schema import State
+    from assessment.results.schema import StateResults
     from mechanics import Assembly
 
 Array = NDArray[np.float64]
@@ -319,7 +318,7 @@ def compared(
 def assess_chosen(
     project: Project,
     models: Mapping[str, StateModel],
-    states: Mapping[str, State],
+    states: Mapping[str, StateResults],
     demands: Demands,
     warnings: list[Message],
 ) -> list[parts.GivenMechanism]:

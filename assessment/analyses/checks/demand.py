@@ -8,8 +8,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from assessment.analyses.found import as_part
-from assessment.ntc.calculation import Trace
+from assessment.analyses.found import as_part, lines
 from assessment.ntc.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,
@@ -20,15 +19,21 @@ from assessment.ntc.floor_spectrum import (
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
 from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
-from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, confidence_factor, return_period
+from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, Trace, confidence_factor, return_period
 from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import AssessmentTable, KnowledgeTable
-from assessment.results.quality import lines
-from assessment.results.schema import State
-from assessment.results.schema.checks import Capacity, Direction, Governing, Indices, Knowledge, SafetyIndex
-from assessment.results.schema.checks import Spectrum as DemandSpectrum
+from assessment.results.schema import StateResults
+from assessment.results.schema.checks import (
+    Capacity,
+    DemandSpectrum,
+    Direction,
+    Governing,
+    Indices,
+    Knowledge,
+    SafetyIndex,
+)
 from assessment.results.schema.part import known
 from assessment.results.table import indices
 from assessment.runtime.errors import ProjectError
@@ -190,7 +195,7 @@ def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
 
 
 def state_indices(
-    project: Project, capacities: Mapping[Direction, Capacity], before: State | None = None
+    project: Project, capacities: Mapping[Direction, Capacity], before: StateResults | None = None
 ) -> Indices | None:
     """Return the indices of a state from the least favourable check of its directions at each limit state.
 

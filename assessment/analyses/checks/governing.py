@@ -18,10 +18,10 @@ import numpy as np
 from assessment.analyses.checks.capacity import Assessed, other_mechanism, refused, towards
 from assessment.analyses.found import Found, in_increments
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
-from assessment.results.schema import State
+from assessment.results.schema import StateResults
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.part import Part, known
-from assessment.results.schema.static import Contacts, ElasticPush, Pushovers, RigidPush
+from assessment.results.schema.static import Behaviour, ElasticPush, Pushovers, RigidPush
 from assessment.results.table import cells, indices
 from assessment.runtime.tasks import Workers
 from mechanics import Assembly
@@ -159,12 +159,12 @@ CHECKED = ("a_g_g", "zeta_E")
 class Governed:
     """A state as it is reported, what is to be told of it, and by direction the run that its curves are of."""
 
-    state: State
+    state: StateResults
     warnings: list[Message]
     runs: dict[Direction, Run]
 
 
-def governed(name: str, state: State, runs: Sequence[Run], assess: Assess) -> Governed:
+def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess) -> Governed:
     """Return a state with, in each direction, curves, mechanism and capacity of its governing run, and their ranges.
 
     `runs`: that of the project, then those of its ensemble. `members` of a curve: the curves of the other runs. A
@@ -236,7 +236,7 @@ def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> P
     """Return the curves of the run of that number, with the ranges of all and the curves of the others."""
     if len(runs) == 1:
         return chosen
-    found: dict[Contacts, RigidPush | ElasticPush] = {}
+    found: dict[Behaviour, RigidPush | ElasticPush] = {}
     for behaviour, curve in chosen.by_contacts.items():
         numbered = [
             (k, each.by_contacts[behaviour]) for k, each in enumerate(runs) if behaviour in each.by_contacts

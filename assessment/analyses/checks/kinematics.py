@@ -12,9 +12,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from assessment.ntc.calculation import Step, Trace, datum, names, step
-from assessment.project.structure.places import Chosen, MacroBlock
-from assessment.results.configurations.ties import lengthenings
+from assessment.ntc.tables import Step, Trace, datum, names, step
+from assessment.project.structure.places import Chosen, RotatingBlocks
+from assessment.results.configurations.frames import lengthenings
 from mechanics import Assembly, Tie
 from mechanics.messages import SaidError, message
 from mechanics.types import GRAVITY, Array
@@ -116,7 +116,7 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
     return VirtualWork(dead, lateral, total, second, tuple(lines), by_ties)
 
 
-def _macro_block(k: int, part: MacroBlock, model: Assembly, positions: Array) -> list[Step]:
+def _macro_block(k: int, part: RotatingBlocks, model: Assembly, positions: Array) -> list[Step]:
     """Return weights, centres and virtual displacements of the k-th macro-block."""
     weight, seismic = (each[part.blocks] for each in _weights(model))
     x, z = positions[part.blocks, :2].T

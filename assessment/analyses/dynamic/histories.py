@@ -38,11 +38,11 @@ from assessment.analyses.found import (
     PRESETS,
     Accuracy,
     accuracy_of,
+    joined,
     observed_order,
 )
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.results.quality import joined
 from assessment.results.schema.dynamic import Band
 from assessment.results.schema.part import known
 from assessment.results.schema.studies import ConvergenceRow

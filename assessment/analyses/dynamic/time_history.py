@@ -15,9 +15,8 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ControlTable, MotionTable, StatesTable
 from assessment.project.structure.model import StateModel
-from assessment.results.configurations.frames import snapshots
-from assessment.results.configurations.ties import while_shaken
-from assessment.results.schema.dynamic import Course, Energy, History, Motion
+from assessment.results.configurations.frames import snapshots, while_shaken
+from assessment.results.schema.dynamic import AppliedRecord, Course, EnergyBalance, History
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
@@ -91,14 +90,14 @@ class Response:
         """Return steps, skipped, lifting, programs, iterations and halvings of all runs."""
         return {name: sum(getattr(part, name) for part in self.parts) for name in COUNTS}
 
-    def energy(self) -> Energy:
+    def energy(self) -> EnergyBalance:
         """Return the energy balance since the beginning, kNm: stored energies, input, dissipated energies."""
         changes = {
             f"{name}_kNm": float(sum(energy[-1] - energy[0] for energy in series))
             for name in ENERGIES
             for series in [[getattr(part.energy, name) for part in self.parts]]
         }
-        return Energy(**changes)
+        return EnergyBalance(**changes)
 
     def integrator_share(self) -> float:
         """Return what the integrator took over the energy turned over, of all runs; see mechanics' Energy."""
@@ -299,12 +298,12 @@ def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow
     )
 
 
-def motion_part(motion: BaseMotion, periods: Array) -> Motion:
+def motion_part(motion: BaseMotion, periods: Array) -> AppliedRecord:
     """Return a base motion for figures: accelerations in the window, thinned, and spectrum at `periods` (k,) s, 5 %."""
     a = motion.record.acceleration
     S_a, S_d = response_spectrum(a, motion.record.time_step, periods)
     kept = thinned(a)
-    return Motion(
+    return AppliedRecord(
         name=motion.name,
         pga_g=motion.pga,
         scale=motion.scale,

@@ -24,10 +24,16 @@ from assessment.ntc.capacity_curve import mass_share, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, yield_point
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable
-from assessment.results.configurations.faces import Met
-from assessment.results.configurations.frames import pushover_frames
-from assessment.results.configurations.ties import along_path, determined, lengthenings, tensions, yielding
-from assessment.results.numbers import finite
+from assessment.results.configurations.frames import (
+    along_path,
+    determined,
+    lengthenings,
+    pushover_frames,
+    tensions,
+    yielding,
+)
+from assessment.results.configurations.joint_states import Met
+from assessment.results.schema.part import finite
 from assessment.results.schema.static import (
     Curve,
     ElasticPush,
@@ -427,10 +433,7 @@ def second_solver(
             )
             found.warnings.append(headed(title, note))
     found.value = SecondSolver(
-        alpha_0=alpha_0,
-        alpha_program=own,
-        alpha_linear_program=linear,
-        relative_difference=difference,
+        alpha_0=alpha_0, alpha_program=own, alpha_linear_program=linear, relative_difference=difference
     )
     found.seconds = time.perf_counter() - began
     return found

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
-from assessment.results.configurations.frames import pushdown_frames
-from assessment.results.configurations.ties import along_path, determined
+from assessment.results.configurations.frames import along_path, determined, pushdown_frames
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.static import LocalLoss, PushdownPath
 from mechanics import (

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from assessment.analyses.found import Found
+from assessment.analyses.found import Found, joined
 from assessment.analyses.static.lateral import Pushed, PushSetting, push, pushover_title
 from assessment.analyses.static.paths import (
     Settled,
@@ -20,7 +20,6 @@ from assessment.analyses.static.paths import (
     settle,
 )
 from assessment.project.schema import ControlTable
-from assessment.results.quality import joined
 from assessment.results.schema.part import Configuration, known
 from assessment.results.schema.static import Pushovers, Run
 from assessment.runtime.tasks import Workers, large
@@ -322,10 +321,7 @@ def _not_back(last: Settling, reached: State, found: Mapping[Settling, Found[Set
 
 
 def _beginnings(
-    requests: Sequence[Request],
-    settled: Mapping[Settling, Found[Settled]],
-    workers: Workers,
-    prefix: str,
+    requests: Sequence[Request], settled: Mapping[Settling, Found[Settled]], workers: Workers, prefix: str
 ) -> tuple[dict[Request, Beginning], dict[Request, Message]]:
     """Return where each request is pushed from, and why others find no rest; not those that collapse before."""
     resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]

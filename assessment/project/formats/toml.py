@@ -8,8 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.project.schema import KeyPath, Table
-from assessment.project.schema.index import keys_at, table_at, tables_of
+from assessment.project.schema import KeyPath, ProjectTable, keys_at, table_at, tables_of
 from assessment.runtime.errors import ProjectError, shortened
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
@@ -88,7 +87,7 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
     What the content leaves out stands there too, commented out with its default: keys below those of the first
     table of their kind, whole tables at the end. `marked`: keys whose meaning begins with MARK.
     """
-    explained: set[type[Table]] = set()
+    explained: set[type[ProjectTable]] = set()
     lines: list[str] = []
     absent: list[KeyPath] = []
     for path, given in toml_tables(content):
@@ -117,7 +116,7 @@ def _header(path: KeyPath, mark: str = "") -> list[str]:
 
 def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
     """Yield the keys of the table at `path` that are not given, with their defaults."""
-    table = table_at(path) or Table
+    table = table_at(path) or ProjectTable
     for key, meaning in keys_at(path).items():
         if key not in given and key not in tables_of(table):
             field = table.model_fields[key]
@@ -133,7 +132,7 @@ def _table_left_out(path: KeyPath) -> Iterator[str]:
         yield from _table_left_out((*path, *entry))
 
 
-def _entries(table: type[Table]) -> list[KeyPath]:
+def _entries(table: type[ProjectTable]) -> list[KeyPath]:
     """Return the tables in a table, as the path of their first entry where there are several."""
     ends: dict[str, KeyPath] = {"single": (), "list": (0,), "named": ("NAME",)}
     return [(name, *ends[form]) for name, form in tables_of(table).items()]

@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field
 
 from assessment.ntc.tables import COMPONENTS, confidence_factor, return_period
 from assessment.project.schema import values as kinds
-from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
+from assessment.project.schema.values import Contradiction, FileName, NameOf, ProjectTable, absent, entry
 
 if TYPE_CHECKING:
     from assessment.project.schema import ProjectContent
@@ -23,7 +23,7 @@ LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; belo
 Component = Annotated[float, Field(ge=0, le=0.2)]  # F_Ck
 
 
-class HazardTable(Table):
+class HazardTable(ProjectTable):
     """[assessment.site.SLV] and so on: the hazard of one limit state, typed in."""
 
     ag_g: kinds.Acceleration = entry("peak ground acceleration on rigid level ground, g")
@@ -34,7 +34,7 @@ class HazardTable(Table):
     )
 
 
-class SiteTable(Table):
+class SiteTable(ProjectTable):
     """[assessment.site]: hazard by coordinates, by a file, or typed in per limit state; ground and use."""
 
     latitude: Annotated[float, Field(ge=-90, le=90)] | None = absent("latitude, degrees north")
@@ -84,7 +84,7 @@ class SiteTable(Table):
                 yield key, "missing, but assessment.limit_states asks for it; add its ag_g, F0 and Tc_star_s"
 
 
-class FloorTable(Table):
+class FloorTable(ProjectTable):
     """[assessment.floor]: the building that carries a mechanism at height, for the floor spectrum."""
 
     height_m: Annotated[float, Field(ge=0, le=1e4)] = entry(
@@ -123,7 +123,7 @@ class FloorTable(Table):
             yield (), 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out'
 
 
-class KnowledgeTable(Table):
+class KnowledgeTable(ProjectTable):
     """[assessment.knowledge]: what the confidence factor follows from: a level, or four components 1 + ΣF_Ck."""
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
@@ -180,7 +180,7 @@ class KnowledgeTable(Table):
                 yield kinds.Problem(("assessment", "confidence_factor"), text)
 
 
-class AssessmentTable(Table):
+class AssessmentTable(ProjectTable):
     """[assessment]: the displacement-based check of every pushover curve."""
 
     limit_states: kinds.LimitStates = entry("limit states to check", ("SLD", "SLV", "SLC"))
@@ -230,7 +230,7 @@ class AssessmentTable(Table):
             yield "method", f'{text}; write latitude and longitude of the site, or "demand-shape"'
 
 
-class MechanismTable(Table):
+class MechanismTable(ProjectTable):
     """[[mechanism]]: a macro-block of a mechanism chosen by the user; entries of one name form one mechanism."""
 
     name: kinds.Name = entry("name of the mechanism; each of its macro-blocks is an entry with this name")

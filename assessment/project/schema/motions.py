@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field
 
 from assessment.project.schema import values as kinds
 from assessment.project.schema.structure import LEAST_MOVEMENT
-from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
+from assessment.project.schema.values import Contradiction, FileName, NameOf, ProjectTable, absent, entry
 
 if TYPE_CHECKING:
     from assessment.project.schema import ProjectContent
@@ -23,7 +23,7 @@ VARIED = ("friction", "stiffness", "unit_weight", "depth")
 """The properties that [sensitivity] can vary."""
 
 
-class MotionTable(Table):
+class MotionTable(ProjectTable):
     """What [[history]], [incremental] and [campaign] have in common: how a motion is integrated."""
 
     time_step_s: kinds.Seconds | None = absent(
@@ -33,7 +33,7 @@ class MotionTable(Table):
         'first and last second of the record to use, or "arias": from 0.1 % of its Arias intensity, '
         "or 5 % of its peak if that is earlier, to 95 %"
     )
-    contacts: kinds.Contacts = entry("contact model: rigid or elastic", "elastic")
+    contacts: kinds.Behaviour = entry("contact model: rigid or elastic", "elastic")
     integrator: Literal["auto", "moreau-jean", "second-order", "implicit-euler"] = entry(
         "time integration: auto (the results say which it took), moreau-jean (many "
         "impacts), second-order, or implicit-euler (the paper's)",
@@ -173,7 +173,7 @@ class CampaignTable(MotionTable):
             yield "records" if self.generated else "spectrum_compatible", text
 
 
-class SensitivityTable(Table):
+class SensitivityTable(ProjectTable):
     """[sensitivity]: the capacity a_g again, with one property of the masonry lower and higher at a time."""
 
     friction: kinds.Factors | None = absent("low and high factor on every friction, such as [0.8, 1.2]")
@@ -220,7 +220,7 @@ SIGMA_KEYS = {kind: f"sigma_{key.rpartition('_')[2]}" for kind, key in VALUE_KEY
 """The key of its standard deviation, by kind."""
 
 
-class IdentificationTable(Table):
+class IdentificationTable(ProjectTable):
     """[identification]: the movements of supports that may explain the measurements; each hypothesis is fitted."""
 
     hypotheses: Annotated[
@@ -242,7 +242,7 @@ class IdentificationTable(Table):
                 yield ("hypotheses", index), f"{text}; measure more, or leave unknowns out"
 
 
-class MeasurementTable(Table):
+class MeasurementTable(ProjectTable):
     """[[measurement]]: what was measured on the structure as it is, against how it was built."""
 
     name: kinds.Name = entry("name of the measurement")

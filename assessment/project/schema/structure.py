@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field
 
 from assessment.ntc.tables import OWN_PSI_2, PSI_2
 from assessment.project.schema import values as kinds
-from assessment.project.schema.values import Contradiction, FileName, NameOf, Table, absent, entry
+from assessment.project.schema.values import Contradiction, FileName, NameOf, ProjectTable, absent, entry
 from assessment.runtime.errors import nearest
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ LEAST_MOVEMENT = 1e-7
 SHORTEST_TIE = 1e-6  # m
 
 
-class GeometryTable(Table):
+class GeometryTable(ProjectTable):
     """[geometry]: the drawing and how it becomes blocks and joints."""
 
     drawing: Annotated[kinds.Name, FileName()] = entry("DXF file with one closed polyline per block")
@@ -40,7 +40,7 @@ class GeometryTable(Table):
     )
 
 
-class MaterialTable(Table):
+class MaterialTable(ProjectTable):
     """[material]: stone and joints, default of every layer."""
 
     unit_weight_kN_m3: kinds.UnitWeight = entry("unit weight of the stone, kN/m³")
@@ -60,7 +60,7 @@ class MaterialTable(Table):
     )
 
 
-class BondTable(Table):
+class BondTable(ProjectTable):
     """bond = {…} of a layer or region: a closed outline is cut into blocks, but for the outlines within it."""
 
     pattern: Literal["running"] = entry("running: courses, each shifted by half a block", "running")
@@ -68,7 +68,7 @@ class BondTable(Table):
     block_m: kinds.Length = entry("length of a block, m, adapted likewise")
 
 
-class LayerTable(Table):
+class LayerTable(ProjectTable):
     """[layers.NAME]: what the blocks on one layer of the drawing have of their own."""
 
     ignore: bool = entry("the layer is no masonry (frame, axes, notes): nothing on it is read", False)
@@ -136,7 +136,7 @@ class RegionTable(LayerTable):
     ] = entry("x and z, m, of each corner of the outline; of a block in several regions the last one counts")
 
 
-class ContactsTable(Table):
+class ContactsTable(ProjectTable):
     """[contacts]: how joints slide, and whether blocks that are apart may come to touch."""
 
     sliding: Literal["coulomb", "associative"] = entry(
@@ -145,14 +145,14 @@ class ContactsTable(Table):
     collisions: bool = entry("blocks that are apart in the drawing may come to touch as they move", True)
 
 
-class ControlTable(Table):
+class ControlTable(ProjectTable):
     """[[control]]: a point whose displacement is followed; the first one is the default."""
 
     name: kinds.Name = entry("name of the control point")
     point_m: kinds.Pair = entry("x and z, m, in or on a block; the point moves with it")
 
 
-class SettlementTable(Table):
+class SettlementTable(ProjectTable):
     """[[settlements]]: a support movement, and with it a state beside the state "original"."""
 
     name: kinds.Name = entry("name of the settled state")
@@ -225,7 +225,7 @@ class SettlementTable(Table):
             yield kinds.Problem(("campaign", "settlements"), text)
 
 
-class PushoverTable(Table):
+class PushoverTable(ProjectTable):
     """[pushover]: lateral loads proportional to weight, from every state."""
 
     contacts: kinds.ContactsList = entry("contact models: rigid, elastic or both", ("rigid",))
@@ -237,7 +237,7 @@ class PushoverTable(Table):
     ] = absent('control point, or one per direction: {"+x" = "C1", "-x" = "C2"}; default the first')
 
 
-class TieTable(Table):
+class TieTable(ProjectTable):
     """[[tie]]: a tie rod (catena) between two points of blocks or supports; it pulls and never pushes."""
 
     name: kinds.Name = entry("name of the tie")
@@ -271,7 +271,7 @@ class TieTable(Table):
                 yield ("states", place), text
 
 
-class ChangedLayerTable(Table):
+class ChangedLayerTable(ProjectTable):
     """[strengthening.layers.NAME]: what repointing or injection makes of the joints of a layer."""
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
@@ -287,7 +287,7 @@ class ChangedLayerTable(Table):
             yield (), "changes nothing; write what it makes of the joints, or leave it out"
 
 
-class StrengtheningTable(Table):
+class StrengtheningTable(ProjectTable):
     """[[strengthening]]: a state beside the one that it strengthens: its movement first, then ties and layers."""
 
     name: kinds.Name = entry("name of the strengthened state, for `states` of its ties")

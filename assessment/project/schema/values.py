@@ -136,11 +136,11 @@ Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, 
 ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
 TABLES = Field(strict=False, max_length=MOST_ENTRIES)
 Names = Annotated[tuple[Name, ...], ENTRIES, AfterValidator(unique)]
-Contacts = Literal["rigid", "elastic"]
+Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 LimitState = Literal["SLD", "SLV", "SLC"]
 UseCategory = Literal["A", "B", "C", "D", "E", "F", "G", "H", "I", "K", "snow", "snow above 1000 m", "wind"]
-ContactsList = Annotated[tuple[Contacts, ...], ENTRIES, AfterValidator(unique)]
+ContactsList = Annotated[tuple[Behaviour, ...], ENTRIES, AfterValidator(unique)]
 Directions = Annotated[tuple[Direction, ...], ENTRIES, AfterValidator(unique)]
 LimitStates = Annotated[tuple[LimitState, ...], ENTRIES, AfterValidator(unique)]
 
@@ -165,7 +165,7 @@ def absent(meaning: str, **more: Any) -> Any:
     return Field(None, description=meaning, **more)
 
 
-class Table(BaseModel):
+class ProjectTable(BaseModel):
     """A table of the project file: exact types, finite numbers, no other keys, not to be changed."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)

@@ -31,7 +31,7 @@ def block_at(model: Assembly, key: str, point: tuple[float, float], note: str = 
 
 
 @dataclass(frozen=True, eq=False)
-class MacroBlock:
+class RotatingBlocks:
     """Blocks (n,) that rotate as one by `rotation`, anticlockwise, about the point `about` (2,) m, from the origin."""
 
     about: NDArray[np.float64]
@@ -45,7 +45,7 @@ class Chosen:
 
     name: str
     state: str
-    parts: tuple[MacroBlock, ...]
+    parts: tuple[RotatingBlocks, ...]
 
 
 def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
@@ -62,7 +62,7 @@ def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
             if (twice := np.intersect1d(part.blocks, blocks)).size:
                 text = f'block {twice[0]} is in another macro-block of "{entry.name}"'
                 raise ProjectError(f"{key}: {text}; a block has one rotation")
-        part = MacroBlock(model.from_origin(entry.about_m), entry.rotation, blocks)
+        part = RotatingBlocks(model.from_origin(entry.about_m), entry.rotation, blocks)
         found[entry.name] = replace(before, parts=(*before.parts, part))
     return [*found.values()]
 

@@ -12,15 +12,14 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from assessment.ntc.calculation import renamed
-from assessment.ntc.tables import CHECKS
+from assessment.ntc.tables import CHECKS, renamed
 from assessment.report.chapters.grids import Grid
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables.rows import capacities
 from assessment.report.text.language import Words, check_name, heading, translated
-from assessment.results.asked import determined_indices
 from assessment.results.schema import Results
 from assessment.results.schema.model import Line as Step
+from assessment.results.summary import determined_indices
 
 Steps = Sequence[Step]
 COLUMNS = 4  # of results in one table
@@ -31,7 +30,7 @@ SHARED = "capacity"  # the part that the checks of a direction have in common
 
 
 @dataclass(frozen=True)
-class Line:
+class TraceRow:
     """A row, as far as all columns that have it agree. `turn` counts the rows that are otherwise equal."""
 
     symbol: str
@@ -41,7 +40,7 @@ class Line:
     turn: int = 0
 
 
-Column = Mapping[Line, float]
+Column = Mapping[TraceRow, float]
 
 
 def traces(results: Results, words: Words) -> Iterator[Grid]:
@@ -115,11 +114,11 @@ def _column(steps: Steps, before: Steps) -> Column:
     """
     known = {step.symbol: step.result for step in before}
     units = {_head(step.symbol): step.unit for step in (*before, *steps)}
-    lines: dict[Line, float] = {}
+    lines: dict[TraceRow, float] = {}
 
-    def add(line: Line, value: float) -> None:
+    def add(line: TraceRow, value: float) -> None:
         while line in lines:
-            line = Line(line.symbol, line.formula, line.unit, line.paragraph, line.turn + 1)
+            line = TraceRow(line.symbol, line.formula, line.unit, line.paragraph, line.turn + 1)
         lines[line] = value
         known[line.symbol] = value
 
@@ -135,9 +134,9 @@ def _column(steps: Steps, before: Steps) -> Column:
             if same := [] if name.endswith(("_1", "_2")) else alike:
                 names[name] = same[-1]
             else:
-                add(Line(name, "", units.get(_head(name), ""), step.paragraph), value)
+                add(TraceRow(name, "", units.get(_head(name), ""), step.paragraph), value)
         formula = renamed(step.formula, names)
-        add(Line(step.symbol, formula, step.unit, step.paragraph), step.result)
+        add(TraceRow(step.symbol, formula, step.unit, step.paragraph), step.result)
     return lines
 
 
@@ -159,9 +158,9 @@ def _tables(
         yield Grid(caption, [*head, heading("paragraph", words)], rows, texts)
 
 
-def _merged(columns: Iterable[Column]) -> list[Line]:
+def _merged(columns: Iterable[Column]) -> list[TraceRow]:
     """Return the lines of all columns, each once, in an order that keeps that of every column where it can."""
-    merged: list[Line] = []
+    merged: list[TraceRow] = []
     for column in columns:
         place = 0
         for line in column:
@@ -173,7 +172,7 @@ def _merged(columns: Iterable[Column]) -> list[Line]:
     return merged
 
 
-def _row(line: Line, columns: Iterable[Column], words: Words, digits: int) -> list[Markup]:
+def _row(line: TraceRow, columns: Iterable[Column], words: Words, digits: int) -> list[Markup]:
     """Write a line with its result in each column; where a number comes from in the language of the report."""
     unit, mark = words.name("unit", line.unit), words.plain("value.decimal_mark")
     cells = [typeset(line.symbol, words) + (f" [{unit}]" if unit else "")]

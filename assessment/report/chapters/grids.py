@@ -18,11 +18,10 @@ from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
 from assessment.report.tables.rows import TABLES, without
 from assessment.report.text.language import Words, cell, check_name, direction_name, heading, written
-from assessment.results.asked import printed
 from assessment.results.configurations import hand_check
 from assessment.results.schema import Results, present
 from assessment.results.schema.part import QUANTITIES
-from assessment.results.summary import index_limit, index_of, least_row
+from assessment.results.summary import index_limit, index_of, least_row, printed
 from assessment.results.table import Row, Table, cells, reference_of
 
 AS_THEY_ARE = """ties settlements tie_tensions knowledge chosen_checks all_mechanisms linear_checks scalings history

@@ -21,9 +21,9 @@ from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
 from assessment.report.text.language import COARSE, Words, check_name, merged, plain_text, written
-from assessment.results.asked import determined_indices
 from assessment.results.configurations.hand_check import hand_checks, rigid_push
 from assessment.results.schema import Results, present
+from assessment.results.summary import determined_indices
 from assessment.results.table import among_known, compared, reference_of
 from assessment.runtime.errors import ProjectError
 

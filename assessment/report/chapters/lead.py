@@ -11,6 +11,7 @@ from assessment.report.text.language import COARSE, Words, direction_name, index
 from assessment.results import summary
 from assessment.results.schema import Results, known
 from assessment.results.schema.summary import SummaryRow
+from assessment.results.table import ORIGINAL
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 
@@ -22,7 +23,7 @@ def lead(results: Results, words: Words) -> list[Markup]:
     """
     if not results.model.self_weight_stable:
         return [words("judgement.unstable")]
-    worst = summary.worst_settled(results) or summary.ORIGINAL
+    worst = summary.worst_settled(results) or ORIGINAL
     sentences = [_of_state(results, worst, words)]
     sentences += [
         _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
@@ -50,7 +51,7 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
         "where": ", ".join([*([limit] if check and limit else []), direction_name(row.direction or "")]),
         "outcome": outcome,
     }
-    if name == summary.ORIGINAL:
+    if name == ORIGINAL:
         return words("synthesis.original", **place)
     key = "current" if len(summary.settled(results)) == 1 else "worst"
     said = words(f"synthesis.{key}", state=name, count=len(summary.settled(results)), **place)

@@ -17,12 +17,12 @@ from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.report.tables.rows import capacities
 from assessment.report.text.language import COARSE, Words, told, translated
-from assessment.results import asked
+from assessment.results import summary
 from assessment.results.configurations import hand_check
-from assessment.results.identified import UNLIKELY, best_of, fits, settlement_lines, told_of
-from assessment.results.schema import Contacts, Results, RigidPush
+from assessment.results.schema import Behaviour, Results, RigidPush
+from assessment.results.summary import UNLIKELY, best_of, fits, settlement_lines, told_of
+from assessment.results.table import ORIGINAL
 
-ORIGINAL = "original"
 ELASTIC_END = "end of the elastic curve"  # what governs a check
 PLACES = 2  # of a displacement in mm: what is less is none that a drawing shows
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
@@ -42,12 +42,12 @@ def used_as(results: Results, kinds: Sequence[str]) -> bool:
     return any(kind in (results.echo.report.use or "").lower() for kind in kinds)
 
 
-def contacts_of(results: Results) -> list[Contacts]:
+def contacts_of(results: Results) -> list[Behaviour]:
     """Return the kinds of contact of which there is any curve."""
-    found: set[Contacts] = set()
+    found: set[Behaviour] = set()
     for state in results.states.values():
         found.update(state.pushdown, *(pushover.by_contacts for pushover in state.pushover.values()))
-    kinds: tuple[Contacts, ...] = ("rigid", "elastic")
+    kinds: tuple[Behaviour, ...] = ("rigid", "elastic")
     return [contacts for contacts in kinds if contacts in found]
 
 
@@ -88,7 +88,7 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Sentences:
     yield words("text.joints")
     if not elastic:
         yield words("text.rigid_joints")
-    elif found := asked.segments(results.echo):
+    elif found := summary.segments(results.echo):
         yield words("text.bed_points", segments=", ".join(map(str, found)))
     else:
         yield words("text.bed_exact")
@@ -102,9 +102,9 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Sentences:
         place = {"state": pressed[0].state, "first": pressed[0].block_a, "second": pressed[0].block_b}
         pressure = told("edge_pressure_kN_m2", pressed[0].edge_pressure_kN_m2, words)
         yield words("text.greatest_pressure", pressure=pressure, **place)
-    yield words("text.sliding_coulomb" if asked.coulomb(results.echo) else "text.sliding")
-    yield words("text.collisions" if asked.collisions(results.echo) else "text.no_collisions")
-    if asked.damped(results.echo):
+    yield words("text.sliding_coulomb" if summary.coulomb(results.echo) else "text.sliding")
+    yield words("text.collisions" if summary.collisions(results.echo) else "text.no_collisions")
+    if summary.damped(results.echo):
         yield words("text.dashpots")
 
 
@@ -255,7 +255,7 @@ def vertical(results: Results, words: Words) -> Sentences:
 def indices(results: Results, words: Words) -> Sentences:
     """Yield what the indices of the tables are: those that need a return period only where one is known."""
     yield words("text.indices")
-    if any(each.I_S is not None for each in asked.determined_indices(results).values()):
+    if any(each.I_S is not None for each in summary.determined_indices(results).values()):
         yield words("text.indices_known")
 
 

@@ -11,10 +11,10 @@ from assessment.report.chapters.grids import Grid
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.report.text.language import Words, direction_name, heading, told, written
-from assessment.results.asked import coulomb
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.schema import Results, SummaryRow
-from assessment.results.summary import ORIGINAL, governing_view, index_limit, least_row
+from assessment.results.summary import coulomb, governing_view, index_limit, least_row
+from assessment.results.table import ORIGINAL
 
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
 

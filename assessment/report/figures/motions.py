@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
 from assessment.report.text.language import COARSE, Words, label, scale
-from assessment.results.configurations.faces import outlines
+from assessment.results.configurations.joint_states import outlines
 from assessment.results.schema import Results, dynamic
 from assessment.results.schema.part import known
 from mechanics.pictures import fill_roles, ghost
@@ -225,7 +225,7 @@ def _path(points: Iterable[dynamic.Level]) -> tuple[list[float], list[float]]:
     ]
 
 
-class Fit(NamedTuple):
+class FragilityCurve(NamedTuple):
     """A fragility to draw: name, lognormal distribution (g), bounds, levels and shares of what was seen to collapse."""
 
     name: str
@@ -243,7 +243,11 @@ def draw_fragility(results: Results, words: Words) -> Figure:
         fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
         numbers = {"median": fit.median_g, "dispersion": fit.dispersion}
         name = words.plain("figure.fragility", state=state, **numbers)
-        fits.append(Fit(name, fit.median_g, fit.dispersion, fit.band, (fallen, _shares(fallen, len(signs)))))
+        fits.append(
+            FragilityCurve(
+                name, fit.median_g, fit.dispersion, fit.band, (fallen, _shares(fallen, len(signs)))
+            )
+        )
     return _fragilities(words, fits, label("pga_g", words))
 
 
@@ -252,7 +256,7 @@ def _shares(fallen: Sequence[float], count: int) -> list[float]:
     return ((np.arange(len(fallen)) + 0.5) / max(count, 1)).tolist()
 
 
-def _fragilities(words: Words, fits: Sequence[Fit], measure: str) -> Figure:
+def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> Figure:
     """Draw probabilities of collapse over the measure, curves with their 95 % bounds; circles: what was seen."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
@@ -334,7 +338,7 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
         median, beta = known(row.median_g), known(row.beta)
         numbers = {"median": median, "dispersion": words.number(beta, COARSE)}
         name = words.plain("figure.fragility", state=_share(row.share, words), **numbers)
-        fits.append(Fit(name, median, beta, row.band, _seen(campaign, settlement, row.share)))
+        fits.append(FragilityCurve(name, median, beta, row.band, _seen(campaign, settlement, row.share)))
     sa = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
     return _fragilities(words, fits, label("pga_g", words) if campaign.measure == "PGA" else sa)
 

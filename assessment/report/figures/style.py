@@ -133,7 +133,7 @@ def _without_bands(figure: Figure) -> Bbox:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class Panels:
     """Panels of equal bounds, drawn at 1:scale on paper."""
 
     figure: Figure
@@ -187,7 +187,7 @@ def sheet(
     foot_mm: float = 10.0,
     below_mm: float = 4.0,
     most_mm: float = 105.0,
-) -> Sheet:
+) -> Panels:
     """Lay out `count` panels, two in a row, three if three, or below one another, at the largest usual scale.
 
     bounds (x0, z0, x1, z1) in m; every panel has a free border, `below_mm` high at its foot; `foot_mm` is kept below
@@ -220,7 +220,7 @@ def sheet(
         axes.set(xlim=(middle - half, middle + half), ylim=(z0 - below, z1 + above))
         axes.set_axis_off()
         panels.append(axes)
-    return Sheet(figure, panels, scale)
+    return Panels(figure, panels, scale)
 
 
 def chart(

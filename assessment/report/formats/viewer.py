@@ -15,10 +15,9 @@ from markupsafe import Markup
 from assessment.ntc.tables import QUOTED
 from assessment.report.tables.rows import moves, pushes
 from assessment.report.text.language import Words, label, scale
-from assessment.results.configurations.faces import faces_of
-from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, states_of
-from assessment.results.configurations.ties import ties_of
-from assessment.results.schema import Direction, Frames, Results, Snapshots, State, TieTension
+from assessment.results.configurations.frames import ties_of
+from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
+from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension
 
 VALUES = 15  # of a joint at a frame
 Series = dict[str, Any]
@@ -109,7 +108,7 @@ def _series(label: str, x: Sequence[float], y: Sequence[float]) -> Series:
     return {"label": label, "x": _short(x), "y": _short(y)}
 
 
-def _jumps(state: State, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
+def _jumps(state: StateResults, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
     """Yield the control displacements (mm, along x) at the d* of the limit states that a path of this reach has.
 
     The rigid activation has none: that of SLO and SLD is the end of the elastic branch, where the curve has one.

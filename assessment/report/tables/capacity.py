@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from assessment.ntc.tables import CHECKS, LINEAR
 from assessment.report.tables.rows import TABLES, Curves, Found, capacities, curves, table, without
 from assessment.report.text.language import Words
-from assessment.results.asked import checks_asked, determined_indices, undetermined
-from assessment.results.schema import Results, State
+from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, present
+from assessment.results.summary import checks_asked, determined_indices, undetermined
 from assessment.results.table import Row, Table, cells, reduction
 
 VERIFICATION = """d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified
@@ -80,7 +80,7 @@ def summary(results: Results) -> Table:
 TABLES["summary"] = summary
 
 
-def _sources(state: State, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
+def _sources(state: StateResults, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
     """Yield quantity, limit state and what has it in a state: the same of every state, None where it is not there."""
     pushover, capacity = state.pushover.get(direction), state.capacity.get(direction)
     rigid, elastic = (pushover.rigid, pushover.elastic) if pushover else (None, None)

@@ -8,8 +8,8 @@ import numpy as np
 
 from assessment.report.tables.rows import Found, table
 from assessment.results.configurations import hand_check as by_hand
+from assessment.results.configurations.frames import tie_ends, ties_of
 from assessment.results.configurations.joint_states import Situation, joint_states, loaded, situations
-from assessment.results.configurations.ties import tie_ends, ties_of
 from assessment.results.schema import Results
 from assessment.results.table import Row, sense
 from mechanics.types import Array

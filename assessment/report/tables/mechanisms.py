@@ -15,7 +15,7 @@ from assessment.results.configurations.hand_check import macro_blocks, rigid_pus
 from assessment.results.configurations.hand_check import mechanisms as found_mechanisms
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
-from assessment.results.schema.part import Configuration, present
+from assessment.results.schema.part import Configuration, known, present
 from assessment.results.schema.static import RigidPush
 from assessment.results.table import Row, cells, sense
 from mechanics.types import Array
@@ -133,9 +133,9 @@ def elastic_capacity(results: Results, state: str, direction: Direction) -> tupl
         return None
     curve, d_star = pushovers.elastic.curve, pushovers.elastic.d_star_m
     if d_star is None:
-        d_star = (sense(direction) * capacity.gamma_star * np.asarray(curve.displacement_m)).tolist()
+        d_star = (sense(direction) * known(capacity.gamma_star) * np.asarray(curve.displacement_m)).tolist()
     factor = float((results.echo.assessment or {}).get("confidence_factor", 1.0))
-    return np.asarray(d_star), np.asarray(curve.multiplier, dtype=float) / (capacity.e_star * factor)
+    return np.asarray(d_star), np.asarray(curve.multiplier, dtype=float) / (known(capacity.e_star) * factor)
 
 
 def excesses(results: Results) -> Iterator[Row]:

@@ -9,19 +9,23 @@ from typing import Annotated
 
 from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table
 from assessment.report.text.language import Words
-from assessment.results.asked import material, taken_to_collapse
 from assessment.results.configurations.hand_check import outline_area
 from assessment.results.configurations.joint_states import joint_states, loaded
 from assessment.results.schema import Results
-from assessment.results.schema.checks import Direction, StrengtheningRow
-from assessment.results.schema.model import Block, LayerLoads, QualityRow
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.model import WORST, DrawnBlock, LayerLoads
 from assessment.results.schema.part import named, present
-from assessment.results.schema.static import Contacts, TieTension
+from assessment.results.schema.static import Behaviour, TieTension
+from assessment.results.summary import material, taken_to_collapse
 from assessment.results.table import Row, Table, cells
 
 VARIABLE = {"variable_load_kN", "use_category", "psi_2"}
 MATERIAL = (
     "unit_weight_kN_m3 friction normal_stiffness_kN_m3 tangential_stiffness_kN_m3 compressive_strength_kN_m2"
+)
+STRENGTHENING = (
+    "state of direction alpha_0_before alpha_0 d_0_before_m d_0_m alpha_u_before alpha_u limit_state "
+    "a_g_before_g a_g_g zeta_E_before zeta_E dynamic_pga_before_g dynamic_pga_g gain"
 )
 COMPARISON = "state direction limit_state static_pga_g static_reduction dynamic_pga_g dynamic_reduction"
 AT = 0.999  # of the yield force: a tension that is it
@@ -31,10 +35,8 @@ PRINTED = {"short": 10, "full": 40}  # joints of a table of the report, those th
 # as in results.json: loads of layers, settled and strengthened states beside those before, certificates
 loads = table("loads", LayerLoads)(lambda results: results.loads or ())
 comparison = table("comparison", COMPARISON)(lambda results: results.comparison)
-strengthening = table("strengthening", " ".join(StrengtheningRow.model_fields))(
-    lambda results: results.strengthening or ()
-)
-quality = table("quality", QualityRow)(lambda results: results.quality.by_stage)
+strengthening = table("strengthening", STRENGTHENING)(lambda results: results.strengthening or ())
+quality = table("quality", f"state stage solves {' '.join(WORST)}")(lambda results: results.quality.by_stage)
 
 
 @table("blocks", "block layer support x_m z_m area_m2 depth_m vertical_load_kN")
@@ -48,7 +50,7 @@ def blocks(results: Results) -> Found:
 @table("layers", f"layer support blocks depth_m area_m2 {MATERIAL} vertical_load_kN")
 def layers(results: Results) -> Found:
     """Sum up each layer: its role, blocks, depth, material and loads; defaults from [material]."""
-    by_layer: dict[str, list[Block]] = {}
+    by_layer: dict[str, list[DrawnBlock]] = {}
     for block in results.geometry.blocks:
         name = f"{block.layer}, {block.region}" if block.region else block.layer
         by_layer.setdefault(name, []).append(block)
@@ -183,7 +185,7 @@ class EdgePressure:
     uncrushed_pressure_kN_m2: Annotated[float, named("Senza schiacciamento|Without crushing", shown="MPa")]
     state: str
     direction: Direction | None
-    contacts: Contacts
+    contacts: Behaviour
 
 
 def edge_pressures(results: Results) -> list[EdgePressure]:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
-from assessment.results.asked import taken_to_collapse
-from assessment.results.identified import told_of
 from assessment.results.schema import Results
 from assessment.results.schema.part import Part, named
 from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity
+from assessment.results.summary import taken_to_collapse, told_of
 from assessment.results.table import Row, Table, cells, quoted_check
 
 CAPACITY = "collapses alpha_0 alpha_u d_0_m limit_state a_g_g zeta_E"

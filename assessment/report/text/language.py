@@ -15,12 +15,8 @@ from typing import Any, TypeVar
 from markupsafe import Markup, escape
 
 from assessment.ntc.tables import ROCK
-from assessment.results.numbers import ratio_decimals
-from assessment.results.schema import (
-    Results,
-    derived,  # noqa: F401 - its columns
-)
-from assessment.results.schema.part import QUANTITIES, Quantity
+from assessment.results.schema import Results
+from assessment.results.schema.part import QUANTITIES, Quantity, ratio_decimals
 from assessment.results.table import Row
 from mechanics.messages import Message, english, filled, headed, linked
 

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from assessment.results.asked import material
-from assessment.results.configurations.faces import outlines
-from assessment.results.configurations.ties import lengthening, ties_of
+from assessment.results.configurations.frames import lengthening, ties_of
+from assessment.results.configurations.joint_states import outlines
 from assessment.results.schema import Direction, Results, RigidPush, known
 from assessment.results.schema.part import named
+from assessment.results.summary import material
 from assessment.results.table import Row, Table, columns_of, sense
 from mechanics.pictures import field, place
 from mechanics.types import Array

@@ -16,13 +16,13 @@ FORMAT: Final = 3
 """Of the file: it changes where a key goes, or gets another meaning."""
 
 
-class State(Part):
+class StateResults(Part):
     """`states.NAME`: the structure as drawn ("original"), or after a settlement or a strengthening of that name."""
 
     configuration: Configuration = key("x, z, ω of each block against the drawing; zeros: not reached")
     settlement: Settlement | None = key("the movement that leads to it; null: as drawn, or strengthened")
     strengthening: Strengthening | None = optional("what strengthens it after a movement; missing: nothing")
-    pushdown: dict[Contacts, PushdownPath] = key("the movement, by behaviour of the joints")
+    pushdown: dict[Behaviour, PushdownPath] = key("the movement, by behaviour of the joints")
     pushover: dict[Direction, Pushovers] = key("horizontal loads, by direction")
     capacity: dict[Direction, Capacity] = key("capacity and checks, by direction")
     history: list[History] = key("time histories")
@@ -44,11 +44,11 @@ class Results(Part):
     geometry: Geometry = key("blocks, joints, control points")
     loads: list[LayerLoads] | None = optional("vertical loads by layer, as combined")
     echo: Echo = key("the project file")
-    states: dict[str, State] = key("every state, by name")
-    spectra: dict[str, Spectrum] | None = optional("the demand, by limit state")
+    states: dict[str, StateResults] = key("every state, by name")
+    spectra: dict[str, DemandSpectrum] | None = optional("the demand, by limit state")
     knowledge: Knowledge | None = optional("what the confidence factor follows from")
     mechanisms: list[GivenMechanism] | None = optional("the mechanisms of the project file")
-    motions: list[Motion] | None = optional("the records of [[history]]")
+    motions: list[AppliedRecord] | None = optional("the records of [[history]]")
     comparison: list[ComparisonRow] = key("settled states beside the original one")
     strengthening: list[StrengtheningRow] | None = optional("strengthened states beside what they strengthen")
     scenarios: Scenarios | None = optional("all movements side by side")

@@ -8,19 +8,19 @@ from typing import Literal, Self
 from assessment.ntc.tables import CHECKS
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
-from assessment.results.schema.static import OtherLaw, Run, Sliding
+from assessment.results.schema.static import OtherLaw, Participation, Run, Sliding
 
 Direction = Literal["+x", "-x"]
 
 
-class CapacityCurve(Part):
+class OscillatorCurve(Part):
     """`capacity.+x.curve`: capacity of the equivalent oscillator."""
 
     d_star_m: list[float] = key("displacement d*")
     a_star_g: list[float] = key("acceleration a*, divided by the confidence factor")
 
 
-class Check(Part):
+class Check(Participation):
     """A check of a limit state."""
 
     method: Literal["linear", "elastic", "nonlinear"] = key("which check")
@@ -33,7 +33,6 @@ class Check(Part):
         "of a linear check: a_g S/q, or a_Z/q at height", "a_D di domanda|a_D demanded"
     )
     alpha_0: float | None = optional("of a linear check: multiplier that activates the first mechanism")
-    e_star: float | None = optional("of a linear check: share of the mass that takes part, e*")
     pga_g: float | None = optional("capacity, S a_g", "PGA", null="not_determined", ground="surface")
     demand_pga_g: float | None = optional(
         "demand at the surface, S a_g", "PGA di domanda|PGA demanded", null="not_determined", ground="surface"
@@ -74,6 +73,14 @@ class NominalCheck(Check):
 class _Checked(Part):
     """What has checks of limit states, each a key of its name."""
 
+    SLO: Check | None = optional("check at SLO")
+    SLO_elastic: Check | None = optional("end of the elastic branch at SLO", alias="SLO elastic")
+    SLD: Check | None = optional("linear check at SLD: a_0* of the rigid multiplier")
+    SLD_elastic: Check | None = optional("end of the elastic branch at SLD", alias="SLD elastic")
+    SLV: Check | None = optional("nonlinear check at SLV")
+    SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
+    SLC: Check | None = optional("nonlinear check at SLC")
+
     @property
     def checks(self) -> dict[str, Check]:
         """The checks that were made, by their names in the file."""
@@ -109,7 +116,7 @@ class VerticalCheck(Part):
     trace: list[Line] = key("its calculation")
 
 
-class Capacity(_Checked):
+class Capacity(_Checked, Participation):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
     run: Run | None = optional("which run it is of; missing: not told")
@@ -120,21 +127,12 @@ class Capacity(_Checked):
     other_law: OtherLaw | None = optional("by the other law of friction, where α_0 differs by 1 % or more")
     mechanism: Count = key("the mechanism", "Meccanismo|Mechanism")
     alpha_0: float | None = optional("multiplier of the rigid mechanism")
-    e_star: float = key("share of the mass that takes part, e*")
-    gamma_star: float = key("participation factor Γ*")
     T_0_s: float | None = key("period of the elastic branch; null: the curve is rigid", "T_0")
     model: str = key("fitted curve: trilinear, bilinear, none")
     d_0_star_m: float | None = key("displacement where the capacity vanishes, d_0*", "d_0*", shown="mm")
     notes: list[Sentence] = key("what to know about the fitted curve")
-    curve: CapacityCurve = key("capacity curve")
+    curve: OscillatorCurve = key("capacity curve")
     trace: list[Line] = key("calculation of the curve")
-    SLO: Check | None = optional("check at SLO")
-    SLO_elastic: Check | None = optional("end of the elastic branch at SLO", alias="SLO elastic")
-    SLD: Check | None = optional("linear check at SLD: a_0* of the rigid multiplier")
-    SLD_elastic: Check | None = optional("end of the elastic branch at SLD", alias="SLD elastic")
-    SLV: Check | None = optional("nonlinear check at SLV")
-    SLV_linear: Check | None = optional("linear check at SLV, with the behaviour factor", alias="SLV linear")
-    SLC: Check | None = optional("nonlinear check at SLC")
     vertical: VerticalCheck | None = optional("linear check with the vertical component, where asked for")
     scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
     nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
@@ -145,23 +143,26 @@ class Capacity(_Checked):
         return present({name: check.zeta_E for name, check in self.checks.items()})
 
 
-class Governing(Part):
-    """`governing`: the least ratio of all checks of a state."""
+class Weakest(Part):
+    """Where a state bears least."""
 
     direction: Direction = key("direction of the push")
     limit_state: str = key("which check")
+
+
+class Governing(Weakest):
+    """`governing`: the least ratio of all checks of a state."""
+
     ratio: float = key("a_g S borne per a_g S demanded")
 
 
-class SafetyIndex(Part):
+class SafetyIndex(Weakest):
     """`safety_index`: the least ζ_E at SLV and SLC of a state (NTC 2018, §8.3)."""
 
-    direction: Direction = key("direction of the push")
-    limit_state: str = key("which check")
-    zeta_E: float = key("the index")
+    zeta_E: float = key("the index, or the ratio where neither SLV nor SLC was checked")
 
 
-class Spectrum(Part):
+class DemandSpectrum(Part):
     """`spectra.SLV`, …: the demand at a limit state."""
 
     kind: Literal["ground", "floor", "record"] = key("whose spectrum", "Spettro|Spectrum")
@@ -194,7 +195,7 @@ class GivenMacroBlock(Part):
     blocks: list[int] = key("numbers of its blocks")
 
 
-class GivenMechanism(_Checked):
+class GivenMechanism(_Checked, Participation):
     """`mechanisms[]`: a mechanism of the project file; one that is refused has nothing but the reason."""
 
     name: str = key("name in the project file")
@@ -205,13 +206,11 @@ class GivenMechanism(_Checked):
     alpha_0_limit: float | None = optional(
         "α_0 of its state in that direction; null: not known", "α_0 analisi limite|α_0 limit analysis"
     )
-    e_star: float | None = optional("share of the mass that takes part")
-    gamma_star: float | None = optional("participation factor Γ* of its control point")
     control_m: Point | None = optional("the point whose displacement is followed, in its state: x, z")
     a_0_star_g: float | None = optional("acceleration that starts it, divided by the confidence factor")
     d_0_m: float | None = optional("displacement of that point where α = 0; null: not found, `notes` say why")
     d_0_star_m: float | None = optional("the same of the equivalent oscillator")
-    curve: CapacityCurve | None = optional("capacity curve of its finite motion; null: not found")
+    curve: OscillatorCurve | None = optional("capacity curve of its finite motion; null: not found")
     moving_weight_kN: float | None = optional("seismic weight that moves")
     macro_blocks: list[GivenMacroBlock] | None = optional("its macro-blocks", "Macroblocchi|Macro-blocks")
     displacements: Configuration | None = optional("x, z, ω of each block, the largest being 1 m")
@@ -220,11 +219,6 @@ class GivenMechanism(_Checked):
     met: list[Face] | None = optional("pairs of faces that touch in its state and not as drawn")
     notes: list[Sentence] | None = optional("what to know about it")
     trace: list[Line] | None = optional("its calculation")
-    SLO: Check | None = optional("activation at SLO")
-    SLD: Check | None = optional("activation at SLD")
-    SLV_linear: Check | None = optional("linear check at SLV", alias="SLV linear")
-    SLV: Check | None = optional("nonlinear check at SLV")
-    SLC: Check | None = optional("nonlinear check at SLC")
 
 
 class ComparisonRow(Part):
@@ -257,23 +251,33 @@ class ComparisonRow(Part):
     dynamic_to_static: float | None = optional("dynamic one over that", "Dinamica / statica|Dynamic / static")
 
 
-class StrengtheningRow(Part):
+class Multipliers(Part):
+    """What a state bears in a direction; null: not found."""
+
+    alpha_0: float | None = optional("largest multiplier with rigid joints, α_0")
+    d_0_m: float | None = optional("displacement capacity d_0")
+    alpha_u: float | None = optional("largest multiplier with elastic joints, α_u")
+
+
+class Borne(Multipliers):
+    """The same, and at a limit state."""
+
+    a_g_g: float | None = optional("capacity a_g at `limit_state`; null: not defined")
+    zeta_E: float | None = optional("ratio to the demand")
+
+
+class StrengtheningRow(Borne):
     """`strengthening[]`: a strengthened state beside the one that it strengthens; null: not known."""
 
     state: str = key("the strengthened state")
     of: str = key("the state before")
     direction: Direction | None = key("direction of the push; null: no pushover")
     alpha_0_before: float | None = optional("α_0, rigid joints, before")
-    alpha_0: float | None = optional("α_0 afterwards")
     d_0_before_m: float | None = optional("displacement capacity d_0 before")
-    d_0_m: float | None = optional("d_0 afterwards")
     alpha_u_before: float | None = optional("α_u, elastic joints, before")
-    alpha_u: float | None = optional("α_u afterwards")
     limit_state: str | None = optional("limit state of a_g and ζ_E: SLV where it was checked")
     a_g_before_g: float | None = optional("capacity a_g before")
-    a_g_g: float | None = optional("capacity a_g afterwards")
     zeta_E_before: float | None = optional("ratio to the demand before")
-    zeta_E: float | None = optional("ratio to the demand afterwards")
     dynamic_pga_before_g: float | None = optional("PGA at collapse before")
     dynamic_pga_g: float | None = optional("PGA at collapse afterwards")
     gain: float | None = key(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
-from assessment.results.schema.static import Pictured
+from assessment.results.schema.static import Pictured, TiePull
 
 Range = list[float | None]
 """Least and largest of the members of an ensemble; null: a collapse, beyond any value."""
@@ -11,7 +11,7 @@ Bound = list[float]
 """A probability and two levels."""
 
 
-class Motion(Part):
+class AppliedRecord(Part):
     """`motions[]`: a record as it shakes the base, thinned for figures."""
 
     name: str = key("name of the record")
@@ -47,16 +47,13 @@ class Snapshots(Pictured):
     displacement_m: list[float] = key("of the control point along x")
 
 
-class ShakenTie(Part):
+class ShakenTie(TiePull):
     """`ties[]` of a history: the tension of a tie while the base moves."""
 
-    tie: str = key("name of the tie")
-    greatest_kN: float | None = key("greatest tension; null: rigid joints do not determine it")
-    time_s: float | None = key("when that is, in the record's file; null: likewise")
-    yields: bool = key("whether it reaches the yield force")
+    time_s: float | None = key("when it is greatest, in the record's file; null: likewise")
 
 
-class Energy(Part):
+class EnergyBalance(Part):
     """`energy`: the balance of a motion from its beginning to its end."""
 
     kinetic_kNm: float = key("change of the kinetic energy", "Cinetica|Kinetic")
@@ -70,10 +67,30 @@ class Energy(Part):
     residual_kNm: float = key("what does not balance", "Residuo|Open")
 
 
-class History(Part):
-    """`history[]`: one record from the state at rest; without a start only the reason is there."""
+class Peaks(Part):
+    """How far the control point goes, either way, and how it ends: of a motion, or the worst of several."""
+
+    peak_displacement_m: float | None = key(
+        "largest displacement; null: a collapse", "Picco|Peak", shown="mm"
+    )
+    residual_displacement_m: float | None = key(
+        "displacement at the end; null: a collapse", "Alla fine|At the end", shown="mm"
+    )
+    time_of_collapse_s: float | None = key(
+        "in the record, of the first to collapse; null: it stands", "t di collasso|t of collapse"
+    )
+    reason: Sentence | None = key("of the collapse, or why it was not computed")
+
+
+class OfRecord(Part):
+    """What is of one record."""
 
     record: str = key("name of the record", "Accelerogramma|Record")
+
+
+class History(OfRecord, Peaks):
+    """`history[]`: one record from the state at rest; without a start only the reason is there."""
+
     pga_g: float = key("its largest acceleration in the window, scale included")
     scale: float = key("factor on the record")
     time_step_s: float = key("time step")
@@ -81,13 +98,7 @@ class History(Part):
     integrator: str | None = key("integrator used", "Integrazione|Integration")
     amplitude: float = key("factor of the member that the numbers are of: 1, or within 1 % of it")
     control: str = key("control point", "Controllo|Control")
-    peak_displacement_m: float | None = key("of the control point, either way", "Picco|Peak", shown="mm")
-    residual_displacement_m: float | None = key(
-        "displacement at the end; null: collapse", "Alla fine|At the end", shown="mm"
-    )
     collapsed: bool | None = key("whether it ends in collapse; null: not computed", "Collasso|Collapse")
-    time_of_collapse_s: float | None = key("in the record; null: it stands", "t di collasso|t of collapse")
-    reason: Sentence | None = key("of the collapse, or why it was not computed")
     sustained_displacement_m: float | None = optional("largest one from which the structure came back")
     time_of_peak_s: float | None = optional("when that is")
     free_motion_from_s: float | None = optional("end of the record, where motion goes on; null: it does not")
@@ -95,7 +106,7 @@ class History(Part):
     snapshots: Snapshots | None = optional("some of its configurations")
     peak_configuration: Configuration | None = optional("at `time_of_peak_s`")
     final_configuration: Configuration | None = optional("at the end")
-    energy: Energy | None = optional("its energies")
+    energy: EnergyBalance | None = optional("its energies")
     integrator_chosen: str | None = optional("why that integrator")
     integrator_share: float | None = optional(
         "what the integrator took, over the energy turned over",
@@ -125,18 +136,14 @@ class MemberCurve(Course):
     factor: float = key("on the level, 1 of the record itself")
 
 
-class Level(Part):
+class Level(Peaks):
     """`points[]` of a record: what its motions come to at one PGA; of no motion that was completed: null."""
 
     pga_g: float = key("level")
-    peak_displacement_m: float | None = key("largest peak; null: a collapse")
     peak_displacement_m_range: Range = key("least and largest peak; null: a collapse")
-    residual_displacement_m: float | None = key("largest at the end; null: a collapse")
     members: int = key("motions that were run: one, of stripes up to `scatter`")
     members_collapsed: int = key("motions that collapse")
     collapsed: bool | None = key("whether any collapses; null: not known, which counts as neither")
-    time_of_collapse_s: float | None = key("of the first to collapse")
-    reason: Sentence | None = key("of its collapse, or why it is not known")
     integrator_share: float | None = key("what the integrator took of the energy turned over: the largest")
     curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
 
@@ -194,10 +201,9 @@ class SignScan(Scanned):
     same_as: int | None = optional("the sign that was run: of a symmetric structure this is its mirror image")
 
 
-class Search(Scanned):
+class Search(OfRecord, Scanned):
     """`incremental.records[]`: the PGA at collapse of one record; the numbers are those of the worse sign."""
 
-    record: str = key("name of the record")
     record_pga_g: float = key("its own PGA", "PGA dell’accelerogramma|PGA of the record", ground="surface")
     sign: int | None = key("the sign that counts: 1, as in the file, or −1; null: not known")
     pga_collapse_g_range: Range | None = optional(
@@ -217,15 +223,13 @@ class MeasureFit(Part):
     beta: float | None = key("standard deviation of its logarithm")
 
 
-class Fragility(Part):
-    """`fragility`: lognormal distribution of the PGA at collapse."""
+class Spread(Part):
+    """How the levels at collapse scatter: lognormal distributions of their median and β."""
 
-    median_g: float = key("median")
-    dispersion: float = key("β of ln PGA: of records and within them", "Dispersione β|Dispersion β")
-    records: int = key("records that it is of", "Accelerogrammi|Records")
-    censored: int = key("observations (record and sign) without collapse: lower bounds")
-    beta_record: float | None = key("β of 50 % levels of the records")
-    beta_ensemble: float | None = key("β of the levels of one record, the root of the mean square")
+    beta_record: float | None = key("β of 50 % levels of the records", "β accelerogr.|β records", digits=2)
+    beta_ensemble: float | None = key(
+        "β of the levels of one record, the root of the mean square", "β insieme|β ensemble", digits=2
+    )
     level_16_g: float | None = key("level of which 16 % collapse")
     level_84_g: float | None = key("level of which 84 % collapse")
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
@@ -233,7 +237,16 @@ class Fragility(Part):
     band: list[Bound] | None = optional(
         "probability, and the 95 % bounds of the level that has it; empty: few records", unit="–, g"
     )
-    measures: list[MeasureFit] = key("the same levels by other measures of the records")
+    measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
+
+
+class Fragility(Spread):
+    """`fragility`: lognormal distribution of the PGA at collapse."""
+
+    median_g: float = key("median")
+    dispersion: float = key("β of ln PGA: of records and within them", "Dispersione β|Dispersion β")
+    records: int = key("records that it is of", "Accelerogrammi|Records")
+    censored: int = key("observations (record and sign) without collapse: lower bounds")
 
 
 class Loss(Part):
@@ -267,10 +280,9 @@ class Incremental(Part):
     pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all levels collapse")
 
 
-class CampaignRecord(Part):
+class CampaignRecord(OfRecord):
     """`campaign.records[]`: a record as applied."""
 
-    record: str = key("name of the record")
     record_pga_g: float = key("its PGA, the factor included")
     pgv_m_s: float | None = optional("its PGV, the factor included", "PGV")
     sa_g: float | None = optional("its S_a(T), where that is the measure", "S_a(T)")
@@ -292,20 +304,22 @@ class CampaignSpectrum(Part):
     within: bool = key("whether both are usual")
 
 
-class SameAs(Part):
+class OfMovement(Part):
+    """What is of a part of a movement."""
+
+    settlement: str = key("name of the movement", "Cedimento|Movement")
+    share: float = key("of the movement")
+
+
+class SameAs(OfMovement):
     """`same_as`: the combination that has the same state, and was run."""
 
-    settlement: str = key("name of the movement")
-    share: float = key("of the movement")
     sign: int = key("factor on the record; the other one: its mirror image", unit="–")
 
 
-class CampaignCombination(Scanned):
+class CampaignCombination(OfRecord, OfMovement, Scanned):
     """`campaign.combinations[]`: a record of one sign from one settled state."""
 
-    record: str = key("name of the record")
-    settlement: str = key("name of the movement")
-    share: float = key("of the movement")
     sign: int = key("factor on the record, 1 or −1", "Segno|Sign")
     pga_collapse_range: Range | None = key(
         "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", unit="g"
@@ -318,27 +332,15 @@ class CampaignCombination(Scanned):
     same_as: SameAs | None = optional("where another combination has the numbers")
 
 
-class CampaignFragility(Part):
+class CampaignFragility(OfMovement, Spread):
     """`campaign.fragility[]`: lognormal distribution of the level at collapse after a movement."""
 
-    settlement: str = key("name of the movement", "Cedimento|Movement")
-    share: float = key("of the movement")
     movement_m: float = key("largest component")
     combinations: int = key("combinations", "Combin.")
     failed: int = key("of these, not completed, in no median", "Non completate|Not completed")
     withstood: int = key("of these, without collapse: lower bounds", "Sopportate|Withstood")
     median_g: float | None = key("median of the measure; null: not known", "Mediana|Median", ground="surface")
-    median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
     beta: float | None = key("standard deviation of ln measure: of records and within them", "β", digits=2)
-    beta_range: Range | None = key("95 % of the bootstrap")
-    beta_record: float | None = key("β of 50 % levels of the records", "β accelerogr.|β records", digits=2)
-    beta_ensemble: float | None = key(
-        "β of the levels of one record, the root of the mean square", "β insieme|β ensemble", digits=2
-    )
-    level_16_g: float | None = key("level of which 16 % collapse")
-    level_84_g: float | None = key("level of which 84 % collapse")
-    band: list[Bound] | None = optional("as of `incremental.fragility`, of the measure", unit="–, g")
-    measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
     rule: str | None = key(
         "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or "
         "stripes",
@@ -347,11 +349,9 @@ class CampaignFragility(Part):
     pga_collapse_g: float | None = key("what counts by it, the worse sign of each; null: open, or no rule")
 
 
-class CampaignLoss(Loss):
+class CampaignLoss(OfMovement, Loss):
     """`campaign.loss[]`: 1 − capacity after a movement / capacity before."""
 
-    settlement: str = key("name of the movement")
-    share: float = key("of the movement")
     movement_m: float = key("largest component")
     static: float | None = key("of the static check, weaker direction")
     static_capacity: float | None = key("of `static_quantity`; a_g as a_g S, at the surface", unit="g or –")

@@ -7,7 +7,7 @@ from typing import Any
 from assessment.results.schema.part import Part, Point, Sentence, key, optional
 
 
-class Tie(Part):
+class DrawnTie(Part):
     """`model.ties[]`: a tie rod as drawn."""
 
     name: str = key("name in the project file")
@@ -37,10 +37,10 @@ class ModelSummary(Part):
     weight_kN: float = key("weight of the movable blocks with their vertical loads")
     self_weight_stable: bool = key("whether the structure stands as drawn; false: nothing else was computed")
     warnings: list[Sentence] = key("what is odd in the drawing")
-    ties: list[Tie] | None = optional("tie rods; missing: none")
+    ties: list[DrawnTie] | None = optional("tie rods; missing: none")
 
 
-class Block(Part):
+class DrawnBlock(Part):
     """`geometry.blocks[]`: a block as drawn; the number of a block is its place in this list, from 0."""
 
     vertices_m: list[Point] = key("corners, anticlockwise: x, z")
@@ -98,7 +98,7 @@ class Joint(Face):
 class Geometry(Part):
     """`geometry`: blocks, joints and control points as read from the drawing."""
 
-    blocks: list[Block] = key("the blocks")
+    blocks: list[DrawnBlock] = key("the blocks")
     controls: list[Control] = key("the control points, the default one first")
     joints: list[Joint] = key("the joints")
     origin_m: Point | None = optional("of a drawing far from (0, 0): where hand checks count from")
@@ -160,27 +160,34 @@ class Software(Part):
     packages: dict[str, str] = key("versions of the libraries by name")
 
 
-class QualityRow(Part):
+class Certificates(Part):
+    """How many programs were solved, and the worst of their certificates; null or missing: none of the kind."""
+
+    solves: int = key("programs solved", "Problemi|Programs")
+    worst_equilibrium_residual: float | None = optional(
+        "largest unbalanced force, per weight", "Equilibrio|Equilibrium"
+    )
+    worst_penetration_m: float | None = optional("deepest of two blocks", "Compenetr.|Penetration")
+    worst_complementarity: float | None = optional(
+        "largest contact force times its gap, per weight and step", "Complem."
+    )
+    worst_cone_violation: float | None = optional("force outside the cone, per weight", "Attrito|Friction")
+
+
+WORST = tuple(name for name in Certificates.model_fields if name.startswith("worst_"))
+
+
+class QualityRow(Certificates):
     """`quality.by_stage[]`: the worst certificate of the programs that an analysis solved."""
 
     state: str | None = key("state; null: of several")
     stage: str = key("which analysis", "Fase|Stage")
-    solves: int = key("programs solved", "Problemi|Programs")
-    worst_equilibrium_residual: float = key("largest unbalanced force, per weight", "Equilibrio|Equilibrium")
-    worst_penetration_m: float | None = optional("deepest of two blocks", "Compenetr.|Penetration")
-    worst_complementarity: float = key("largest contact force times its gap, per weight and step", "Complem.")
-    worst_cone_violation: float | None = optional("force outside the cone, per weight", "Attrito|Friction")
     lifting: int | None = optional("points solved with dilation, where Coulomb's law was not; missing: none")
 
 
-class Quality(Part):
+class Quality(Certificates):
     """`quality`: the certificates of all programs, and every warning of the run."""
 
-    solves: int = key("programs solved in all")
-    worst_equilibrium_residual: float | None = optional("the worst of all analyses")
-    worst_penetration_m: float | None = optional("the worst of all analyses")
-    worst_complementarity: float | None = optional("the worst of all analyses")
-    worst_cone_violation: float | None = optional("the worst of all analyses")
     warnings: list[Sentence] = key("what the reader has to know")
     by_stage: list[QualityRow] = key("the same of every analysis")
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Annotated, Any, Self, TypeVar, get_args, get_origin
 
 from pydantic import (
@@ -197,3 +199,42 @@ class Worded(Part):
     fields: dict[str, str | int | float | Worded | list[str | int | float | Worded]] = key(
         "text, number or sentence of each field, or a list of them"
     )
+
+
+def finite(value: float | None) -> float | None:
+    """Return a number that is finite; None for NaN, infinity and None."""
+    return value if value is not None and math.isfinite(value) else None
+
+
+def ratio_decimals(value: float, decimals: int = 2) -> int:
+    """Return the decimals of a ratio that is compared with 1: those, or more where they tell the wrong side of it."""
+    while (float(f"{value:.{decimals}f}") >= 1.0) != (value >= 1.0) and decimals < 15:
+        decimals += 1
+    return decimals
+
+
+def plain(value: Any) -> Any:
+    """Return a value in dictionaries, lists, strings and Python's own numbers; null for NaN and infinity.
+
+    Of a part of the results come the keys that were set, by their names in the file. A list of finite
+    floats is returned itself.
+    """
+    if isinstance(value, float):  # first: they are most
+        return float(value) if math.isfinite(value) else None
+    if type(value) is list and _finite(value):
+        return value
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, BaseModel):
+        return value.model_dump(by_alias=True, exclude_unset=True)
+    return value.item() if hasattr(value, "item") else value
+
+
+def _finite(values: list[Any]) -> bool:
+    """Whether lists, and lists within, hold finite floats alone: as those out of JSON do, with most of all numbers."""
+    kinds = set(map(type, values))
+    if kinds == {list}:
+        return _finite(list(chain.from_iterable(values)))
+    return kinds == {float} and math.isfinite(sum(values))

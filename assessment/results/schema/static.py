@@ -7,7 +7,7 @@ from typing import Literal
 from assessment.results.schema.model import Face
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
 
-Contacts = Literal["rigid", "elastic"]
+Behaviour = Literal["rigid", "elastic"]
 Sliding = Literal["associative", "coulomb"]
 
 
@@ -18,10 +18,21 @@ class Run(Part):
     member: int = key("1: the run; more: one with other increments and corners moved by 1e-7 of a block")
 
 
-class TieTension(Part):
-    """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
+class TiePull(Part):
+    """The tension of a tie, along a path or while the base moves."""
 
     tie: str = key("name of the tie", "Catena|Tie")
+    greatest_kN: float | None = key(
+        "greatest tension, where determined; null: rigid joints do not determine it",
+        "Massimo|Greatest",
+        null="none",
+    )
+    yields: bool = key("whether it reaches the yield force", "Snervata|Yields")
+
+
+class TieTension(TiePull):
+    """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
+
     rest_kN: float | None = key(
         "where the path starts; null: rigid joints do not determine it", "In quiete|At rest", null="none"
     )
@@ -30,10 +41,6 @@ class TieTension(Part):
         "A α_0, α_u|At α_0, α_u",
         null="none",
     )
-    greatest_kN: float | None = key(
-        "greatest along the path, where determined; null: nowhere", "Massimo|Greatest", null="none"
-    )
-    yields: bool = key("whether it reaches the yield force", "Snervata|Yields")
 
 
 class Pictured(Part):
@@ -64,7 +71,16 @@ class LocalLoss(Part):
     overlap_m: float = key("how far its faces overlap where the path starts")
 
 
-class PushdownPath(Part):
+class Path(Part):
+    """What every static path has."""
+
+    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
+    end: Sentence = key("why the path ends")
+    frames: Frames = key("some of its configurations")
+    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
+
+
+class PushdownPath(Path):
     """`pushdown.rigid`, `.elastic`: a support moves as the settlement asks, and on to collapse where asked for."""
 
     movement_m: list[float] = key("largest component of the movement along the path")
@@ -78,14 +94,10 @@ class PushdownPath(Part):
     ultimate_movement_m_range: list[float | None] | None = optional("of an ensemble; null: none in some")
     run: Run | None = optional("which run it is; missing: not told")
     local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
-    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for")
-    end: Sentence = key("why the path ends")
     configuration: Configuration = key("after the whole movement, or where the structure falls")
     ultimate_configuration: Configuration | None = key("just before collapse; null: not reached")
     control_displacement_m: list[Point] | None = key("x, z of the first control point along the path")
-    frames: Frames = key("some of its configurations")
-    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
 class Curve(Part):
@@ -99,14 +111,27 @@ class Curve(Part):
     multiplier: list[float] = key("horizontal forces per seismic weight, α", "Moltiplicatore α|Multiplier α")
 
 
-class Mechanism(Part):
+class Push(Path):
+    """What a pushover has with joints of either behaviour."""
+
+    reached_zero: bool = key("whether the curve falls to α = 0")
+    curve: Curve = key("the curve")
+    members: list[Curve] | None = optional("curves of the other members of the ensemble")
+
+
+class Participation(Part):
+    """Shares of a mechanism in the motion; missing or null: not defined."""
+
+    e_star: float | None = optional("share of the mass that takes part, e*", "e*")
+    gamma_star: float | None = optional("participation factor Γ* of the control point", "Γ*")
+
+
+class Mechanism(Participation):
     """`mechanism`: virtual displacements at the activation (where α_0 is reached)."""
 
     point: int = key("which point of the curve")
     alpha: float = key("multiplier there", "α")
     hinges: int = key("joints that turn", "Cerniere|Hinges")
-    e_star: float | None = key("share of the mass that takes part, e*; null: not defined", "e*")
-    gamma_star: float | None = key("participation factor Γ*; null: not defined", "Γ*")
     displacements: Configuration = key("x, z, ω of each block; the control point moves by 1 m along x")
     control_displacement_x: float = key("of the control point: 1, −1, less where it hardly moves", unit="m")
     hinge_points_m: list[Point] = key("x, z of each hinge in its configuration")
@@ -141,7 +166,7 @@ class SecondSolver(Part):
     )
 
 
-class RigidPush(Part):
+class RigidPush(Push):
     """`pushover.+x.rigid`: the capacity curve with rigid joints."""
 
     alpha_0: float = key("largest multiplier of the curve, α_0", "α_0")
@@ -158,13 +183,8 @@ class RigidPush(Part):
         "d* of the blocks that move, at each point of the curve: ΣPδu/ΣPδ, u how far each has gone since the "
         "mechanism formed; null: Γ* is not defined"
     )
-    reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
     local_loss: LocalLoss | None = optional("the first joint lost: limit of SLV and SLC where none is given")
-    end: Sentence = key("why the path ends")
-    curve: Curve = key("the curve")
-    members: list[Curve] | None = optional("curves of the other members of the ensemble")
-    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     mechanism: Mechanism = key("the mechanism at its activation")
     onset: Mechanism | None = optional(
         "the mechanism that `alpha_onset` sets in motion, of which the linear checks are; missing: the same"
@@ -178,11 +198,9 @@ class RigidPush(Part):
     )
     mechanism_configuration: Configuration = key("where the mechanism starts")
     final_configuration: Configuration = key("at the end of the curve")
-    frames: Frames = key("some of its configurations")
-    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
-class ElasticPush(Part):
+class ElasticPush(Push):
     """`pushover.+x.elastic`: the curve with elastic joints."""
 
     alpha_u: float = key("largest multiplier, α_u", "α_u")
@@ -198,16 +216,9 @@ class ElasticPush(Part):
     d_star_m: list[float] | None = optional(
         "d* of the blocks that move, at each point: those of the rigid mechanism; missing: no check"
     )
-    end: Sentence = key("why the path ends")
-    reached_zero: bool = key("whether the curve falls to α = 0")
     lost: bool | None = optional("whether no equilibrium lies beyond its last point")
-    curve: Curve = key("the curve")
-    members: list[Curve] | None = optional("curves of the other members of the ensemble")
-    sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
     rest_configuration: Configuration = key("at rest, before the push")
     peak_configuration: Configuration = key("at the peak")
-    frames: Frames = key("some of its configurations")
-    ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
 class Pushovers(Part):
@@ -220,7 +231,7 @@ class Pushovers(Part):
     elastic: ElasticPush | None = optional("elastic joints")
 
     @property
-    def by_contacts(self) -> dict[Contacts, RigidPush | ElasticPush]:
+    def by_contacts(self) -> dict[Behaviour, RigidPush | ElasticPush]:
         """The curves that are there."""
         return present({"rigid": self.rigid, "elastic": self.elastic})
 
@@ -233,11 +244,16 @@ class Strengthening(Part):
     layers: list[str] = key("layers whose joints are changed")
 
 
-class Settlement(Part):
-    """`settlement`: the movement that leads to the state."""
+class Moved(Part):
+    """A rigid movement of a support."""
 
     support: str = key("name of the support that moves", "Appoggio|Support")
     displacement_m: Point = key("x, z")
     rotation_rad: float = key("about the centroid of the support, anticlockwise", "Rotazione|Rotation")
+
+
+class Settlement(Moved):
+    """`settlement`: the movement that leads to the state."""
+
     increment_m: float = key("increment of the largest component")
     after: str | None = optional("state in which it begins; missing: as drawn")

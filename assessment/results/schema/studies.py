@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from assessment.results.schema.checks import Direction
+from assessment.results.schema.checks import Borne, Direction
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
+from assessment.results.schema.static import Moved
 
 
 class ConvergenceRow(Part):
@@ -65,15 +66,10 @@ class Convergence(Part):
     incremental: list[ConvergenceRow] | None = optional("PGA at collapse")
 
 
-class Capacities(Part):
+class Capacities(Borne):
     """What a study keeps of one state in one direction."""
 
     collapses: bool = key("whether the structure falls before the whole movement", "Collasso|Collapse")
-    alpha_0: float | None = optional("largest multiplier, rigid joints; null: not reached")
-    d_0_m: float | None = optional("displacement capacity; null: not reached")
-    alpha_u: float | None = optional("largest multiplier, elastic joints; null: not reached")
-    a_g_g: float | None = optional("capacity at `limit_state`; null: not defined")
-    zeta_E: float | None = optional("ratio to the demand")
 
 
 class ScenarioPoint(Capacities):
@@ -88,14 +84,19 @@ class ScenarioPoint(Capacities):
     )
 
 
-class Scenarios(Part):
+class Studied(Part):
+    """What scenarios and sensitivity have."""
+
+    limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
+    warnings: list[Sentence] = key("of the single runs")
+
+
+class Scenarios(Studied):
     """`scenarios`: all movements side by side."""
 
     quantity: str = key("key that they are compared by", "Grandezza|Quantity")
-    limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
     points: list[ScenarioPoint] = key("every part of every movement")
     worst: ScenarioPoint | None = key("the worst of them; null: none is known")
-    warnings: list[Sentence] = key("of the single runs")
 
 
 class SensitivityRun(Capacities):
@@ -107,15 +108,13 @@ class SensitivityRun(Capacities):
     direction: Direction = key("direction of the push")
 
 
-class Sensitivity(Part):
+class Sensitivity(Studied):
     """`sensitivity`: every state with each property lower and higher."""
 
-    limit_state: str | None = key("limit state of a_g and ζ_E; null: no assessment")
     runs: list[SensitivityRun] = key("two to a property, state and direction")
-    warnings: list[Sentence] = key("of the single runs")
 
 
-class SupportMovement(Part):
+class FittedMovement(Part):
     """`movement[]`: what a support did; standard errors are null where the measurements do not determine them.
 
     Components that the hypothesis holds at zero have no standard error.
@@ -148,7 +147,7 @@ class Explanation(Part):
 
     hypothesis: Sentence = key("supports and their unknowns", "Ipotesi|Hypothesis")
     unknowns: int = key("number of unknowns", "Incognite|Unknowns")
-    movement: list[SupportMovement] = key("the best movement; empty: none could be followed")
+    movement: list[FittedMovement] = key("the best movement; empty: none could be followed")
     chi_squared: float | None = key("sum of squared residuals over sigma; null: none could be followed", "χ²")
     degrees_of_freedom: int = key("measurements less unknowns", "Gradi di libertà|Degrees of freedom")
     probability: float | None = key("of a χ² as large, were the hypothesis true; null: no degree of freedom")
@@ -162,13 +161,10 @@ class Explanation(Part):
     configuration: Configuration | None = key("of the blocks after the movement; null: none")
 
 
-class ReadySettlement(Part):
+class ReadySettlement(Moved):
     """`settlements[]`: a support's movement as [[settlements]] of the project file has it."""
 
     name: str = key("name of the state")
-    support: str = key("support")
-    displacement_m: Point = key("along x and z")
-    rotation_rad: float = key("about the support's centroid")
 
 
 class MeasuredPoint(Part):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from assessment.results.schema.checks import Direction
+from assessment.results.schema.checks import Count, Direction, Multipliers, SafetyIndex
 from assessment.results.schema.part import Part, key, optional
 from assessment.results.schema.static import OtherLaw, Run
 
@@ -20,16 +20,14 @@ class SummaryCheck(Part):
     gain: float | None = optional("of a strengthened state: ζ_E/ζ_E(before) − 1")
 
 
-class SummaryMechanism(Part):
+class SummaryMechanism(Count):
     """`summary.rows[].mechanism`: what moves where α_0 is reached with rigid joints."""
 
     kind: Literal["overturning", "hinges", "sliding", "mixed"] = key("one hinge; several; slides alone; both")
-    hinges: int = key("joints that turn")
-    sliding_joints: int = key("joints that slide")
     moving_weight_kN: float = key("weight of the blocks that move")
 
 
-class SummaryRow(Part):
+class SummaryRow(Multipliers):
     """`summary.rows[]`: a state in a direction; every static number is of one run."""
 
     state: str = key("state")
@@ -37,9 +35,6 @@ class SummaryRow(Part):
     reached: bool = key("whether the structure stands after the movement of the state")
     run: Run | None = optional("of the static numbers")
     control: str | None = optional("control point of the push")
-    alpha_0: float | None = optional("multiplier with rigid joints, α_0; null: not found")
-    d_0_m: float | None = optional("displacement capacity d_0; null: not found")
-    alpha_u: float | None = optional("largest multiplier with elastic joints, α_u; null: not found")
     alpha_loss: float | None = optional("1 − α/α(original), of α_0, with elastic joints alone of α_u")
     checks: dict[str, SummaryCheck] = key("by limit state; empty: no assessment")
     governing: str | None = key("limit state of the least ratio; null: none is determined")
@@ -62,13 +57,10 @@ class SummaryRow(Part):
     dynamic_to_static: float | None = optional("`dynamic_pga_g` over `static_nominal_pga_g`")
 
 
-class SummaryGoverning(Part):
+class SummaryGoverning(SafetyIndex):
     """`summary.governing`: where ζ_E is least, at SLV where it was checked (NTC 2018, §8.3)."""
 
     state: str = key("state")
-    direction: Direction = key("direction of the push")
-    limit_state: str = key("limit state")
-    zeta_E: float = key("ζ_E, or the ratio where neither SLV nor SLC was checked")
 
 
 class Summary(Part):

@@ -403,7 +403,7 @@ def probability(chi_squared: float, freedom: int) -> float:
     return float(gammaincc(0.5 * freedom, 0.5 * chi_squared))
 
 
-def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[parts.SupportMovement]:
+def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[parts.FittedMovement]:
     """Return the movement of each support with its standard errors."""
     errors = [float(error) if np.isfinite(error) else None for error in sure.error / unknowns.size]
     keys = {"x": "x_standard_error_m", "z": "z_standard_error_m", "rotation": "rotation_standard_error_rad"}
@@ -413,7 +413,7 @@ def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[parts.Suppor
         own = {keys[name]: error for (support, name), error in pairs if support == each.support}
         x, z = each.displacement
         found.append(
-            parts.SupportMovement(support=each.support, x_m=x, z_m=z, rotation_rad=each.rotation, **own)
+            parts.FittedMovement(support=each.support, x_m=x, z_m=z, rotation_rad=each.rotation, **own)
         )
     return found
 

@@ -46,7 +46,7 @@ N, P, T, SLIP, SLIDES, DUU, DUP, DUV, DPP, DPV, DVV, DVU, DVP, MISS, SOFT = rang
 KNOWN = 15
 
 
-class Joints(NamedTuple):
+class StepJoints(NamedTuple):
     """`row` (j, 2), `places` (j, PLACE) and `law` (j, LAW); `which` (j,): places among the joints of the pattern."""
 
     row: Any
@@ -193,7 +193,7 @@ def newton(
     # many arguments: arrays one by one, see mechanics.kernels
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
-    joints, known = Joints(row, places, law, which), np.empty((len(row), KNOWN))
+    joints, known = StepJoints(row, places, law, which), np.empty((len(row), KNOWN))
     moved, residual, least = begun.copy(), np.empty(len(x)), STICKING * step / weight
     skew, half = len(law) > 0 and (law[:, DILATION] < 1.0).any(), len(stored) // 2
     lower, upper = stored[:half], stored[half:]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.interior.elimination import KNOWN, LANES
-from mechanics.kernels.interior.joint_loops import Joints, assemble, dot, evaluate
+from mechanics.kernels.interior.joint_loops import ProgramJoints, assemble, dot, evaluate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.linalg.factors import lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
@@ -29,7 +29,7 @@ def inertia(
     diagonal.
     """
     pattern = unpacked(packed)
-    joints = Joints(row, places, law, curved, which)
+    joints = ProgramJoints(row, places, law, curved, which)
     known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
     residual = np.zeros(len(x))
     evaluate(joints, x, f, y, least, known, residual)

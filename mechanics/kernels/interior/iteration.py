@@ -25,7 +25,7 @@ import numpy as np
 from mechanics.kernels.interior.elimination import CHANGES, CN1, KNOWN, LANES
 from mechanics.kernels.interior.joint_loops import (
     TO_THE_BOUND,
-    Joints,
+    ProgramJoints,
     advance,
     aim_all,
     assemble,
@@ -127,7 +127,7 @@ def iterate(
     pattern = unpacked(packed)
     weight, size, step, accepted, closed = scale
     count, c, unit = len(x), len(row), step / weight
-    joints = Joints(row, places, law, curved, which)
+    joints = ProgramJoints(row, places, law, curved, which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
     pushed, stiff, holding = len(lateral) > 0, 1.0 / unit, HOLDING

@@ -75,7 +75,7 @@ MOST = 10.0  # of the target: larger products are corrected
 SHORTER = 100  # times that an iteration is shortened for joints not to be crushed
 
 
-class Joints(NamedTuple):
+class ProgramJoints(NamedTuple):
     """What does not change: `row` (j, 2), `places` (j, PLACE), `law` (j, LAW), `curved` (j, CURVED) or empty.
 
     `which` (j,): their places among the joints of the pattern.

@@ -18,7 +18,7 @@ from assessment.ntc.floor_spectrum import (
 )
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, PUSHED, block, write_block
 from tests.support.trace_check import recomputed

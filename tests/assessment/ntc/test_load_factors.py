@@ -11,7 +11,7 @@ from assessment.report.chapters.remarks import vertical as vertical_sentences
 from assessment.report.tables.capacity import vertical
 from assessment.report.tables.structure import reported_loads
 from assessment.report.text.language import Words
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block

@@ -11,8 +11,7 @@ from assessment.cli.main import main
 from assessment.project import formats
 from assessment.project.catalogue.new_project import TEMPLATES
 from assessment.project.project import load_project
-from assessment.project.schema import ProjectContent
-from assessment.project.schema.index import keys_at, table_at, tables_of
+from assessment.project.schema import ProjectContent, keys_at, table_at, tables_of
 
 
 def tables(path=()):

@@ -5,7 +5,7 @@ import pytest
 from assessment.analyses.checks.demand import demand_return_periods
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.asked import printed
+from assessment.results.summary import printed
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.stages import run
 from tests.support.block_project import PROJECT, write_block

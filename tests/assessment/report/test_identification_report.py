@@ -10,7 +10,7 @@ from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import ready_lines
 from assessment.report.tables import tables
 from assessment.report.text.language import words_of
-from assessment.results.identified import fits
+from assessment.results.summary import fits
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from tests.support.pictured import pages_of

@@ -15,7 +15,7 @@ from assessment.report.figures.drawings.model import draw_model
 from assessment.report.formats.viewer import viewer
 from assessment.report.tables import tables
 from assessment.report.text.language import Words
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics.pictures import TIE
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block

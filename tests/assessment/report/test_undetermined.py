@@ -10,7 +10,7 @@ from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.synthesis import synthesis_grid
 from assessment.report.tables.capacity import indices, interventions, verification
 from assessment.report.text.language import words_of
-from assessment.results.asked import checks_asked, undetermined
+from assessment.results.summary import checks_asked, undetermined
 from assessment.runtime.tasks import Outcome
 from tests.support.judgement.claims import hold
 from tests.support.results_example import SETTLED, results_example

@@ -127,7 +127,7 @@ def test_a_missing_key_is_refused(results):
     }
     wanted = {
         "ModelSummary": ("model",),
-        "Block": ("geometry", "blocks", 0),
+        "DrawnBlock": ("geometry", "blocks", 0),
         "History": ("states", "original", "history", 0),
         "RigidPush": ("states", "original", "pushover", "+x", "rigid"),
     }

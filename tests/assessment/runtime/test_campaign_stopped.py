@@ -19,7 +19,7 @@ import pytest
 from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import read_journal
 from assessment.runtime.progress import Stage

@@ -9,12 +9,11 @@ import pytest
 
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
-from assessment.runtime import cluster
+from assessment.results.schema.part import plain
+from assessment.runtime import pool as cluster
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.cluster import Cluster, Patience
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.pool import KilledError
+from assessment.runtime.pool import Cluster, KilledError, Patience
 from assessment.runtime.progress import Show
 from assessment.workflow.stages import run
 from tests.support.block_project import timeless

@@ -13,8 +13,8 @@ import pytest
 from assessment.analyses.dynamic.scan import Reach, Scan
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
 from assessment.results.schema.dynamic import CampaignCombination, Level
+from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import Show
 from assessment.studies.campaign import stage

@@ -18,7 +18,7 @@ from assessment.analyses.dynamic.time_history import ENERGIES, Response
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.results.file import as_bytes
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store
 from assessment.workflow.stages import run

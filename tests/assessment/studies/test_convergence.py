@@ -17,7 +17,7 @@ from assessment.project.catalogue.new_project import new_project, template_layou
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import converge, estimated_error

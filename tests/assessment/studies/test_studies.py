@@ -10,7 +10,7 @@ import pytest
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.results.schema.studies import SensitivityRun
 from assessment.studies.variants import scatter, with_factor, without_effect
 from assessment.workflow.stages import run

@@ -5,8 +5,7 @@ import pytest
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.workflow.checking import read_inputs
-from assessment.workflow.duration import expected
+from assessment.workflow.checking import expected, read_inputs
 from tests import ROOT
 
 

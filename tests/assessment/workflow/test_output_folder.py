@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.workflow import output
 from assessment.workflow import stages as workflow
 from tests.support.block_project import contents, run

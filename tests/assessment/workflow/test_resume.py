@@ -11,7 +11,7 @@ import pytest
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from assessment.report.figures import index as figures
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.runtime import cache
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME as JOURNAL

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics import Assembly, Block, Material
+from mechanics.model.block import default_tolerance, find_joints
 from mechanics.model.contacts import end_gaps
-from mechanics.model.joints import default_tolerance, find_joints
 from tests.support.structures import arch_on_piers, rectangle, running_bond, semicircular_arch
 
 STONE = Material(18.0, 0.7, 1e6)

@@ -14,9 +14,8 @@ from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.report.tables.structure import pushover_curves
-from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import weights
-from assessment.results.configurations.joint_states import situations
+from assessment.results.configurations.joint_states import outlines, situations
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.pictures import field, place

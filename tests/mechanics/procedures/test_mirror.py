@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
-from mechanics.model.tie import Tie
+from mechanics.model.block import Tie
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
 from mechanics.steps.static_step import StepProblem

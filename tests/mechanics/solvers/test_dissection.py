@@ -11,8 +11,7 @@ from mechanics.kernels.joint import PLACE
 from mechanics.kernels.linalg import factors
 from mechanics.kernels.linalg.pattern import Pattern
 from mechanics.kernels.matrix import diagonal, stiffen
-from mechanics.solvers.dissection import SMALLEST, dissected, fronts
-from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination, Storage
+from mechanics.solvers.elimination import BANDED, CHEAPER, SMALLEST, Elimination, Storage, dissected, fronts
 from mechanics.steps.static_system import static_system
 from mechanics.types import Array, Index
 from tests.support.structures import arch_on_piers, running_bond

@@ -323,7 +323,7 @@ def test_imbalance_is_zero_where_gravity_is_carried(model):
 
 def failing(*_):
     """A run of the method of our own that ends nowhere."""
-    return None, interior.Outcome(False, False, 1, np.inf, np.inf, np.inf)
+    return None, interior.IterationEnd(False, False, 1, np.inf, np.inf, np.inf)
 
 
 def test_not_converged_is_told_from_infeasible(monkeypatch):

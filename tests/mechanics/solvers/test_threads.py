@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from mechanics.solvers.threads import _libraries, one_thread
+from mechanics.solvers.interior import _libraries, one_thread
 
 
 def test_one_thread_within_and_as_many_as_before_afterwards() -> None:

@@ -8,17 +8,17 @@ from typing import Any
 from hypothesis import strategies as st
 
 from assessment.analyses.checks.demand import governing, safety_index
+from assessment.analyses.found import quality_of
 from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables.mechanisms import SECOND_SOLVER
-from assessment.results.numbers import plain
-from assessment.results.quality import quality_of
-from assessment.results.schema import State
+from assessment.results.schema import StateResults
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import plain
 from assessment.results.schema.studies import ScenarioPoint
+from assessment.results.table import comparison, strengthened
 from assessment.studies.variants import worst as worst_of
-from assessment.workflow.comparison import comparison, strengthened
 from tests.support.judgement.claims import LIMITS, Results
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import made
@@ -103,7 +103,7 @@ def random_results(draw):
         content["governing"], content["safety_index"] = governing(capacities), safety_index(capacities)
         states[name] = content
         searches = made(Incremental, content["incremental"])
-        checked[name] = made(State, content).replace(capacity=capacities, incremental=searches)
+        checked[name] = made(StateResults, content).replace(capacity=capacities, incremental=searches)
     results["states"] = plain(states)
     results["comparison"] = plain(comparison(checked))
     if rows := strengthened(checked):

@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings import parts
-from assessment.report.figures.style import Sheet, foot, key, sheet
+from assessment.report.figures.style import Panels, foot, key, sheet
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.report.text.language import Words
-from assessment.results.configurations.faces import faces_of, outlines
+from assessment.results.configurations.frames import ties_of
 from assessment.results.configurations.hand_check import (
     BY_HAND,
     MacroBlock,
@@ -25,10 +25,15 @@ from assessment.results.configurations.hand_check import (
     outline_area,
     rigid_push,
 )
-from assessment.results.configurations.joint_states import Situation, joint_states, thrust_lines
-from assessment.results.configurations.ties import ties_of
-from assessment.results.identified import best_of
+from assessment.results.configurations.joint_states import (
+    Situation,
+    faces_of,
+    joint_states,
+    outlines,
+    thrust_lines,
+)
 from assessment.results.schema import Configuration, Direction, Face, GivenMechanism, Point, Results, known
+from assessment.results.summary import best_of
 from mechanics import pictures
 from mechanics.model import end_points
 from mechanics.types import Array
@@ -130,11 +135,11 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
     centres = [part.about_m for part in known(given.macro_blocks)]
     at = results.states[given.state].configuration
     motion = known(given.displacements), centres, known(given.sliding_joints)
-    view = Mechanism(results, given.state, *motion, at, known(given.met))
+    view = MechanismView(results, given.state, *motion, at, known(given.met))
     return _draw_mechanisms(words, [view], [known(given.direction)])
 
 
-def _draw_mechanisms(words: Words, views: Sequence[Mechanism], ways: Sequence[Direction]) -> Figure:
+def _draw_mechanisms(words: Words, views: Sequence[MechanismView], ways: Sequence[Direction]) -> Figure:
     handles = mechanism_handles(views, words)
     bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
     labels = [each.get_label() for each in handles]
@@ -147,7 +152,7 @@ def _draw_mechanisms(words: Words, views: Sequence[Mechanism], ways: Sequence[Di
     return page.figure
 
 
-def mechanism_handles(views: Sequence[Mechanism], words: Words) -> list[Any]:
+def mechanism_handles(views: Sequence[MechanismView], words: Words) -> list[Any]:
     """Return the legend of mechanisms."""
     handles: list[Any] = [
         parts.ghost_handle(words.plain("figure.start_outline")),
@@ -161,17 +166,17 @@ def mechanism_handles(views: Sequence[Mechanism], words: Words) -> list[Any]:
     return handles
 
 
-def found_mechanism(results: Results, state: str, direction: Direction) -> Mechanism:
+def found_mechanism(results: Results, state: str, direction: Direction) -> MechanismView:
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
     rigid = rigid_push(results, state, direction)
     found = rigid.mechanism
     motion = found.displacements, found.hinge_points_m, found.sliding_joints
     parts = macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= BY_HAND else ()
-    return Mechanism(results, state, *motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
+    return MechanismView(results, state, *motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
 
 
-class Mechanism:
+class MechanismView:
     """A mechanism made visible: its displacements scaled to 8 % of the model's size.
 
     `displacements` (b, 3): virtual ones; `hinges` (n, 2) m; `sliding`: numbers of the joints that slide;
@@ -207,7 +212,7 @@ class Mechanism:
         self.sliding = faces.contacts.take(np.array(sliding, dtype=np.intp))
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
-    def draw(self, page: Sheet, axes: Axes) -> None:
+    def draw(self, page: Panels, axes: Axes) -> None:
         """Draw start outline, displaced blocks, hinges, sliding joints, ties, and the numbers of macro-blocks."""
         pictures.ghost(axes, self.start)
         pictures.fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
@@ -310,7 +315,7 @@ def _face(results: Results, shape: pictures.Shape, joint: int) -> Array:
     return ends
 
 
-def _beside(page: Sheet, face: Array, middle: Array) -> list[Array]:
+def _beside(page: Panels, face: Array, middle: Array) -> list[Array]:
     """Return places for a number: beyond the end of the joint that is farther out, then beyond the other one."""
     along = (face[1] - face[0]) / max(float(np.hypot(*(face[1] - face[0]))), 1e-12)
     ends = sorted(((face[1], along), (face[0], -along)), key=lambda end: -float(np.hypot(*(end[0] - middle))))

@@ -15,10 +15,9 @@ from ezdxf.filemanagement import new
 from assessment.report.figures.drawings.deformed import found_mechanism
 from assessment.report.figures.drawings.parts import moved_ends
 from assessment.report.text.language import slug
-from assessment.results.configurations.faces import outlines
 from assessment.results.configurations.hand_check import mechanisms
-from assessment.results.configurations.joint_states import joint_states, situations, thrust_lines
-from assessment.results.schema import Configuration, Results, State
+from assessment.results.configurations.joint_states import joint_states, outlines, situations, thrust_lines
+from assessment.results.schema import Configuration, Results, StateResults
 from assessment.runtime.files import write_atomically
 from mechanics.pictures import Shape
 
@@ -72,7 +71,7 @@ def shapes(results: Results) -> Iterator[tuple[str, Shape]]:
                 yield f"{_layer(results, name)}_MECHANISM_{SIDES[direction]}", mechanism.swept
 
 
-def _configurations(state: State) -> Iterator[tuple[str, Configuration | None]]:
+def _configurations(state: StateResults) -> Iterator[tuple[str, Configuration | None]]:
     if state.settlement:
         yield "SETTLED", state.configuration
     for contacts, path in state.pushdown.items():

@@ -15,10 +15,10 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
 from assessment.report.figures.drawings.parts import ARROW, draw_ties
-from assessment.report.figures.style import Sheet, foot, key, sheet
+from assessment.report.figures.style import Panels, foot, key, sheet
 from assessment.report.text.language import Words
-from assessment.results.configurations.faces import outlines
-from assessment.results.schema import Block, Results
+from assessment.results.configurations.joint_states import outlines
+from assessment.results.schema import DrawnBlock, Results
 from mechanics.faults import Fault, FaultyDrawingError, Outline
 from mechanics.pictures import INK, SUPPORT, TIE, Bounds, fill
 from mechanics.types import Array
@@ -64,7 +64,7 @@ def draw_model(results: Results, words: Words) -> Figure:
     return page.figure
 
 
-def _loads(page: Sheet, axes: Axes, blocks: Sequence[Block], words: Words) -> list[Any]:
+def _loads(page: Panels, axes: Axes, blocks: Sequence[DrawnBlock], words: Words) -> list[Any]:
     loaded = [block for block in blocks if block.vertical_load_kN]
     for block in loaded:
         x, z = block.centroid_m
@@ -89,7 +89,7 @@ def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
     return [key(words.plain("figure.control"), **mark)] if controls else []
 
 
-def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
+def _ties(page: Panels, axes: Axes, results: Results, words: Words) -> list[Any]:
     """Draw every tie, whatever states it is in, with its name."""
     ties = results.model.ties or ()
     ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
@@ -99,7 +99,7 @@ def _ties(page: Sheet, axes: Axes, results: Results, words: Words) -> list[Any]:
     return [key(words.plain("figure.tie"), **TIE)] if ties else []
 
 
-def _dimensions(page: Sheet, axes: Axes, bounds: Bounds, words: Words) -> None:
+def _dimensions(page: Panels, axes: Axes, bounds: Bounds, words: Words) -> None:
     x0, z0, x1, z1 = bounds
     off, tick = page.paper(7.0), page.paper(1.5)
     axes.annotate("", (x1, z0 - off), (x0, z0 - off), arrowprops=DIMENSION)

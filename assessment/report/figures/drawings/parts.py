@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from assessment.report.figures.style import Sheet, key
+from assessment.report.figures.style import Panels, key
 from assessment.report.text.language import Words, direction_name
-from assessment.results.configurations.faces import outlines
-from assessment.results.configurations.ties import ties_of
+from assessment.results.configurations.frames import ties_of
+from assessment.results.configurations.joint_states import outlines
 from assessment.results.schema import Direction, Results, Settlement
 from assessment.results.table import sense
 from mechanics.pictures import FAINT, INK, TIE, Bounds, Shape, place
@@ -31,7 +31,7 @@ def ghost_handle(label: str) -> Line2D:
     return key(label, color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)))
 
 
-def movement_arrow(page: Sheet, axes: Axes, shape: Shape, results: Results, settlement: Settlement) -> None:
+def movement_arrow(page: Panels, axes: Axes, shape: Shape, results: Results, settlement: Settlement) -> None:
     """Draw the arrow of a support's movement, and a half circle of its rotation."""
     moved = [i for i, block in enumerate(results.geometry.blocks) if block.support == settlement.support]
     x, z = shape.centroids[moved].mean(axis=0)
@@ -45,7 +45,7 @@ def movement_arrow(page: Sheet, axes: Axes, shape: Shape, results: Results, sett
         axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
 
 
-def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: Direction) -> None:
+def push_arrow(page: Panels, axes: Axes, bounds: Bounds, direction: Direction) -> None:
     """Draw the arrow of the lateral loads above a model."""
     sign = sense(direction)
     x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
@@ -55,7 +55,7 @@ def push_arrow(page: Sheet, axes: Axes, bounds: Bounds, direction: Direction) ->
     axes.annotate(text, (x + half, z), (4.0 * sign, 0.0), textcoords="offset points", ha=side, va="center")
 
 
-def draw_ties(page: Sheet, axes: Axes, ends: Iterable[Array]) -> None:
+def draw_ties(page: Panels, axes: Axes, ends: Iterable[Array]) -> None:
     """Draw ties by their ends (2, 2) m, each with its two plates."""
     for start, end in ends:
         axes.plot([start[0], end[0]], [start[1], end[1]], **TIE)
@@ -80,7 +80,7 @@ def moved_ends(results: Results, state: str, configuration: Any, times: float = 
 
 
 def write_numbers(
-    page: Sheet,
+    page: Panels,
     axes: Axes,
     wanted: Iterable[tuple[str, Sequence[Array]]],
     marks: Iterable[Array],

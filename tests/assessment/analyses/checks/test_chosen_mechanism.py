@@ -23,9 +23,9 @@ from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.project.structure.places import Chosen, MacroBlock
+from assessment.project.structure.places import Chosen, RotatingBlocks
 from assessment.report.tables.capacity import chosen_mechanisms, trace
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from tests.support.block_project import PROJECT
@@ -39,7 +39,7 @@ GROUND = ElasticSpectrum(0.25, 2.4, 0.30)
 
 
 def mechanism(*parts):
-    return Chosen("m", "original", tuple(MacroBlock(np.array(c), w, np.array(b)) for c, w, b in parts))
+    return Chosen("m", "original", tuple(RotatingBlocks(np.array(c), w, np.array(b)) for c, w, b in parts))
 
 
 def found(model, *parts, positions=None, demands=None, F_C=1.0):

@@ -23,7 +23,7 @@ from assessment.report.document import render_html
 from assessment.report.figures.index import pictures, write_figures
 from assessment.report.tables import tables
 from assessment.report.text.language import words_of
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import Pool
 from assessment.workflow.checking import read_motions

@@ -5,8 +5,8 @@ import pytest
 
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
 from assessment.results.schema.dynamic import Search, SignScan
+from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
 from assessment.studies.campaign.summary import summarise
 from assessment.workflow.stages import run

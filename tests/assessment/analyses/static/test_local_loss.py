@@ -16,7 +16,7 @@ from assessment.report.chapters.remarks import displacement_limits
 from assessment.report.document import write_page
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import Words
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.results.schema.static import LocalLoss
 from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run

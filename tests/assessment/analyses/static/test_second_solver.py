@@ -10,7 +10,7 @@ from assessment.analyses.static import lateral as module
 from assessment.analyses.static.lateral import second_solver
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics.procedures import limit_in
 from tests.support.analysed import SETTLED, analysed

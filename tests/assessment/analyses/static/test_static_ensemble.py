@@ -23,7 +23,7 @@ from assessment.analyses.static.paths import Settled, turns_on_rounding
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
-from assessment.results.schema import State
+from assessment.results.schema import StateResults
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush, Run
 from assessment.runtime.tasks import Workers
@@ -157,8 +157,8 @@ def runs_of(*curves: Pushovers, ultimate: tuple[float, ...] = ()) -> list[list[S
     return runs
 
 
-def governing(runs: list[list[StateResult]], assess=lambda _: {}) -> State:
-    return governed("s", made(State), runs, assess).state
+def governing(runs: list[list[StateResult]], assess=lambda _: {}) -> StateResults:
+    return governed("s", made(StateResults), runs, assess).state
 
 
 def widened(low: float, high: float) -> list[float]:

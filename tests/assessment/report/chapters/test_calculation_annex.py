@@ -18,7 +18,7 @@ from assessment.report.chapters.calculation_annex import traces
 from assessment.report.tables.capacity import scalings, trace, verification
 from assessment.report.text.language import Words, words_of
 from assessment.results.file import as_bytes
-from assessment.results.numbers import plain
+from assessment.results.schema.part import plain
 from assessment.results.summary import summary_of
 from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run

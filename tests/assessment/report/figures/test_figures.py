@@ -22,7 +22,7 @@ from assessment.report.figures.style import (
     sheet,
 )
 from assessment.report.text.language import slug, words_of
-from assessment.results.configurations.faces import outlines
+from assessment.results.configurations.joint_states import outlines
 from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
 from mechanics.pictures import Shape, magnification, nice

@@ -7,11 +7,14 @@ from hypothesis import strategies as st
 
 from assessment.report.tables.equilibrium import balance, joint_table, reactions
 from assessment.report.tables.structure import edge_pressures
-from assessment.results.configurations.faces import Met, described, faces_of, outlines
 from assessment.results.configurations.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
 from assessment.results.configurations.joint_states import (
+    Met,
     Situation,
+    described,
+    faces_of,
     joint_states,
+    outlines,
     pressed,
     situations,
     thrust_lines,
