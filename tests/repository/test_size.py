@@ -20,7 +20,7 @@ LINES = {
     "assessment/ntc": 2360,
     "assessment/project": 4877,
     "assessment/report": 6301,
-    "assessment/results": 3314,
+    "assessment/results": 3315,
     "assessment/runtime": 1696,
     "assessment/studies": 2494,
     "assessment/workflow": 1111,

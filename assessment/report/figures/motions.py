@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from itertools import cycle
 from typing import Any, NamedTuple
 
@@ -14,7 +14,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
-from assessment.report.figures.style import DASHES, chart, comma_ticks, key, sheet, state_style
+from assessment.report.figures.style import (
+    DASHES,
+    chart,
+    comma_ticks,
+    key,
+    legend_columns,
+    sheet,
+    state_style,
+)
 from assessment.report.text.language import COARSE, Words, label, scale
 from assessment.results.configurations.joint_states import outlines
 from assessment.results.schema import Results, dynamic
@@ -22,14 +30,13 @@ from assessment.results.schema.part import known
 from mechanics.pictures import fill_roles, ghost
 
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")
-BAND = "0.82"  # grey between the members of an ensemble
-LOSS_BAND, FAINT = "0.85", "0.55"
+BAND = "0.82"  # grey between the members of an ensemble, and bounds
+SIGNS = {1: DASHES[0], -1: DASHES[1]}  # of a record
 FALLING = 0.03  # of the model's size: how far the curve of a collapse is followed at least
 LEAST_M = 1e-5  # what an axis of displacements shows at least: where nothing moves, no rounding
 AROUND = 0.5  # of the model's size: how far from it fallen blocks are still drawn
 SHADE = 0.12  # opacity of the bounds of a fragility
 STEEP = 0.1  # ln of the measure shown beyond the median of equal levels, which has no dispersion
-Run = tuple[str, float, str, int]
 
 
 def shaken(results: Results, record: str) -> dict[str, dynamic.History]:
@@ -137,92 +144,135 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     return page.figure
 
 
-def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> Figure:
-    """Draw PGA over peak displacement of each record, a panel per state; arrows at the lowest collapse of each.
+class Ida(NamedTuple):
+    """A panel of IDA curves: each with record, sign, what was observed and the levels run.
 
-    Dotted: the levels of which 16, 50 and 84 % of the records and signs collapse.
+    `probable`: levels of 16, 50 and 84 %; `counts`: PGA at collapse of the state; `certain`: from where all collapse;
+    `d_0` (m): of the rigid curves whose control point is that of the motions. None: not known.
     """
-    (figure, panels), mm = _grid(words, len(states), 75.0), scale("peak_displacement_m")
-    found = [results.states[name].incremental for name in states]
-    records = [record for each in found for record in known(each.records)]
-    stood = [point for record in records for point in record.points if point.collapsed is False]
-    reach = 1.25 * max((known(point.peak_displacement_m) for point in stood), default=0.0)
-    tops = [level for record in records for level in (record.lowest_collapse_g, record.pga_safe_g) if level]
-    tops += [level for record in records for level in record.resurrections_g]
-    # d_0 is of the rigid curves whose control point is that of the motions
+
+    title: str
+    curves: Sequence[tuple[str, int, dynamic.Scanned, Sequence[dynamic.Level]]]
+    probable: Sequence[float | None]
+    counts: float | None
+    certain: float | None
+    d_0: float | None
+
+
+def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> Figure:
+    """Draw the IDA curves of each state."""
     asked = (results.echo.incremental or {}).get("control") or (results.echo.control or [{}])[0].get("name")
-    dotted: dict[str, Any] = {"color": "0.4", "linewidth": 0.6, "linestyle": ":"}
-    quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[1]}
-    for axes, name, each in zip(panels, states, found, strict=True):
-        for marker, record in zip(cycle(MARKERS), known(each.records), strict=False):
-            _curve(axes, record, marker, mm * reach)
-        low, high = each.pga_collapse_g_range or (None, None)
-        if low is not None and high is not None and high > low:
-            axes.axhspan(low, high, color=BAND, linewidth=0.0, zorder=0.5)
-        if each.pga_collapse_g is not None:
-            axes.axhline(each.pga_collapse_g, **quoted)
-        if fit := each.fragility:
-            for level in (fit.level_16_g, fit.median_g, fit.level_84_g):
-                axes.axhline(known(level), **dotted)
-        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
-        axes.set(title=words.state(name), ylim=(0.0, 1.15 * max(tops, default=1.0)))
-        axes.set_xlim(0.0, mm * reach if reach > 0.0 else None)
-        pushes = [p.rigid for p in results.states[name].pushover.values() if p.control == asked and p.rigid]
+    panels = []
+    for name in states:
+        state = results.states[name]
+        found, fit = state.incremental, state.incremental.fragility
+        both = ((each.record, part) for each in known(found.records) for part in each.signs)
+        own = [(record, part.sign, part, part.points) for record, part in both]
+        pushes = [push.rigid for push in state.pushover.values() if push.control == asked and push.rigid]
         d_0 = min((rigid.d_0_m for rigid in pushes if rigid.d_0_m), default=None)
-        if d_0 and reach > 0.0:  # a second axis inside the upper edge: displacements over d_0
+        probable = (fit.level_16_g, fit.median_g, fit.level_84_g) if fit else ()
+        upper = (found.pga_collapse_g_range or [None, None])[1]
+        panels.append(Ida(words.state(name), own, probable, found.pga_collapse_g, upper, d_0))
+    return _ida(words, panels)
+
+
+def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
+    """Draw the IDA curves after each share of a movement.
+
+    A combination that another one's run stands for has the curve of that one, as its mirror image none.
+    """
+    campaign, panels = known(results.campaign), []
+    runs = {(row.settlement, row.share, row.record, row.sign): row.points for row in campaign.combinations}
+    for fit, loss in zip(campaign.fragility, campaign.loss, strict=True):
+        if fit.settlement != settlement:
+            continue
+        own = []
+        for row in campaign.combinations:
+            same, points = row.same_as, row.points
+            if same is not None and same.sign == row.sign:
+                points = runs[same.settlement, same.share, row.record, row.sign]
+            if (row.settlement, row.share) == (settlement, fit.share):
+                own.append((row.record, row.sign, row, points))
+        probable = (fit.level_16_g, fit.median_g, fit.level_84_g) if campaign.measure == "PGA" else ()
+        panels.append(Ida(_share(fit.share, words), own, probable, fit.pga_collapse_g, None, loss.d_0_m))
+    return _ida(words, panels)
+
+
+def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
+    """Draw PGA over peak displacement, the same axes in all panels; arrows at the lowest collapse of each curve.
+
+    A record has its mark, +x a full line and −x a dashed one; empty marks: levels withstood above the lowest collapse.
+    """
+    curves, mm = [curve for panel in panels for curve in panel.curves], scale("peak_displacement_m")
+    records = list(dict.fromkeys(record for record, *_ in curves))
+    style = {
+        record: {"color": state_style(n)["color"], "marker": mark, "markersize": 3.0, "linewidth": 0.6}
+        for n, (record, mark) in enumerate(zip(records, cycle(MARKERS), strict=False))
+    }
+    stood = [p.peak_displacement_m for *_, points in curves for p in points if p.collapsed is False]
+    reach = 1.1 * mm * max(map(known, stood), default=0.0) or 1.0
+    ends = [(seen.lowest_collapse_g, seen.pga_safe_g, *seen.resurrections_g) for _, _, seen, _ in curves]
+    top = 1.15 * max((level for each in ends for level in each if level), default=1.0)
+    dotted: dict[str, Any] = {"color": "0.4", "linewidth": 0.6, "linestyle": ":"}
+    quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[3]}
+    handles: list[Artist] = [key(record, **style[record]) for record in records]
+    if any(sign < 0 and points for _, sign, _, points in curves):
+        handles.append(key(words.plain("figure.other_sign"), linewidth=0.6, linestyle=SIGNS[-1]))
+    if any(panel.counts is not None for panel in panels):
+        handles.append(key(words.plain("figure.quoted_pga"), **quoted))
+    if any(level for panel in panels for level in panel.probable):
+        handles.append(key(words.plain("figure.probable"), **dotted))
+    if any(panel.certain is not None for panel in panels):
+        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
+    if any(seen.resurrections_g for _, _, seen, _ in curves):
+        mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
+        handles.append(key(words.plain("figure.resurrection"), **mark))
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    figure, axes_of = _grid(words, len(panels), 70.0, 8.0 + 4.0 * -(-len(handles) // columns))
+    for axes, panel in zip(axes_of, panels, strict=True):
+        for record, sign, seen, points in panel.curves:
+            _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
+        if panel.counts is not None:
+            axes.axhline(panel.counts, **quoted)
+            if panel.certain is not None and panel.certain > panel.counts:
+                axes.axhspan(panel.counts, panel.certain, color=BAND, linewidth=0.0, zorder=0.5)
+        for level in filter(None, panel.probable):
+            axes.axhline(level, **dotted)
+        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words), title=panel.title)
+        axes.set(xlim=(0.0, reach), ylim=(0.0, top))
+        if panel.d_0:  # a second axis inside the upper edge: displacements over d_0
             beside = axes.twiny()
-            beside.set_xlim(0.0, reach / d_0)
+            beside.set_xlim(0.0, reach / mm / panel.d_0)
             comma_ticks(beside, words)
             beside.grid(visible=False)
             beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
-            small: dict[str, Any] = {"ha": "right", "fontsize": "x-small", "color": "0.4"}
-            beside.text(0.99, 0.90, "d/d₀", transform=beside.transAxes, **small)
-    handles: list[Artist] = [
-        key(record.record, linewidth=0.6, marker=marker, markersize=3.0)
-        for marker, record in zip(cycle(MARKERS), known(found[0].records), strict=False)
-    ]
-    handles.append(key(words.plain("figure.quoted_pga"), **quoted))
-    if any(each.fragility for each in found):
-        handles.append(key(words.plain("figure.probable"), **dotted))
-    if any((each.pga_collapse_g_range or (None, None))[1] is not None for each in found):
-        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
-    if any(record.resurrections_g for record in records):
-        mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
-        handles.append(key(words.plain("figure.resurrection"), **mark))
-    figure.legend(handles=handles, loc="lower center", ncols=min(4, len(handles)))
+            beside.annotate("d/d₀", (0.99, 0.90), xycoords="axes fraction", ha="right", fontsize="x-small")
+    figure.legend(handles=handles, loc="lower center", ncols=columns)
     return figure
 
 
-def _grid(words: Words, count: int, height_mm: float) -> tuple[Figure, list[Axes]]:
+def _curve(
+    axes: Axes, collapse: float | None, points: Sequence[dynamic.Level], edge: float, line: dict[str, Any]
+) -> None:
+    """Draw one IDA curve (mm, g): the levels withstood below its lowest `collapse`, its arrow, the others alone."""
+    mm = scale("peak_displacement_m")
+    stood = [(mm * known(p.peak_displacement_m), p.pga_g) for p in points if p.collapsed is False]
+    below = [(0.0, 0.0), *(each for each in stood if collapse is None or each[1] < collapse)]
+    axes.plot(*zip(*below, strict=True), **line)
+    if above := stood[len(below) - 1 :]:
+        axes.plot(*zip(*above, strict=True), **(line | {"linestyle": "none", "markerfacecolor": "1.0"}))
+    if collapse is not None and len(below) > 1:
+        arrow = {"arrowstyle": "-|>", "lw": 0.6, "shrinkA": 0.0, "shrinkB": 0.0, "color": line["color"]}
+        axes.annotate("", (edge, collapse), below[-1], arrowprops=arrow)
+
+
+def _grid(words: Words, count: int, height_mm: float, foot_mm: float = 16.0) -> tuple[Figure, list[Axes]]:
     """Return a figure of so many panels, two in a row; a place that is left over is empty."""
     columns = min(2, count)
-    figure, panels = chart(words, columns=columns, rows=-(-count // columns), height_mm=height_mm)
+    figure, panels = chart(words, columns, -(-count // columns), height_mm, foot_mm)
     for axes in panels[count:]:
         axes.set_axis_off()
     return figure, panels[:count]
-
-
-def _curve(axes: Axes, record: dynamic.Search, marker: str, edge: float) -> None:
-    """Draw one IDA curve (mm, g): the runs withstood below collapse, the arrow of collapse, resurrections alone."""
-    line: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "marker": marker, "markersize": 3.0}
-    collapse = record.lowest_collapse_g
-    stood = [point for point in record.points if point.collapsed is False]
-    below = [p for p in stood if collapse is None or p.pga_g < collapse]
-    x, y = _path(below)
-    axes.plot([0.0, *x], [0.0, *y], **line)
-    above = _path(p for p in stood if p not in below)
-    axes.plot(*above, **(line | {"linestyle": "none", "markerfacecolor": "1.0"}))
-    if collapse is not None and x:
-        arrow = {"arrowstyle": "-|>", "lw": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
-        axes.annotate("", (edge, collapse), (x[-1], y[-1]), arrowprops=arrow)
-
-
-def _path(points: Iterable[dynamic.Level]) -> tuple[list[float], list[float]]:
-    """Return peak displacements, mm, and PGA, g, of levels that were withstood."""
-    found = list(points)
-    return [scale("peak_displacement_m") * known(p.peak_displacement_m) for p in found], [
-        p.pga_g for p in found
-    ]
 
 
 class FragilityCurve(NamedTuple):
@@ -241,11 +291,9 @@ def draw_fragility(results: Results, words: Words) -> Figure:
     for state, each in fragile(results).items():
         fit, signs = known(each.fragility), [part for record in known(each.records) for part in record.signs]
         fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
-        numbers = {"median": fit.median_g, "dispersion": fit.dispersion}
-        name = words.plain("figure.fragility", state=state, **numbers)
         fits.append(
             FragilityCurve(
-                name, fit.median_g, fit.dispersion, fit.band, (fallen, _shares(fallen, len(signs)))
+                state, fit.median_g, fit.dispersion, fit.band, (fallen, _shares(fallen, len(signs)))
             )
         )
     return _fragilities(words, fits, label("pga_g", words))
@@ -276,7 +324,9 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
         probability = ndtr(np.log(level / fit.median) / max(fit.dispersion, 1e-3 * STEEP))
         axes.plot(level, probability, color="0.0", linestyle=dashes)
         axes.plot(*fit.seen, linestyle="none", **mark)
-        handles.append(key(fit.name, linestyle=dashes, **mark))
+        beta = words.number(fit.dispersion, COARSE)
+        name = words.plain("figure.fragility", state=fit.name, median=fit.median, dispersion=beta)
+        handles.append(key(name, linestyle=dashes, **mark))
     axes.set(xlabel=measure, xlim=(start, top), ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
     if any(fit.band for fit in fits):
         text = words.plain("figure.fragility_band")
@@ -285,60 +335,12 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
     return figure
 
 
-def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
-    """Draw PGA over peak displacement of every combination that was run, a panel per share; crosses: collapse.
-
-    A collapse has no displacement: its cross stands at the right edge. A combination that another one's run stands for
-    has the curve of that one, as its mirror image none.
-    """
-    combinations = known(results.campaign).combinations
-    runs = {(row.settlement, row.share, row.record, row.sign): row.points for row in combinations}
-    rows = [row for row in combinations if row.settlement == settlement]
-    shares = list(dict.fromkeys(row.share for row in rows))
-    figure, panels = _grid(words, len(shares), 54.0)
-    points = [point for row in rows for point in _points(row, runs)]
-    bounds = [bound for row in rows for bound in (row.lowest_collapse_g, row.pga_safe_g)]
-    peaks = [
-        scale("peak_displacement_m") * p.peak_displacement_m
-        for p in points
-        if p.peak_displacement_m is not None
-    ]
-    reach, top = 1.1 * max(peaks, default=1.0) or 1.0, 1.15 * max(filter(None, bounds), default=1.0)
-    line: dict[str, Any] = {"color": FAINT, "linewidth": 0.6, "marker": "o", "markersize": 1.5}
-    cross: dict[str, Any] = {"color": "0.0", "marker": "x", "markersize": 3.5}
-    for axes, share in zip(panels, shares, strict=True):
-        for row in (each for each in rows if each.share == share):
-            lowest = row.lowest_collapse_g
-            found = (p for p in _points(row, runs) if p.collapsed is False)
-            x, y = _path(p for p in found if not (lowest and p.pga_g > lowest))
-            if x:
-                axes.plot([0.0, *x], [0.0, *y], **line)
-            if lowest is not None:
-                axes.plot(reach, lowest, clip_on=False, **cross)
-        axes.set(xlim=(0.0, reach), ylim=(0.0, top), title=_share(share, words))
-        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words))
-    handles = [key(words.plain("figure.combination"), **line)]
-    handles += [key(words.plain("figure.collapse"), linestyle="none", **cross)]
-    figure.legend(handles=handles, loc="lower center", ncols=2)
-    return figure
-
-
-def _points(row: dynamic.CampaignCombination, runs: Mapping[Run, list[dynamic.Level]]) -> list[dynamic.Level]:
-    """Return the levels that were run of a combination, by itself or by the one that is the same."""
-    same = row.same_as
-    if same is None or same.sign != row.sign:
-        return row.points
-    return runs[same.settlement, same.share, row.record, row.sign]
-
-
 def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:
     """Draw the probability of collapse over the measure, a curve per share; circles: the combinations, or stripes."""
     campaign, fits = known(results.campaign), []
     for row in fragile_shares(results, settlement):
-        median, beta = known(row.median_g), known(row.beta)
-        numbers = {"median": median, "dispersion": words.number(beta, COARSE)}
-        name = words.plain("figure.fragility", state=_share(row.share, words), **numbers)
-        fits.append(FragilityCurve(name, median, beta, row.band, _seen(campaign, settlement, row.share)))
+        seen, name = _seen(campaign, settlement, row.share), _share(row.share, words)
+        fits.append(FragilityCurve(name, known(row.median_g), known(row.beta), row.band, seen))
     sa = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
     return _fragilities(words, fits, label("pga_g", words) if campaign.measure == "PGA" else sa)
 
@@ -352,28 +354,26 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     least, most = min([0.0, *drawn]), max([0.01, *drawn])
     mm, per_cent = scale("movement_m"), scale("capacity_loss")
     room = 0.05 * per_cent * (most - least)
-    line: dict[str, Any] = {"color": "0.0", "marker": "o", "markersize": 3.5}
-    solid: dict[str, Any] = line | {"linestyle": "-", "markerfacecolor": "0.0"}
-    static: dict[str, Any] = line | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
+    solid: dict[str, Any] = {"color": "0.0", "marker": "o", "markersize": 3.5, "linestyle": "-"}
+    static: dict[str, Any] = solid | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
     for axes, name in zip(panels, names, strict=True):
         own = [row for row in campaign.loss if row.settlement == name]
         known_rows = (row for row in own if None not in row.dynamic_range)
         band = np.array([(row.movement_m, *row.dynamic_range) for row in known_rows])
         x, low, high = band.reshape(-1, 3).T * [[mm], [per_cent], [per_cent]]
-        axes.fill_between(x, low, high, color=LOSS_BAND, linewidth=0.0)
+        axes.fill_between(x, low, high, color=BAND, linewidth=0.0)
         for losses_of, style in (("dynamic", solid), ("static", static)):
             pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
             shown = [(mm * movement, per_cent * loss) for movement, loss in pairs if loss is not None]
             axes.plot([x for x, _ in shown], [y for _, y in shown], **style)
         axes.set(xlabel=label("movement_m", words), ylabel=label("capacity_loss", words), title=name)
         axes.set_xlim(left=0.0)
-        axes.set_ylim(
-            per_cent * least - room, per_cent * most + room
-        )  # the same in all: movements are compared
-    bounds = Patch(color=LOSS_BAND, linewidth=0.0, label=words.plain("figure.loss_band"))
+        # the same in all: movements are compared
+        axes.set_ylim(per_cent * least - room, per_cent * most + room)
     handles: list[Artist] = [key(words.plain("figure.dynamic_loss"), **solid)]
-    handles += [] if campaign.method == "stripes" else [bounds]
-    handles += [key(words.plain("figure.static_loss"), **static)]
+    if campaign.method != "stripes":
+        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.loss_band")))
+    handles.append(key(words.plain("figure.static_loss"), **static))
     figure.legend(handles=handles, loc="lower center", ncols=3)
     return figure
 

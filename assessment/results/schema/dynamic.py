@@ -355,6 +355,7 @@ class CampaignLoss(OfMovement, Loss):
     movement_m: float = key("largest component")
     static: float | None = key("of the static check, weaker direction")
     static_capacity: float | None = key("of `static_quantity`; a_g as a_g S, at the surface", unit="g or –")
+    d_0_m: float | None = optional("least d_0 of the rigid curves of the campaign's control point")
 
 
 class Campaign(Part):

@@ -64,8 +64,9 @@ from mechanics.procedures import whole_movement
 class Moved:
     """A share of a movement: its largest component (m), assembly, state at rest or why there is none, static capacity.
 
-    `static`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction; `ultimate` (m):
-    control displacement at which the static capacity vanishes. None: not known.
+    `static`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction; `ultimate` and
+    `d_0` (m): control displacements at which the static capacity vanishes in both directions, and in the first. None:
+    not known.
     """
 
     settlement: str
@@ -75,6 +76,7 @@ class Moved:
     start: Start
     static: float | None
     ultimate: float | None
+    d_0: float | None
 
     @property
     def title(self) -> Message:
@@ -133,7 +135,9 @@ def moved_states(statics: Statics, study: Study) -> list[Moved]:
             static = _static(beside, on, stages if share else [], pushed, statics.demands, warnings)
             # of the control point, m: where the static capacity vanishes
             ultimate = ultimates({ORIGINAL: pushed}).get((ORIGINAL, point))
-            found.append(Moved(*place, share * length, on, start, static, ultimate))
+            rigid = [each.rigid for each in pushed.values() if each.control == point and each.rigid]
+            d_0 = min((each.d_0_m for each in rigid if each.d_0_m), default=None)
+            found.append(Moved(*place, share * length, on, start, static, ultimate, d_0))
     return found
 
 

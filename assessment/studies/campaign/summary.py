@@ -175,6 +175,7 @@ def loss_of(
         movement_m=state.movement,
         static=reduction(base.static, state.static) if base else None,
         static_capacity=state.static,
+        d_0_m=state.d_0,
     )
 
 

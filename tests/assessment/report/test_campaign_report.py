@@ -90,25 +90,33 @@ def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (
     return results
 
 
-def lines_of(axes) -> list[tuple[np.ndarray, np.ndarray]]:
-    return [tuple(map(np.asarray, line.get_data())) for line in axes.lines]
-
-
-def test_curves_end_at_the_highest_level_withstood_and_a_cross_marks_the_collapse():
+def test_each_record_and_sign_has_its_curve_to_the_highest_level_withstood_and_an_arrow_at_collapse():
     results = results_with_campaign()
+    results["campaign"]["combinations"][0]["points"].insert(3, results["campaign"]["combinations"][0]["points"][1] | {
+        "pga_g": 0.35})  # fmt: skip
+    results["campaign"]["combinations"][0]["resurrections_g"] = [0.35]
+    results["campaign"]["loss"][2]["d_0_m"] = 0.0418
     figure = draw_campaign_curves(typed(results), words_of(typed(results)), SETTLED)
-    panels = [axes for axes in figure.axes if axes.axison]
+    panels = [axes for axes in figure.axes if axes.axison and axes.get_title()]
     assert len(panels) == len(SHARES)
-    for axes, share in zip(panels, SHARES, strict=True):
+    for axes, share, fit in zip(panels, SHARES, results["campaign"]["fragility"], strict=True):
         assert axes.get_title() == (f"{100.0 * share:g}\u00a0% del cedimento" if share else "originale")
         own = [row for row in results["campaign"]["combinations"] if row["share"] == share]
-        curves = [line for line in lines_of(axes) if len(line[0]) > 1]
-        crosses = [line for line in lines_of(axes) if len(line[0]) == 1]
-        assert [y[-1] for _, y in curves] == pytest.approx([row["pga_safe_g"] for row in own])
-        assert [y[0] for _, y in crosses] == pytest.approx([row["pga_collapse_g"] for row in own])
-        for x, y in curves:
-            assert (x[0], y[0]) == (0.0, 0.0) and x[-1] == pytest.approx(19.0)  # mm
-        assert {x[0] for x, _ in crosses} == {axes.get_xlim()[1]}
+        curves = [line for line in axes.lines if line.get_xdata()[0] == 0.0 and line.get_ydata()[0] == 0.0]
+        assert [line.get_ydata()[-1] for line in curves] == pytest.approx([row["pga_safe_g"] for row in own])
+        assert [line.get_xdata()[-1] for line in curves] == pytest.approx([19.0] * len(own))  # mm
+        looks = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in curves]
+        assert len(set(looks)) == len(own) and len({look[:2] for look in looks}) == len(LEVELS)
+        arrows = sorted(text.xy for text in axes.texts if text.arrow_patch)
+        assert [y for _, y in arrows] == pytest.approx(sorted(row["lowest_collapse_g"] for row in own))
+        assert {x for x, _ in arrows} == {axes.get_xlim()[1]}
+        flat = [line.get_ydata()[0] for line in axes.lines if list(line.get_xdata()) == [0.0, 1.0]]
+        probable = [fit[key] for key in ("level_16_g", "median_g", "level_84_g")]
+        assert flat == pytest.approx([fit["pga_collapse_g"], *probable])
+        again = [line for line in axes.lines if line.get_markerfacecolor() == "1.0"]
+        assert [list(line.get_ydata()) for line in again] == ([[0.35]] if share == 0.0 else [])
+    [beside] = [axes for axes in figure.axes if axes.axison and not axes.get_title()]
+    assert beside.get_xlim()[1] == pytest.approx(1e-3 * panels[2].get_xlim()[1] / 0.0418)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
