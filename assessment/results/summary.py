@@ -7,17 +7,22 @@ from collections.abc import Iterable
 from typing import Any
 
 from assessment.ntc.tables import CHECKS, INDEXED, SURFACE
-from assessment.results.schema import DrawnBlock, Echo, Indices, Results, StateResults, present
-from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
-from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
-from assessment.results.schema.summary import (
+from assessment.results.schema import (
+    DrawnBlock,
+    Echo,
+    Indices,
+    Results,
+    StateResults,
     Summary,
     SummaryCheck,
     SummaryGoverning,
     SummaryMechanism,
     SummaryRow,
+    present,
 )
+from assessment.results.schema.checks import Capacity, Direction
+from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
+from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
 from assessment.results.table import ORIGINAL, quoted_limit_state, reduction, static_pga
 from mechanics.messages import layer_key
 

@@ -5,23 +5,49 @@ Imports are late: a run in which nothing has changed needs neither the analyses 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import json
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assessment.report.formats.pdf import printable
+from assessment.runtime import cache
+from assessment.runtime.cache import FOLDER, Store, unpacked
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.files import clear, clear_left_over, file_digest
+from assessment.runtime.files import (
+    SCRATCH,
+    clear,
+    clear_left_over,
+    file_digest,
+    put_in_place,
+    write_atomically,
+)
 from assessment.runtime.journal import Journal, locked
-from assessment.runtime.pool import KilledError
+from assessment.runtime.pool import KilledError, Pool, processes, result_of
 from assessment.runtime.tasks import Outcome
-from assessment.workflow.output import key_of, prepare, recall, remember, write
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
+    from assessment.results.schema import Results
     from assessment.runtime.progress import Show
 
-
+PLACES = (  # of the files of a run; all else in the folder is the user's
+    "results.json",
+    *(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
+    *(f"tables/*.{kind}" for kind in ("csv", "xml")),
+    "judgement.md",
+    *(f"report.{kind}" for kind in ("html", "pdf", "docx")),
+    "attachments/*.png",
+    "attachments/*.jpg",
+)
+ENTRY = "last"  # of the record, in the store
+PRINTED = 4  # figures that the PDF takes as long as, per figure of the results: 3 to 6
+SHEETS = 3  # page, DOCX, tables: each takes about as long as a figure
 STAGES = {  # stage: table
     "pushdown": "settlements",
     "pushover": "pushover",
@@ -34,6 +60,167 @@ STAGES = {  # stage: table
     "identification": "identification",
 }
 HAVE_IT = "add it, or name a stage that it has"
+
+
+def key_of(project: Project) -> str:
+    """Return a digest of what a run of the project writes depends on: the program, and every file that it reads."""
+    attached = [file_digest(path) for path in project.attachments()]
+    return cache.digest([cache.program(), cache.printing(), project.content(), project.digests(), attached])
+
+
+@dataclass(frozen=True)
+class LastRun:
+    """What a run left: its key, the digests of its files, warnings, and whether its analyses were completed."""
+
+    key: str
+    files: Mapping[str, str]
+    complete: bool
+    analyses: int
+    warnings: list[str]
+
+    def outcome(self, folder: Path) -> Outcome:
+        """Return the outcome stored in the folder; none of its analyses is computed again."""
+        from assessment.results.file import read_results  # late: see run.py
+
+        return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses)
+
+    def stands(self, folder: Path, key: str, report: bool) -> bool:
+        """Return whether a run with this key, with its `report` or without, would leave the folder as it is."""
+        if self.key != key or self.files != _digests(folder):
+            return False
+        if not report:
+            return True
+        return "report.html" in self.files and ("report.pdf" in self.files or not printable())
+
+
+def recall(folder: Path) -> LastRun | None:
+    """Return the record of the last run in an output folder; None if there is none that can be read."""
+    text = Store(folder / FOLDER).read(ENTRY)
+    with suppress(Exception):  # of another version, or none at all
+        found: LastRun | None = unpacked(text, LastRun) if text else None
+        return found
+    return None
+
+
+def remember(folder: Path, outcome: Outcome, key: str, warnings: list[str]) -> None:
+    """Store the record of a run in its output folder, for the next run."""
+    number = outcome.computed + outcome.taken
+    left = LastRun(key, _digests(folder), outcome.complete, number, warnings)
+    Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    return {name: file_digest(folder / name) for name in _files(folder)}
+
+
+def _files(folder: Path) -> list[str]:
+    """Return the names of the files of a run, relative to its folder, with slashes."""
+    found = (path for place in PLACES for path in folder.glob(place))
+    return sorted(path.relative_to(folder).as_posix() for path in found if path.is_file())
+
+
+def prepare(report: bool) -> None:
+    """Import what `write` needs; it takes nearly two seconds, which other processes use to compute."""
+    import pandas  # noqa: F401
+
+    import assessment.report.figures.index
+
+    if report:
+        import assessment.report.document  # noqa: F401
+
+        printable()
+
+
+def write(
+    results: Results,
+    folder: Path,
+    report: bool = True,
+    jobs: int = 1,
+    attachments: Sequence[Path] = (),
+    reached: Callable[[float], object] = lambda _: None,
+) -> list[str]:
+    """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
+
+    A judgement.md that was edited is kept. Return warnings. `jobs`: processes, 0: one per core; `attachments`: pictures
+    that end the report; `reached`: is given the share that is made. Raises KilledError, or OSError that names a file;
+    the folder is then unchanged.
+    """
+    from assessment.report.chapters.judgement import NAME
+    from mechanics.messages import message
+
+    folder.mkdir(parents=True, exist_ok=True)
+    opinion = folder / NAME
+    before = _version(opinion)
+    gone = _files(folder) if (folder / "results.json").exists() else []
+    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
+        new = Path(scratch)
+        try:
+            warnings = _make(results, folder, new, report, jobs, attachments, reached)
+            if _version(opinion) not in (None, before):
+                write_atomically(new / NAME, opinion.read_bytes())
+                warnings.append(message("judgement.md was changed while the report was made: print it again"))
+            put_in_place(new, folder, _files(new), gone)
+        except KilledError as error:
+            raise KilledError(f"{'report' if report else 'figures and tables'}: {error}") from None
+        except OSError as error:
+            name = error.filename
+            if name and Path(name).is_relative_to(new):  # named where the user will look for it
+                name = str(folder / Path(name).relative_to(new))
+            raise OSError(error.errno, error.strerror, name) from error
+    return warnings
+
+
+def _make(
+    results: Results,
+    folder: Path,
+    new: Path,
+    report: bool,
+    jobs: int,
+    attachments: Sequence[Path],
+    reached: Callable[[float], object],
+) -> list[str]:
+    """Make everything in the folder `new`; return warnings."""
+    from assessment.report.chapters.judgement import NAME, judgement
+    from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
+    from assessment.report.figures.index import pictures, write_figures, write_images
+    from assessment.report.tables import write_tables
+    from assessment.report.text.language import words_of
+    from assessment.results.file import as_bytes
+
+    opinion = judgement(results, words_of(results), folder)
+    write_atomically(new / NAME, opinion.content)
+    number, figures = processes(jobs), len(pictures(results))
+    whole, made = SHEETS + (2 + PRINTED * report) * figures, 0
+
+    def ended(function: Callable[..., Any]) -> None:
+        nonlocal made
+        made += PRINTED * figures if function is write_pdf else 1
+        reached(min(made / whole, 1.0))
+
+    with Pool(number if number > 1 else 0, results, ended) as pool:
+        write_figures(pool, new / "figures")
+        begun: list[Future[Any]] = []
+        if report:
+            write_attachments(attachments, new)
+            begun.append(pool.apply(write_pdf, new, opinion.edited))  # first: it takes longest
+            begun.append(pool.apply(write_page, new, opinion.edited))
+        images = write_images(pool, new / "figures")
+        begun.append(pool.apply(write_tables, new / "tables"))
+        for work in images:
+            result_of(work)
+        if report:  # its figures are the images
+            begun.append(pool.apply(write_docx, new, opinion.edited))
+        write_atomically(new / "results.json", as_bytes(results))
+        done = [result_of(work) for work in begun]
+    return [*opinion.warnings, *(done[0] if report else [])]
+
+
+def _version(path: Path) -> tuple[int, int] | None:
+    """Return time (ns) and size of a file, which change with it; None where there is none."""
+    if not path.is_file():
+        return None
+    now = path.stat()
+    return now.st_mtime_ns, now.st_size
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:

@@ -209,7 +209,7 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
     any mechanism, whatever its frictions, are with it one of its flows. Of the mechanisms that fit the forces in the
     end, that of least gaps and slips is taken.
     """
-    from mechanics.solvers import lp_highs, mechanisms  # late: with them comes scipy.optimize
+    from mechanics.solvers import lp_highs  # late: with them comes scipy.optimize
 
     none, room = LIMIT.idle * program.weight, margins(program, central.forces)
     displacement, flowing = central.displacement, flows_at(program, central.forces, iterate.gaps)
@@ -226,7 +226,7 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
             if tries % LIMIT.turn == 0:
                 room = margins(program, answer[0])
                 weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2 if tries else np.ones_like(room)
-                other = mechanisms.mechanism_of(program, room <= none, weights)
+                other = lp_highs.mechanism_of(program, room <= none, weights)
         if other is not None:
             displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
         else:
@@ -234,7 +234,7 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
     if best is central:
         return central
     room = margins(program, best.forces)
-    plain = mechanisms.mechanism_of(program, room <= none, np.ones_like(room))
+    plain = lp_highs.mechanism_of(program, room <= none, np.ones_like(room))
     if plain is None:
         return best
     certificate = certify(program, best.forces, best.alpha, plain[0])

@@ -1,19 +1,32 @@
-"""The program without beds and mass, a linear one, by HiGHS: the second opinion of rigid statics."""
+"""Linear programs by HiGHS: the program without beds and mass, and mechanisms that fit the forces of a flow.
+
+Mechanisms are displacements that open or slide no joint but where these forces leave it free. Of a joint (y₁, y₂, λ₊,
+λ₋): the gaps of its ends and its slip forth and back. Without dilation
+
+    gap₁ + b₁ᵀΔx = y₁,   gap₂ + b₂ᵀΔx = y₂,   slip + b₃ᵀΔx = λ₊ − λ₋,   y, λ ≥ 0,   zero where they are not free
+    f_LᵀΔx = γ
+"""
 
 from __future__ import annotations
 
 from typing import Literal
 
 import numpy as np
+import piqp
+from scipy import sparse
 from scipy.optimize import linprog
 
 from mechanics.errors import ArgumentError
+from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.law import SLID
+from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm
 from mechanics.types import Array, Mask
 
 # what HiGHS may leave of a row: the least that it takes
 EXACTLY = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+STIFF = 1e10  # of what is not free, against displacements: rounding of the last step need not be undone
 
 
 def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds") -> Answer | None:
@@ -72,3 +85,89 @@ def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | N
         return None
     forces, alpha, _ = form.recover(np.asarray(found.x), np.zeros(len(form.b)))
     return forces, alpha
+
+
+def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, Array] | None:
+    """Return displacements (m,) of the program's work, and their gaps and slips (j, 4), of which few are not zero.
+
+    `free` (j, 4): gaps and slips that forces leave free. Their sum by these `weights` (j, 4) is least. None if there
+    are no such displacements.
+    """
+    change, begun = _gaps_and_slips(program)
+    m, count = len(program.load), len(program.places)
+    assert program.lateral is not None
+    split = sparse.kron(
+        sparse.identity(count), [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]]
+    )
+    work = sparse.csr_matrix(
+        np.concatenate([program.lateral, np.zeros(4 * count)]) * (program.step / program.work)
+    )
+    found = linprog(
+        np.concatenate([np.zeros(m), weights.ravel()]),
+        A_eq=sparse.vstack([sparse.hstack([change, -split]), work]),
+        b_eq=np.concatenate([-begun, [program.step]]),
+        bounds=[(None, None)] * m + [(0.0, None if may else 0.0) for may in free.ravel()],
+        method="highs-ds",
+        options=EXACTLY,
+    )
+    if found.status != 0:
+        return None
+    return np.asarray(found.x[:m]), np.asarray(found.x[m:]).reshape(-1, 4)
+
+
+def nearest_mechanism(program: Program, free: Mask, began: Mask) -> tuple[Array, Array] | None:
+    """Return the least displacements (m,) of the program's work, and their gaps and slips (j, 4).
+
+    `free` (j, 4) as in mechanism_of; `began` (j, 4): those of the flow so far: others begin where they must. Rotations
+    count times the block size. Rounding may leave a little of what is not free; where much is left, there are no such
+    displacements: the certificate tells. None if PIQP finds no numbers.
+    """
+    change, begun = _gaps_and_slips(program)
+    m, size = len(program.load), program.step
+    assert program.lateral is not None
+    scale = np.ones(m)
+    scale[2::3] = 1.0 / program.size
+    rows_of = change @ sparse.diags(scale)
+    # a slip forth counts as a gap, one back as a gap below zero
+    rises = np.stack([free[:, 0], free[:, 1], free[:, 2]], axis=1).ravel()
+    falls = np.stack([np.zeros(len(free), bool)] * 2 + [free[:, 3]], axis=1).ravel()
+    new = np.stack([~began[:, 0], ~began[:, 1], ~began[:, 2:].any(axis=1)], axis=1).ravel()
+    held, at_least, at_most = ~(rises | falls), rises & ~falls, falls & ~rises
+    most, kept = abs(program.lateral).max(), int(held.sum())
+    load = sparse.csr_matrix(program.lateral * scale / most)
+    g = sparse.vstack([rows_of[at_least], -rows_of[at_most]])
+    solver = piqp.SparseSolver()  # its status is not asked: the certificate of the step decides
+    solver.settings.eps_abs = solver.settings.eps_rel = 1e-12
+    solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = 1e-10
+    solver.setup(
+        sparse.diags(np.concatenate([np.ones(m), np.full(kept, STIFF)]), format="csc"),
+        np.concatenate([rows_of.T @ (1.0 * (new & at_least) - 1.0 * (new & at_most)), np.zeros(kept)]),
+        sparse.bmat([[rows_of[held], -sparse.identity(kept)], [load, None]], format="csc"),
+        np.concatenate([-begun[held], [program.work / most]]) / size,
+        sparse.hstack([g, sparse.csr_matrix((g.shape[0], kept))], format="csc"),
+        np.concatenate([-begun[at_least], begun[at_most]]) / size,
+        np.full(g.shape[0], np.inf),
+        None,
+        None,
+    )
+    solver.solve()
+    x = size * np.array(solver.result.x)[:m]
+    if not np.isfinite(x).all():
+        return None
+    y = (begun + rows_of @ x).reshape(-1, 3)
+    gaps = np.column_stack([y[:, :2], y[:, 2], -y[:, 2]]).clip(0.0)
+    return x * scale, np.where(free, gaps, 0.0)
+
+
+def _gaps_and_slips(program: Program) -> tuple[sparse.csr_matrix, Array]:
+    """Return the rows (3j, m) of the gaps of both ends and the slip of each joint, and what they are (3j,)."""
+    row, half, places = rows(program.places), program.places[:, H], program.places
+    tilt = half[:, None] * row[:, 1]
+    entries = np.stack([row[:, 0] - tilt, row[:, 0] + tilt, row[:, 2]], axis=1)
+    moving = np.broadcast_to((program.dof >= 0)[:, None, :], entries.shape)
+    column = np.broadcast_to(program.dof[:, None, :], entries.shape)[moving]
+    line = np.broadcast_to(np.arange(3 * len(row)).reshape(-1, 3, 1), entries.shape)[moving]
+    change = sparse.csr_matrix((entries[moving], (line, column)), (3 * len(row), len(program.load)))
+    turn = half * places[:, PHI]
+    begun = np.stack([places[:, U] - turn, places[:, U] + turn, places[:, V] - program.law[:, SLID]], axis=1)
+    return change, begun.ravel()

@@ -63,7 +63,7 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
     Its work is that of the `problem`, kNm. Source: the program of eq. 5 without dilation; docs/theory.md, Static paths.
     Raises NoEquilibriumError where blocks fall, ConvergenceError where the flow ends.
     """
-    from mechanics.solvers import lp_highs, mechanisms  # late: with them comes scipy.optimize
+    from mechanics.solvers import lp_highs  # late: with them comes scipy.optimize
 
     system, model = problem.system, problem.system.model
     assert last.iterate is not None
@@ -75,7 +75,7 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
         forces = interior.resultants(program, before)
         free = margins(program, forces) <= LIMIT.idle * program.weight
         began = before.gaps > STEP.touching * program.step
-        found = mechanisms.nearest_mechanism(program, free | flows_at(program, forces, before.gaps), began)
+        found = lp_highs.nearest_mechanism(program, free | flows_at(program, forces, before.gaps), began)
         if found is None:
             raise ended
         displacement, gaps = found

@@ -178,3 +178,9 @@ def test_the_paper_is_cited_in_full_once():
         sum("Soil Dynamics and Earthquake Engineering" in each.read_text(encoding="utf-8") for each in pages)
         == 1
     )
+
+
+def test_the_files_that_architecture_names_are_there():
+    text = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`((?:assessment|mechanics|templates)/[\w/.]+)`", text))
+    assert [name for name in sorted(named) if not (ROOT / name).exists()] == []

@@ -11,7 +11,8 @@ import pytest
 
 from assessment.analyses.found import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
-from assessment.cli import arguments, commands
+from assessment.cli import commands
+from assessment.cli import main as arguments
 from assessment.project.schema import (
     KeyPath,
     MotionTable,

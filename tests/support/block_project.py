@@ -13,7 +13,7 @@ from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout, write_drawing
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.journal import NAME as JOURNAL
-from assessment.workflow.output import ENTRY
+from assessment.workflow.run import ENTRY
 from tests import ROOT
 
 

@@ -31,7 +31,7 @@ from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
 from assessment.project.schema import ORIGINAL
-from assessment.project.structure.places import chosen_mechanisms
+from assessment.project.structure.masonry import chosen_mechanisms
 from assessment.results.configurations.joint_states import Met
 from assessment.results.schema import checks as parts
 from assessment.results.schema.part import finite, known
@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from assessment.analyses.checks.demand import Demands
     from assessment.ntc.spectrum import Spectrum
     from assessment.project.project import Project
+    from assessment.project.structure.masonry import Chosen
     from assessment.project.structure.model import StateModel
-    from assessment.project.structure.places import Chosen
     from assessment.results.schema import StateResults
     from mechanics import Assembly
 

@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from assessment.ntc.tables import Step, Trace, datum, names, step
-from assessment.project.structure.places import Chosen, RotatingBlocks
+from assessment.project.structure.masonry import Chosen, RotatingBlocks
 from assessment.results.configurations.frames import lengthenings
 from mechanics import Assembly, Tie
 from mechanics.messages import SaidError, message

@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from assessment.project.plausibility import implausible
-from assessment.project.structure.masonry import MATERIAL, as_built, layer_of
-from assessment.project.structure.places import block_at, chosen_mechanisms, gauges
+from assessment.project.structure.masonry import (
+    MATERIAL,
+    as_built,
+    block_at,
+    chosen_mechanisms,
+    gauges,
+    layer_of,
+)
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import write_atomically
 from mechanics import Assembly, DrawingError, State, Tie

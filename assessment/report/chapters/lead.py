@@ -9,8 +9,7 @@ from markupsafe import Markup
 
 from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
 from assessment.results import summary
-from assessment.results.schema import Results, known
-from assessment.results.schema.summary import SummaryRow
+from assessment.results.schema import Results, SummaryRow, known
 from assessment.results.table import ORIGINAL
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed

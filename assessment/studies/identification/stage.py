@@ -16,7 +16,7 @@ from assessment.analyses.found import as_part
 from assessment.analyses.static.paths import configuration, quality_row
 from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
-from assessment.project.structure.places import Gauge, gauges, readings
+from assessment.project.structure.masonry import Gauge, gauges, readings
 from assessment.results.schema import studies as parts
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration

@@ -12,7 +12,7 @@ from assessment.benchmark.cases import motions, skips, statics
 from assessment.benchmark.cases.motions import ShakenCase, pulse, rocking_freely
 from assessment.benchmark.command import BENCHMARKS
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
-from assessment.cli import arguments
+from assessment.cli import main as arguments
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures.time_history import HistoryTolerances
 from mechanics.program import certify

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from assessment.cli import arguments as cli
+from assessment.cli import main as cli
 from assessment.cli.commands import WRONG_INPUT
 from assessment.cli.main import main
 from tests.support.block_project import edit

@@ -12,7 +12,7 @@ from assessment.report.figures.style import PNG_DPI
 from assessment.report.tables.equilibrium import balance, hand_check, reactions
 from assessment.report.text.language import cell, words_of
 from assessment.results.configurations.hand_check import figures_of, governing_mechanisms, virtual_work_table
-from assessment.workflow.output import write
+from assessment.workflow.run import write
 from tests.assessment.report.test_document import one_direction, without_assessment, without_settlement
 from tests.support.analysed import analysed
 from tests.support.results_example import results_example

@@ -6,9 +6,8 @@ from typing import Any
 
 import pytest
 
-from assessment.results.schema import Results
+from assessment.results.schema import Results, Summary, SummaryRow
 from assessment.results.schema.part import ratio_decimals
-from assessment.results.schema.summary import Summary, SummaryRow
 from assessment.results.summary import summary_of
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed

@@ -7,7 +7,7 @@ open, so that a path predicts what any other path to the same movement does.
 import numpy as np
 import pytest
 
-from assessment.project.structure.places import Gauge, readings
+from assessment.project.structure.masonry import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification import stage as search_module

@@ -9,7 +9,7 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.results.schema.part import plain
-from assessment.workflow import output
+from assessment.workflow import run as output
 from assessment.workflow import stages as workflow
 from tests.support.block_project import contents, run
 

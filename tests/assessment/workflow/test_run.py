@@ -14,9 +14,9 @@ import pytest
 from assessment.cli.main import main
 from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER
-from assessment.workflow import output
+from assessment.workflow import run as output
 from assessment.workflow import stages as workflow
-from assessment.workflow.output import ENTRY
+from assessment.workflow.run import ENTRY
 from tests.support.block_project import PROJECT, command, edit, read_results, timeless, write_block
 from tests.support.every_stage import REPORT
 

@@ -22,8 +22,8 @@ from assessment.ntc.capacity_curve import mechanism_participation
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.project import load_project
+from assessment.project.structure.masonry import Chosen, RotatingBlocks
 from assessment.project.structure.model import build_model
-from assessment.project.structure.places import Chosen, RotatingBlocks
 from assessment.report.tables.capacity import chosen_mechanisms, trace
 from assessment.results.schema.part import plain
 from assessment.workflow.stages import run

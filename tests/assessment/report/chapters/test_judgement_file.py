@@ -9,7 +9,7 @@ from assessment.report.chapters.judgement import NAME, judgement, to_html
 from assessment.report.figures.index import write_figures
 from assessment.report.text.language import words_of
 from assessment.runtime.pool import Pool
-from assessment.workflow.output import write
+from assessment.workflow.run import write
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 

@@ -13,8 +13,8 @@ from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.report.text.language import Words, direction_name, plain_text
+from assessment.results.schema import SummaryCheck
 from assessment.results.schema.static import Strengthening
-from assessment.results.schema.summary import SummaryCheck
 from assessment.results.summary import index_limit, worst_settled
 from tests.support.analysed import analysed
 from tests.support.judgement.random_results import random_results

@@ -80,9 +80,7 @@ def test_what_is_no_picture_is_refused_with_one_message(project, monkeypatch, ac
 @pytest.mark.usefixtures("quick")
 def test_the_report_ends_with_them_and_another_picture_is_printed(project, monkeypatch):
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    monkeypatch.setattr(
-        "assessment.workflow.output.processes", lambda _: 1
-    )  # one that is spawned has pictures
+    monkeypatch.setattr("assessment.workflow.run.processes", lambda _: 1)  # one that is spawned has pictures
     output = project / "output"
     assert main(["run", str(project), "--jobs", "1"]) == 0
     page = (output / "report.html").read_text(encoding="utf-8")
