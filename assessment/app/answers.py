@@ -33,8 +33,19 @@ def schema(session: Session, _: Sent) -> dict[str, Any]:
 
 @cache
 def page_words(language: str) -> dict[str, Any]:
-    """Return the words of the page in a language."""
-    return tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
+    """Return the words of the page in a language; `keys`: name, as in the report, and meaning of each key.
+
+    English meanings are those of the schema.
+    """
+    from assessment.report.text.language import Words, key_name, plain_text  # late: the page comes first
+
+    found = tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
+    words = Words.of(language)
+    keys = {key: [plain_text(key_name(key, words)), ""] for key in words.strings["input"]}
+    for place, told in found.get("keys", {}).items():
+        key, (name, meaning) = place.rpartition(".")[2], told if isinstance(told, list) else ("", told)
+        keys[place] = [plain_text(key_name(key, words, name)), meaning]
+    return found | {"keys": keys}
 
 
 def edit(session: Session, sent: Sent) -> dict[str, Any]:

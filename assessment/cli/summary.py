@@ -185,12 +185,12 @@ def dynamic_lines(results: Results) -> Iterator[str]:
     """Yield a line for each history and incremental analysis of a state, and for each movement of the campaign."""
     for name, state in results.states.items():
         for entry in state.history:
-            came_to = f"peak {Words.of('en').millimetres(entry.peak_displacement_m)}"
+            came_to = f"peak {Words.of('en').told('peak_displacement_m', entry.peak_displacement_m)}"
             if entry.collapsed is None:
                 came_to = "not computed"
             elif entry.collapsed:
                 came_to = f"collapse at {_value(entry.time_of_collapse_s, '{:.3g} s')}"
-            yield f"history {entry.record}, {name}: {came_to}"
+            yield f"history {entry.record}, {name}: {came_to}".replace("\u00a0", " ")
     for name, state in results.states.items():
         if state.incremental.records is not None:
             rule = state.incremental.rule or "lowest; NTC 2018 §7.3.5 needs three records"

@@ -1,8 +1,6 @@
 // Forms of the tables of the project file, made from its schema: a new key of the file has its field without a line here.
 import { content, edit, el, outdated, renderPanel, store, w } from "./app.js";
 
-const UNITS = { m: "m", mm: "mm", kN: "kN", kN_m: "kN/m", kN_m2: "kN/m²", kN_m3: "kN/m³", s: "s", g: "g", rad: "rad",
-  mrad: "mrad", years: "" };
 const FRONT = {  // keys that are asked first, where not the required ones alone
   SiteTable: ["latitude", "longitude", "soil", "topography", "nominal_life_years", "use_class"],
   MaterialTable: ["unit_weight_kN_m3", "friction", "normal_stiffness_kN_m3"],
@@ -35,16 +33,11 @@ export const tableOf = (name) => {
 
 // ---- words ----
 const said = (table, key) => {
-  const keys = store.words[store.language].keys ?? {};
+  const { keys } = store.words[store.language];
   return keys[`${table}.${key}`] ?? keys[key];
 };
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
-export const labelOf = (table, key) => {
-  const unit = Object.keys(UNITS).filter((each) => key.endsWith(`_${each}`)).sort((a, b) => b.length - a.length)[0];
-  const plain = (unit ? key.slice(0, -unit.length - 1) : key).replaceAll("_", " ");
-  const name = said(table, key)?.[0] ?? capital(plain);
-  return unit && UNITS[unit] ? `${name} [${UNITS[unit]}]` : name;
-};
+export const labelOf = (table, key) => capital(said(table, key)?.[0] ?? key);
 const meaningOf = (table, key, schema) => said(table, key)?.[1] || schema.description || "";
 export const valueName = (value) => store.words[store.language].values?.[value] ?? String(value);
 

@@ -6,6 +6,7 @@ import re
 import tomllib
 from importlib.resources import files
 
+from assessment.app.answers import page_words
 from assessment.project.project import json_schema
 
 
@@ -37,4 +38,11 @@ def test_every_key_of_the_project_file_has_its_italian():
     named = [(table, key) for table, each in tables.items() for key in each["properties"]]
     assert [pair for pair in named if ".".join(pair) not in keys and pair[1] not in keys] == []
     assert {key for key in keys if key.partition(".")[2]} <= {".".join(pair) for pair in named}
-    assert all(len(each) == 2 and all(each) for each in keys.values())
+    assert all(isinstance(each, str) or (len(each) == 2 and all(each)) for each in keys.values())
+
+
+def test_keys_are_called_as_in_the_report():
+    italian, english = page_words("it")["keys"], page_words("en")["keys"]
+    assert italian["depth_m"][0] == "Spessore fuori piano [m]"
+    assert english["depth_m"][0] == "Out-of-plane depth [m]"
+    assert italian["FloorTable.period_s"][0] == "Periodo T_1 [s]"

@@ -12,23 +12,32 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_period
+from assessment.report.chapters.remarks import worked_by_hand
 from assessment.report.tables import capacity as checked
 from assessment.report.tables import dynamic, equilibrium, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
 from assessment.report.tables.rows import TABLES, without
-from assessment.report.text.language import Words, cell, check_name, direction_name, heading, written
+from assessment.report.text.language import (
+    Words,
+    cell,
+    check_name,
+    direction_name,
+    heading,
+    key_name,
+    written,
+)
 from assessment.results.configurations import hand_check
 from assessment.results.schema import Results, present
 from assessment.results.schema.part import QUANTITIES
 from assessment.results.summary import index_limit, index_of, least_row, printed
 from assessment.results.table import Row, Table, cells, reference_of
 
-AS_THEY_ARE = """ties settlements tie_tensions knowledge chosen_checks all_mechanisms linear_checks scalings history
+AS_THEY_ARE = """ties settlements tie_tensions knowledge all_mechanisms linear_checks scalings history
 history_ranges history_energy shaken_ties incremental incremental_states fragility_measures static_dynamic convergence
 history_convergence incremental_convergence quality"""  # tables that the report prints as the CSV files have them
 SIGNIFICANT = {"hand_check": 4, "second_solver": 5}  # digits of tables that show how near two values are
-CHECKED = "direction limit_state d_star_m a_star_g T_s pga_g demand_pga_g zeta_E return_period_years verified governing"
+CHECKED = "d_star_m a_star_g T_s pga_g demand_pga_g zeta_E return_period_years verified governing"
 
 
 @dataclass(frozen=True)
@@ -73,6 +82,7 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
         checked.reported_interventions(results, words),
         _interventions(results),
         replace(chosen, rows=[row for row in chosen.rows if "refused" not in row]),
+        _checked(checked.chosen_checks(results), "mechanism state limit_state"),
         *studies.reported_studies(results),
         *dynamic.reported_campaign(results),
         equilibrium.hand_check(results),
@@ -90,17 +100,14 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
 
 def check_grids(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the checks of each state: every direction and limit state, the vertical component with them."""
-    whole = checked.verification(results)
-    surface = all(row.get("pga_g") is not None for row in whole.rows if row.get("a_g_g") is not None)
-    columns = [name if surface else name.replace("pga", "a_g") for name in CHECKED.split()]
-    columns = [name for name in columns if any(row.get(name) is not None for row in whole.rows)]
+    whole = _checked(checked.verification(results), "direction limit_state")
     factor = words.number((results.echo.assessment or {}).get("confidence_factor", 1.0))
     for name, state in results.states.items():
         own = [row for row in whole.rows if row["state"] == name]
         rows: list[Row] = []
         for direction, capacity in state.capacity.items():
             made = [row for row in own if row["direction"] == direction]
-            rows += [{key: row[key] for key in columns if key in row} for row in made]
+            rows += [{key: row[key] for key in whole.columns if key in row} for row in made]
             if lifted := capacity.vertical:
                 row: Row = {"direction": direction, "limit_state": words("value.vertical_check")}
                 row |= {"a_star_g": lifted.a_0_star_g, "zeta_E": lifted.ratio, "verified": lifted.verified}
@@ -111,12 +118,20 @@ def check_grids(results: Results, words: Words) -> Iterator[Grid]:
         rows += [open_ | {"direction": way} for way in missing]
         if rows:
             caption = words("caption.checks", state=name, factor=factor)
-            yield grid(Table("checks", rows, tuple(columns)), words, caption, reference=reference_of(results))
+            yield grid(replace(whole, rows=rows), words, caption, reference=reference_of(results))
+
+
+def _checked(table: Table, place: str) -> Table:
+    """Return checks with capacity and demand at the surface, on rock where a PGA is not known of all."""
+    surface = all(row.get("pga_g") is not None for row in table.rows if row.get("a_g_g") is not None)
+    columns = [name if surface else name.replace("pga", "a_g") for name in CHECKED.split()]
+    there = [name for name in columns if any(row.get(name) is not None for row in table.rows)]
+    return replace(table, columns=(*place.split(), *there))
 
 
 def macro_block_grids(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Iterator[Grid]:
-    """Yield the macro-blocks of each state's weakest direction, `most` or fewer, with the sums of the virtual work."""
-    for name, direction in hand_check.governing_mechanisms(results):
+    """Yield the macro-blocks of `worked_by_hand`, `most` or fewer, with the sums of the virtual work."""
+    for name, direction in worked_by_hand(results):
         figures = hand_check.figures_of(results, name, direction)
         if len(figures) <= most:
             table = hand_check.virtual_work_table(figures, hand_check.ties_in(results, name, direction))
@@ -214,10 +229,11 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
     for path, key, value in _flat(echo):
         if value in ("", []):
             continue
-        own = "_".join((*path[:1], key))
+        own = "_".join((*path[:1], key))  # by which a table calls it otherwise
+        name = words(f"input.{own}") if own in words.strings["input"] else ""
         yield {
             "table": _group(path, words) if path != last else Markup(""),
-            "setting": _name(own if own in words.strings["input"] else key, words),
+            "setting": key_name(key, words, name),
             "value": Markup.escape(_value(value, words, key in CHOICES or "hypotheses" in path)),
         }
         last = path
@@ -246,19 +262,14 @@ def _flat(value: Mapping[str, Any], path: Path = ()) -> Iterator[tuple[Path, str
 def _group(path: Path, words: Words) -> Markup:
     """Name a table: "Verifica, sito"; what the user named stays as it is, behind the kind of thing that it is."""
     first, *rest = path or ("project",)
-    name = _name(first, words)
+    name = key_name(first, words)
     for before, part in zip((first, *rest), rest, strict=False):
         if part.isdigit() or before == "layers":  # the second cedimento, the layer PIERS
             name += Markup(" ") + Markup.escape(part)
         else:  # "punto di controllo", but SLV
-            inner = _name(part, words)
+            inner = key_name(part, words)
             name += Markup(", ") + (inner[:1].lower() + inner[1:] if inner[1:2].islower() else inner)
     return name
-
-
-def _name(key: str, words: Words) -> Markup:
-    """Return the name of a key or of a table; of what has none, as a direction, the key."""
-    return words(f"input.{key}") if key in words.strings["input"] else Markup.escape(direction_name(key))
 
 
 def _value(value: Any, words: Words, choice: bool) -> str:

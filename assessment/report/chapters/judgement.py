@@ -20,7 +20,7 @@ from assessment.report.tables.equilibrium import balance
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
-from assessment.report.text.language import COARSE, Words, check_name, merged, plain_text, written
+from assessment.report.text.language import Words, check_name, merged, plain_text, written
 from assessment.results.configurations.hand_check import hand_checks, rigid_push
 from assessment.results.schema import Results, present
 from assessment.results.summary import determined_indices
@@ -119,7 +119,7 @@ def _histories(results: Results, words: Words) -> Iterator[Markup]:
         if peaks := [(peak, name) for peak, name in stood if peak is not None]:
             peak, name = max(peaks)
             text = "judgement.history_stands" if fallen else "judgement.history_peak"
-            yield words(text, **what, peak=words.millimetres(peak), state=name)
+            yield words(text, **what, peak=peak, state=name)
 
 
 def _incremental(results: Results, words: Words) -> Iterator[Markup]:
@@ -127,7 +127,7 @@ def _incremental(results: Results, words: Words) -> Iterator[Markup]:
     for name, state in results.states.items():
         loss = state.incremental.loss
         if loss and loss.distinguishable is False:
-            low, high = (_signed(bound or 0.0, words) for bound in loss.dynamic_range)
+            low, high = loss.dynamic_range
             yield words("judgement.incremental_indistinct", state=name, low=low, high=high)
 
 
@@ -150,15 +150,11 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
         kind = "alone" if loss.static is None else "opposed" if opposed else "beside"
         measure = "PGA" if campaign.measure == "PGA" else words.plain("judgement.campaign_sa")
         what = {"settlement": settlement, "share": words.comma(f"{100.0 * fit.share:g}"), "measure": measure}
-        losses = {"dynamic": _signed(pair[0], words), "static": _signed(pair[1], words)}
-        yield words(f"judgement.campaign_{kind}", **what, before=was, after=fit.median_g, **losses)
+        numbers = {"before": was, "after": fit.median_g, "dynamic": pair[0], "static": pair[1]}
+        yield words(f"judgement.campaign_{kind}", **what, **numbers)
         if indistinct:
-            low, high = (_signed(bound or 0.0, words) for bound in loss.dynamic_range)
+            low, high = loss.dynamic_range
             yield words("judgement.campaign_indistinct", settlement=settlement, low=low, high=high)
-
-
-def _signed(loss: float, words: Words) -> str:
-    return words.number(100.0 * loss, COARSE)
 
 
 def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
@@ -167,16 +163,14 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
     if found and (worst := found.worst):
         counts = None if worst.collapses else among_known(found)
         among = words("judgement.worst_among", known=counts[0], total=counts[1]) if counts else ""
-        movement = words.millimetres(worst.movement_m)
-        where = {"state": worst.state, "movement": movement, "direction": worst.direction}
+        where = {"state": worst.state, "movement": worst.movement_m, "direction": worst.direction}
         what = {"capacity": compared(worst, found.quantity), "limit": found.limit_state, "among": among}
         key = f"judgement.worst_{'collapses' if worst.collapses else found.quantity}"
         sentence = words(
             key, **where, **what, reference=words.plain(f"value.stated_on_{reference_of(results)}")
         )
         if not worst.collapses and worst.reduction is not None:
-            loss = words.per_cent(worst.reduction)
-            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=loss)
+            sentence += Markup(" ") + words("judgement.worst_reduction", reduction=worst.reduction)
         yield sentence
 
 
@@ -202,14 +196,13 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
         ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
         if ultimate:
             key = "judgement.margin" if applied < ultimate else "judgement.no_margin"
-            lengths = {"applied": 1000.0 * applied, "ultimate": 1000.0 * ultimate}
-            yield words(key, **where, **lengths, share=words.per_cent(applied / ultimate))
+            yield words(key, **where, applied=applied, ultimate=ultimate, share=applied / ultimate)
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:
     found = {name: getattr(results.quality, f"worst_{name}") for name in RESIDUALS}
     residuals = present(found)
-    shown = {name: words.number(residual, COARSE) for name, residual in residuals.items()}
+    shown = {name: words.told(f"worst_{name}", residual) for name, residual in residuals.items()}
     poor = [name for name, residual in residuals.items() if residual > RESIDUALS[name]]
     for name in poor:
         yield words("judgement.poor_certificates", what=words(f"judgement.{name}"), residual=shown[name])
@@ -222,9 +215,9 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words("judgement.no_convergence")
     elif errors:
         good = max(errors) <= convergence.tolerance and len(errors) == len(found_errors)
-        what = {"error": words.number(100.0 * max(errors), COARSE)}
-        what["tolerance"] = words.comma(f"{100.0 * convergence.tolerance:g}")
-        yield words(f"judgement.{'converged' if good else 'not_converged'}", **what)
+        tolerance = words.comma(f"{100.0 * convergence.tolerance:g}")
+        key = f"judgement.{'converged' if good else 'not_converged'}"
+        yield words(key, error=max(errors), tolerance=tolerance)
     yield from agreement(results, words)
     deviations: dict[bool, list[float]] = {False: [], True: []}  # whether sliding joints take what is missing
     for each in hand_checks(results):
@@ -233,12 +226,12 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
             deviations[slides and deviation < 0.0].append(abs(deviation))
     for slides, most in ((slides, max(each)) for slides, each in deviations.items() if each):
         key = "hand_agrees" if most <= AGREEMENT else "hand_slides" if slides else "hand_differs"
-        yield words(f"judgement.{key}", deviation=words.number(100.0 * most, COARSE))
+        yield words(f"judgement.{key}", deviation=most)
     unbalanced = [row["unbalanced"] for row in balance(results).rows]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is
         key = f"judgement.{'balanced' if worst <= BALANCED else 'unbalanced'}"
-        yield words(key, unbalanced=words.number(worst, COARSE))
+        yield words(key, unbalanced=worst)
     warnings = all_warnings(results)
     if warnings:
         yield words("judgement.warnings", count=len(warnings))

@@ -7,7 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.report.text.language import COARSE, Words, direction_name, indexed, label, written
+from assessment.report.text.language import Words, direction_name, indexed, label, written
 from assessment.results import summary
 from assessment.results.schema import Results, SummaryRow, known
 from assessment.results.table import ORIGINAL
@@ -56,7 +56,7 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     said = words(f"synthesis.{key}", state=name, count=len(summary.settled(results)), **place)
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
-        change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=words.per_cent(abs(loss)))
+        change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=abs(loss))
         said += words("synthesis.before", before=before, change=change)
     return said + Markup.escape(f". {outcome}" if outcome else ".")
 
@@ -87,7 +87,7 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
 
     ratios = {"before": check.zeta_E / (1.0 + check.gain), "after": check.zeta_E}
     said: dict[str, Any] = {key: words.ratio(value) for key, value in ratios.items()}
-    said |= {"gain": words.per_cent(check.gain), "where": where(row), "least": ""}
+    said |= {"gain": check.gain, "where": where(row), "least": ""}
     least = known(summary.least_row(results, name))
     if least is not row:
         value = words.ratio(known(known(summary.index_of(least, limit)).zeta_E))
@@ -119,6 +119,6 @@ def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
     found += [each for each in whole if each.settlement == name]
     loss = next(filter(None, found), None)
     if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
-        low, high = (words.number(100.0 * (bound or 0.0), COARSE) for bound in loss.dynamic_range)
+        low, high = loss.dynamic_range
         kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
-        yield words(f"synthesis.{kind}", loss=words.number(100.0 * loss.dynamic, COARSE), low=low, high=high)
+        yield words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high)

@@ -16,10 +16,10 @@ from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.report.tables.rows import capacities
-from assessment.report.text.language import COARSE, Words, told, translated
+from assessment.report.text.language import Words, translated
 from assessment.results import summary
 from assessment.results.configurations import hand_check
-from assessment.results.schema import Behaviour, Results, RigidPush
+from assessment.results.schema import Behaviour, Direction, Results, RigidPush
 from assessment.results.summary import UNLIKELY, best_of, fits, settlement_lines, told_of
 from assessment.results.table import ORIGINAL
 
@@ -94,14 +94,13 @@ def joint_law(results: Results, words: Words, elastic: bool) -> Sentences:
         yield words("text.bed_exact")
     strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
     limits = sorted({each for each in strengths if each is not None})
-    strength = "; ".join(told("compressive_strength_kN_m2", each, words) for each in limits)
+    strength = "; ".join(words.told("compressive_strength_kN_m2", each) for each in limits)
     key = "no_strength" if not limits else "some_strength" if None in strengths else "strength"
     yield words(f"text.{key}", strength=strength)
     pressed = structure.edge_pressures(results)
     if pressed and structure.bounded(pressed):
         place = {"state": pressed[0].state, "first": pressed[0].block_a, "second": pressed[0].block_b}
-        pressure = told("edge_pressure_kN_m2", pressed[0].edge_pressure_kN_m2, words)
-        yield words("text.greatest_pressure", pressure=pressure, **place)
+        yield words("text.greatest_pressure", pressure=pressed[0].edge_pressure_kN_m2, **place)
     yield words("text.sliding_coulomb" if summary.coulomb(results.echo) else "text.sliding")
     yield words("text.collisions" if summary.collisions(results.echo) else "text.no_collisions")
     if summary.damped(results.echo):
@@ -121,7 +120,7 @@ def strengthened(results: Results, words: Words) -> Sentences:
 
 def cracks(results: Results, words: Words) -> Sentences:
     """Yield what the table of cracks holds, what of it is not among those `printed`, or has no width."""
-    yield words("text.cracks", seen=words.comma(f"{1000.0 * SEEN:g}"))
+    yield words("text.cracks", seen=SEEN)
     by_state = [cracks_of(results, state) for state in results.states]
     most = structure.printed(results)
     if any(len(found) > most for found in by_state):
@@ -135,7 +134,7 @@ def survey(results: Results, words: Words) -> Sentences:
     for state in results.states:
         if found := surveyed(results, state):
             open_ = [each.mark for each in found if not each.seen]
-            seen = {"seen": words.comma(f"{1000.0 * SEEN:g}"), "marks": ", ".join(open_)}
+            seen = {"seen": SEEN, "marks": ", ".join(open_)}
             counts = {"count": len(found), "met": len(found) - len(open_)}
             yield words(f"text.survey_{'missing' if open_ else 'met'}", state=state, **counts, **seen)
 
@@ -151,15 +150,6 @@ def pressures(results: Results, words: Words) -> Sentences:
             yield words("text.edge_pressures_printed", count=structure.printed(results))
         if structure.crushes(results):
             yield words("text.crushing")
-
-
-def _circular(results: Results) -> int:
-    return int((results.echo.assessment or {}).get("circular", 2019))
-
-
-def damping(results: Results, words: Words) -> Markup:
-    """Return the damping of the circular whose rules apply."""
-    return words(f"text.damping_{_circular(results)}")
 
 
 def missing_pushovers(results: Results, words: Words) -> Sentences:
@@ -198,22 +188,22 @@ def _place(rigid: RigidPush, point: int, words: Words) -> str:
 
 def displacement_limits(results: Results, words: Words) -> Sentences:
     """Yield where the displacement limits come from: shares of d_0, a local limit, the end of an elastic curve."""
-    yield words(f"text.limits_{_circular(results)}")
+    given = results.echo.assessment or {}
+    yield words(f"text.limits_{given.get('circular', 2019)}")
     checks = [(name, check) for _, _, each in capacities(results) for name, check in each.checks.items()]
     if {"SLV linear", "SLV"} <= {name for name, _ in checks}:
         yield words("text.linear_beside")
     yield from lost_before_zero(results, words)
-    given = results.echo.assessment or {}
     if (limit := given.get("local_displacement_limit_m")) is not None:
         reason = given.get("local_displacement_reason") or words.plain("value.no_reason")
-        yield words("text.local_limit", limit=1000.0 * limit, reason=reason)
+        yield words("text.local_limit", limit=limit, reason=reason)
     else:
         lost = []
         for name, direction, rigid in hand_check.mechanisms(results):
             if loss := rigid.local_loss:  # a joint that bears: the local limit of its direction
                 first, second = loss.blocks
                 place = {"first": first, "second": second, "state": name, "direction": direction}
-                lengths = {"overlap": 1000.0 * loss.overlap_m, "limit": 1000.0 * loss.displacement_m}
+                lengths = {"overlap": loss.overlap_m, "limit": loss.displacement_m}
                 lost.append(words("text.local_loss_at", **place, **lengths))
         if lost:
             yield words("text.local_loss", where=Markup("; ").join(lost))
@@ -313,14 +303,21 @@ def agreement(results: Results, words: Words) -> Sentences:
     known = [abs(each.relative_difference) for each in found if each.relative_difference is not None]
     if known:
         key = f"judgement.second_{'agrees' if max(known) <= SOLVERS_AGREE else 'differs'}"
-        yield words(key, difference=words.number(max(known), COARSE))
+        yield words(key, difference=max(known))
     if len(known) < len(found):
         yield words("judgement.second_missing", count=len(found) - len(known))
 
 
+def worked_by_hand(results: Results) -> list[tuple[str, Direction]]:
+    """Return state and direction of the mechanisms whose macro-blocks are printed: in short annexes that governs."""
+    if results.echo.report.annexes == "full":
+        return hand_check.governing_mechanisms(results)
+    return [*filter(None, [summary.governing_view(results)])]
+
+
 def too_many(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Sentences:
     """Yield a sentence for each mechanism of more macro-blocks than a hand works out, which are `most`."""
-    for name, direction in hand_check.governing_mechanisms(results):
+    for name, direction in worked_by_hand(results):
         count = len(hand_check.figures_of(results, name, direction))
         if count > most:
             yield words("text.many_macro_blocks", count=count, state=name, direction=direction)
@@ -334,7 +331,7 @@ def overlaps(results: Results, words: Words) -> Sentences:
         if (row.worst_penetration_m or 0.0) > least:
             stage = ", ".join(words.name("value", part) for part in row.stage.split(", "))
             named = f"{words.state(row.state)}, {stage}" if row.state else stage
-            listed.append(f"{named}: {words.millimetres(row.worst_penetration_m)}")
+            listed.append(f"{named}: {words.told('worst_penetration_m', row.worst_penetration_m)}")
     if listed:
         yield words("text.overlap", where="; ".join(listed))
 

@@ -10,7 +10,7 @@ from assessment.ntc.tables import USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
-from assessment.report.text.language import Words, direction_name, heading, told, written
+from assessment.report.text.language import Words, direction_name, heading, written
 from assessment.results.configurations.hand_check import rigid_push
 from assessment.results.schema import Results, SummaryRow
 from assessment.results.summary import coulomb, governing_view, index_limit, least_row
@@ -75,7 +75,7 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
         return Markup("")
     weight, whole = rigid_push(results, *view).mechanism.moving_weight_kN, results.model.weight_kN
     where = {"name": mechanism_name(results, *view, words), "state": view[0], "direction": view[1]}
-    share = words.per_cent(weight / whole if whole else 0.0)
+    share = weight / whole if whole else 0.0
     return words("synthesis.mechanism", **where, weight=weight, share=share)
 
 
@@ -149,8 +149,7 @@ def _pressure(results: Results, words: Words) -> Markup:
     limits = [each for each in strengths if each is not None]
     pressed = edge_pressures(results)
     known = bool(pressed) and bounded(pressed)
-    most = told("edge_pressure_kN_m2", pressed[0].edge_pressure_kN_m2, words) if known else ""
+    most = pressed[0].edge_pressure_kN_m2 if known else None
     if not limits:
         return words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
-    strength = told("compressive_strength_kN_m2", min(limits), words)
-    return words(f"synthesis.strength{'' if known else '_alone'}", strength=strength, pressure=most)
+    return words(f"synthesis.strength{'' if known else '_alone'}", strength=min(limits), pressure=most)

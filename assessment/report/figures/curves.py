@@ -40,12 +40,11 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
             axes.set_ylim(*((low + high) / 2.0 + side * largest for side in (-0.1, 0.1)))
         applied = max(path.applied_movement_m for path in content.pushdown.values())
         if applied > 0.0:
-            named = words.plain("figure.applied", movement=words.millimetres(applied))
+            named = words.plain("figure.applied", movement=applied)
             axes.axvline(mm * applied, color="0.0", linewidth=0.7, linestyle=DASHES[1], label=named)
         for contacts, path in content.pushdown.items():
             if (ultimate := path.ultimate_movement_m) is not None:
-                movement = words.millimetres(ultimate)
-                named = words.plain("figure.ultimate_line", contacts=contacts, movement=movement)
+                named = words.plain("figure.ultimate_line", contacts=contacts, movement=ultimate)
                 style = {"linewidth": 0.5 * WIDTHS[contacts], "linestyle": DASHES[2], "label": named}
                 axes.axvline(mm * ultimate, color="0.0", **style)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2)

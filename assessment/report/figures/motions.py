@@ -14,15 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
-from assessment.report.figures.style import (
-    DASHES,
-    chart,
-    comma_ticks,
-    key,
-    legend_columns,
-    sheet,
-    state_style,
-)
+from assessment.report.figures.style import DASHES, LEGEND, chart, comma_ticks, key, sheet, state_style
 from assessment.report.text.language import COARSE, Words, label, scale
 from assessment.results.configurations.joint_states import outlines
 from assessment.results.schema import Results, dynamic
@@ -99,7 +91,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             at = time[out], mm * displacement[out]
             axes.plot(*at, marker="x", color="0.0", markersize=6.0, clip_on=False)
-        peak = words.millimetres(entry.peak_displacement_m)
+        peak = entry.peak_displacement_m
         name = f"figure.{'collapses' if entry.collapsed else 'peak'}"
         outcome = words.plain(name, state=state, time=entry.time_of_collapse_s, peak=peak)
         handles.append(key(outcome, **style))
@@ -227,8 +219,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
     if any(seen.resurrections_g for _, _, seen, _ in curves):
         mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
         handles.append(key(words.plain("figure.resurrection"), **mark))
-    columns = legend_columns([str(handle.get_label()) for handle in handles])
-    figure, axes_of = _grid(words, len(panels), 70.0, 8.0 + 4.0 * -(-len(handles) // columns))
+    figure, axes_of = _grid(words, len(panels), 70.0, 8.0 + 4.0 * -(-len(handles) // LEGEND))
     for axes, panel in zip(axes_of, panels, strict=True):
         for record, sign, seen, points in panel.curves:
             _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
@@ -247,7 +238,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
             beside.grid(visible=False)
             beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
             beside.annotate("d/d₀", (0.99, 0.90), xycoords="axes fraction", ha="right", fontsize="x-small")
-    figure.legend(handles=handles, loc="lower center", ncols=columns)
+    figure.legend(handles=handles, loc="lower center", ncols=LEGEND)
     return figure
 
 

@@ -146,6 +146,6 @@ def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> li
     if worst := found.worst:
         place = {"state": worst.state, "direction": worst.direction}
         named = f"figure.{'worst_collapses' if worst.collapses else 'worst'}"
-        text = words.plain(named, **place, movement=words.millimetres(worst.movement_m))
+        text = words.plain(named, **place, movement=worst.movement_m)
         handles.append(key(text, markersize=9, **RING | {"markeredgewidth": 1.0}))
     return handles

@@ -31,14 +31,12 @@ from mechanics.pictures import STYLE, nice
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
 OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a label that lies on lines
-LABEL_MM = 1.35  # of a label: an average letter
 TWO_LINES_MM = 11.0  # from an axis to a label of two lines
 SHADES = 64  # of a PNG in colours
 BAND_MM = 1.0  # of white that is left above and below a figure
-# of a legend: an average letter; the key before the words and the gap after them
-LETTER_MM, KEY_MM = 1.4, 9.0
 LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
+LEGEND = 2  # columns
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
 # of states: dark, so that grey prints
 COLOURS = ("#000000", "#1b4f9c", "#a33c0a", "#2f6b2a", "#6b2c82", "#5a4a1f")
@@ -71,12 +69,11 @@ def typeset(figure: Figure) -> Figure:
 
     for axes in figure.axes:
         label = axes.get_ylabel()
-        width, height = np.asarray(axes.get_position().size) * figure.get_size_inches() / MM
-        if LABEL_MM * len(label) > height:
+        if axes.yaxis.label.get_window_extent().height > axes.bbox.height:
             blanks = [at for at, letter in enumerate(label) if letter == " "]
             at = min(blanks, key=lambda blank: abs(blank - len(label) / 2.0))
             axes.set_ylabel(f"{label[:at]}\n{label[at + 1 :]}")
-            axes.yaxis.set_label_coords(-TWO_LINES_MM / width, 0.5)
+            axes.yaxis.set_label_coords(-TWO_LINES_MM * MM * figure.dpi / axes.bbox.width, 0.5)
     for text in figure.findobj(Text):
         words = text.get_text()
         if not text.get_parse_math() and SYMBOL.search(words):
@@ -151,7 +148,7 @@ class Panels:
         height = self.figure.get_size_inches()[1] / MM
         self.figure.legend(
             handles, labels, loc="lower center", bbox_to_anchor=(0.5, SCALE_MM / height), borderaxespad=0.2,
-            ncols=legend_columns(labels), handlelength=1.8, columnspacing=1.6,
+            ncols=min(len(labels), LEGEND), handlelength=1.8, columnspacing=1.6,
         )  # fmt: skip
         length = nice(self.paper(25.0))
         end, low = 2.0 + 1000.0 * length / self.scale, 1.2
@@ -168,15 +165,9 @@ class Panels:
         self.figure.text((end + 2.0) / WIDTH_MM, float(up.mean()), text, va="center", fontsize=6.5)
 
 
-def legend_columns(labels: Sequence[str]) -> int:
-    """Return how many columns, up to three, a legend has room for."""
-    widest = max((LETTER_MM * len(label) + KEY_MM for label in labels), default=KEY_MM)
-    return max(1, min(len(labels), 3, int(WIDTH_MM / widest)))
-
-
-def foot(labels: Sequence[str]) -> float:
-    """Return the height in mm of a legend with these labels and the scale of lengths."""
-    return FREE_MM + SCALE_MM + LINE_MM * math.ceil(len(labels) / legend_columns(labels))
+def foot(count: int) -> float:
+    """Return the height in mm of a legend of so many labels and the scale of lengths."""
+    return FREE_MM + SCALE_MM + LINE_MM * math.ceil(count / LEGEND)
 
 
 def sheet(

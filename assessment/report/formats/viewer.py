@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -20,7 +20,6 @@ from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Sit
 from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension
 
 VALUES = 15  # of a joint at a frame
-Series = dict[str, Any]
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
@@ -70,42 +69,46 @@ def viewer(results: Results, words: Words) -> Viewer | None:
 
 def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
     for where, path in moves(results):
-        movement = _shown("movement_m", path.movement_m)
-        series = [_series("Rx", movement, path.reaction_x_kN), _series("Rz", movement, path.reaction_z_kN)]
-        labels = label("movement_m", words), words.plain("viewer.reactions")
-        kept = _frames(results, path.frames, series) | _ties(results, where["state"], path.frames, path.ties)
+        curves = {"Rx": path.reaction_x_kN, "Rz": path.reaction_z_kN}
+        ties = _ties(results, where["state"], path.frames, path.ties)
+        axes = ("movement_m", path.movement_m), words.plain("viewer.reactions")
         place = words.at(where["state"], None, where["contacts"])
-        yield _path(words, "pushdown", place, labels, series, kept)
+        yield _path(results, words, f"pushdown: {place}", *axes, curves, path.frames, ties)
 
 
 def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
     for where, push in pushes(results):
-        along = _shown("displacement_m", push.curve.displacement_m)
-        series = [_series("α", along, push.curve.multiplier)]
-        labels = label("displacement_m", words), label("multiplier", words)
-        kept = _frames(results, push.frames, series) | _ties(results, where["state"], push.frames, push.ties)
-        found = _path(words, "pushover", words.at(*where.values()), labels, series, kept)
-        reach = max(map(abs, along))
+        axes = ("displacement_m", push.curve.displacement_m), label("multiplier", words)
+        ties = _ties(results, where["state"], push.frames, push.ties)
+        title, curves = f"pushover: {words.at(*where.values())}", {"α": push.curve.multiplier}
+        found = _path(results, words, title, *axes, curves, push.frames, ties)
+        reach = scale("displacement_m") * max(map(abs, push.curve.displacement_m))
         yield found | {"jumps": list(_jumps(results.states[where["state"]], where["direction"], reach))}
 
 
 def _path(
-    words: Words,
-    stage: str,
-    place: str,
-    labels: tuple[str, str],
-    series: Sequence[Series],
-    frames: dict[str, Any],
-) -> dict[str, Any]:
-    """Return a path of the page: its curves over the labels of both axes, and its frames."""
-    title, (x_label, y_label) = f"{words.plain(f'viewer.{stage}')}: {place}", labels
-    found = {"title": title, "jumps": [], "x_label": x_label, "y_label": y_label}
-    return found | {"series": series, "frames": frames}
+    results: Results, words: Words, title: str, along: tuple[str, Sequence[float]], y_label: str,
+    curves: Mapping[str, Sequence[float]], kept: Frames | Snapshots, ties: dict[str, Any],
+) -> dict[str, Any]:  # fmt: skip
+    """Return a path of the page: its curves along a quantity, with the digits that can be seen, and its frames.
 
-
-def _series(label: str, x: Sequence[float], y: Sequence[float]) -> Series:
-    """Return a curve of the page: its label and its points, with the digits that can be seen."""
-    return {"label": label, "x": _short(x), "y": _short(y)}
+    `title`: a kind of path, and where it is; `curves`: values by label.
+    """
+    kind, place = title.split(": ", 1)
+    name, values = along
+    x, ys = _short(_shown(name, values)), {each: _short(y) for each, y in curves.items()}
+    if isinstance(kept, Frames):
+        there = {"x": [x[k] for k in kept.index], "y": [[y[k] for k in kept.index] for y in ys.values()]}
+    else:
+        there = {"x": kept.time_s, "y": [_shown("displacement_m", kept.displacement_m)]}
+    return {
+        "title": f"{words.plain(f'viewer.{kind}')}: {place}",
+        "jumps": [],
+        "x_label": label(name, words),
+        "y_label": y_label,
+        "series": [{"label": each, "x": x, "y": y} for each, y in ys.items()],
+        "frames": there | _drawn(results, kept) | ties,
+    }
 
 
 def _jumps(state: StateResults, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
@@ -130,21 +133,14 @@ def _jumps(state: StateResults, direction: Direction, reach: float) -> Iterator[
 def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
     for name, state in results.states.items():
         for entry in state.history:
-            kept, curve = entry.snapshots, entry.curve
-            if kept and curve:
-                place = f"{words.state(name)}, {entry.record}"
-                labels = label("time_s", words), label("displacement_m", words)
-                series = [_series("d", curve.time_s, _shown("displacement_m", curve.displacement_m))]
-                y = _shown("displacement_m", kept.displacement_m)
-                frames = {"x": kept.time_s, "y": [y]} | _drawn(results, kept)
-                frames |= _ties(results, name, kept, None)
-                yield _path(words, "history", place, labels, series, frames)
-
-
-def _frames(results: Results, kept: Frames, series: Sequence[Series]) -> dict[str, Any]:
-    """Frames of a static path: values on its curves at each, and what the script draws."""
-    y = [[each["y"][index] for index in kept.index] for each in series]
-    return {"x": [series[0]["x"][index] for index in kept.index], "y": y, **_drawn(results, kept)}
+            if (kept := entry.snapshots) and (curve := entry.curve):
+                axes = ("time_s", curve.time_s), label("displacement_m", words)
+                title = f"history: {words.state(name)}, {entry.record}"
+                curves, ties = (
+                    {"d": _shown("displacement_m", curve.displacement_m)},
+                    _ties(results, name, kept),
+                )
+                yield _path(results, words, title, *axes, curves, kept, ties)
 
 
 def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
@@ -182,7 +178,7 @@ def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
 
 
 def _ties(
-    results: Results, state: str, kept: Frames | Snapshots, along: Sequence[TieTension] | None
+    results: Results, state: str, kept: Frames | Snapshots, along: Sequence[TieTension] | None = None
 ) -> dict[str, Any]:
     """Which ties are in a state, by their places in the list of all, and their tension (kN) at each frame.
 

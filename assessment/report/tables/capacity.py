@@ -17,7 +17,6 @@ from assessment.results.table import Row, Table, cells, reduction
 VERIFICATION = """d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified
 return_period_years governing"""
 CHOSEN = "state direction moving_weight_kN alpha_0_limit e_star a_0_star_g refused"
-CHOSEN_CHECK = "d_star_m a_star_g T_s a_g_g demand_a_g_g zeta_E verified return_period_years"
 SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptable_nominal_life_years"
 RISK = "IS_V IS_V_class PAM PAM_class risk_class"
 HEADLINES = ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
@@ -145,13 +144,13 @@ def chosen_mechanisms(results: Results) -> Found:
         yield present(found | {"ratio": own / limit if own is not None and limit else None})
 
 
-@table("chosen_checks", f"mechanism state limit_state {CHOSEN_CHECK}")
+@table("chosen_checks", f"mechanism state limit_state {VERIFICATION}")
 def chosen_checks(results: Results) -> Found:
     """List the checks of the mechanisms that the user chose, linear and, where their motion is known, nonlinear."""
     for given in results.mechanisms or []:
         for name, check in given.checks.items():
             where = {"mechanism": given.name, "state": given.state, "limit_state": name}
-            yield where | present(cells(check, CHOSEN_CHECK.split()))
+            yield where | present(cells(check, VERIFICATION.split()))
 
 
 @table(

@@ -16,7 +16,7 @@ from markupsafe import Markup, escape
 
 from assessment.ntc.tables import ROCK
 from assessment.results.schema import Results
-from assessment.results.schema.part import QUANTITIES, Quantity, ratio_decimals
+from assessment.results.schema.part import QUANTITIES, Quantity, ratio_decimals, unit_of
 from assessment.results.table import Row
 from mechanics.messages import Message, english, filled, headed, linked
 
@@ -32,11 +32,18 @@ Label = TypeVar("Label", str, Markup)
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
-class _Shown(str):
-    """A value as it is written; the format of its field is its unit, which no line parts from it."""
+@dataclass(frozen=True)
+class _Shown:
+    """A value of a sentence; the format of its field is the quantity that it is: {before:a_g_g}."""
 
-    def __format__(self, unit: str) -> str:
-        return f"{self}{NO_BREAK}{unit}" if unit else str(self)
+    words: Words
+    name: str
+    value: object
+
+    def __format__(self, quantity: str) -> str:
+        if quantity:
+            return self.words.told(quantity, self.value)
+        return self.words.field(self.name, self.value)
 
 
 @dataclass(frozen=True)
@@ -52,7 +59,7 @@ class Words:
         return cls(language, _strings(language))
 
     def __call__(self, key: str, **values: object) -> Markup:
-        """Return the string as HTML, its {fields}, or {fields:unit}, shown by `field` and escaped."""
+        """Return the string as HTML, its {fields} shown by `field`, {fields:quantity} by `told`, and escaped."""
         return Markup(self._find(key)).format(**self._shown(values))
 
     def plain(self, key: str, **values: object) -> str:
@@ -75,8 +82,23 @@ class Words:
         return ", ".join(self.field(name, value) for name, value in named if value)
 
     def _shown(self, values: Mapping[str, object]) -> dict[str, Any]:
-        shown = {name: self.field(name, value) for name, value in values.items()}
-        return {name: text if isinstance(text, Markup) else _Shown(text) for name, text in shown.items()}
+        return {
+            name: value if isinstance(value, Markup) else _Shown(self, name, value)
+            for name, value in values.items()
+        }
+
+    def told(self, quantity: str, value: object) -> str:
+        """Write a value of a quantity of the results, or of a unit, with it: no line parts them.
+
+        A text is a number that is written already; what is less than a micrometre is rounding.
+        """
+        found = QUANTITIES.get(quantity)
+        text = self.show(value) if value is None or isinstance(value, str) else ""
+        if found and isinstance(value, int | float):
+            less = found.shown == "mm" and 0.0 < abs(value) < NOTHING_M
+            text = f"< {self.comma('0.001')}" if less else number(found, value, self)
+        unit = self.name("unit", found.printed_unit if found else quantity)
+        return f"{text or self.show(value)}{NO_BREAK}{unit}" if unit and value is not None else text
 
     def name(self, table: str, name: str, default: str | None = None) -> str:
         """Return what a name of the program is called in a table of the strings; where it has none, the default or it.
@@ -122,13 +144,6 @@ class Words:
         """Write a number with so many decimals; what they do not tell from nothing is 0."""
         text = f"{value:.{decimals}f}"
         return self.comma(text).replace("-", "−") if float(text) else "0"
-
-    def millimetres(self, value: float | None) -> str:
-        """Write a length given in metres as millimetres, with the unit; one below a micrometre is rounding."""
-        if value is None:
-            return self.show(None)
-        less = 0.0 < abs(value) < NOTHING_M
-        return f"< {self.comma('0.001')} mm" if less else f"{self.number(1000.0 * value)} mm"
 
     def comma(self, text: str) -> str:
         """Put the language's decimal mark into a number written with a point."""
@@ -275,6 +290,14 @@ def label(name: str, words: Words, reference: str = ROCK) -> str:
     return f"{text} [{words.name('unit', found.printed_unit)}]" if found.printed_unit else text
 
 
+def key_name(key: str, words: Words, name: Markup | str = "") -> Markup:
+    """Return what a key, or a table, of the project file is called, with its unit; the key where it has no name."""
+    if not name:
+        name = words(f"input.{key}") if key in words.strings["input"] else direction_name(key)
+    name = Markup.escape(name)
+    return name + (f" [{words.name('unit', unit)}]" if (unit := unit_of(key)) else "")
+
+
 def scale(name: str) -> float:
     """Return the factor from a quantity in results.json to the unit that its `label` tells, for figures."""
     return QUANTITIES[name].factor
@@ -304,11 +327,6 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
     if isinstance(value, float):
         return Markup.escape(number(found, value, words, significant))
     return Markup.escape(words.show(value))
-
-
-def told(name: str, value: float, words: Words) -> str:
-    """Write a number of a quantity in the unit of reports, which a sentence gives to its field: `{name:unit}`."""
-    return number(QUANTITIES[name], value, words)
 
 
 def number(found: Quantity, value: float, words: Words, significant: int = 3) -> str:

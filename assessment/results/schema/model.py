@@ -165,13 +165,17 @@ class Certificates(Part):
 
     solves: int = key("programs solved", "Problemi|Programs")
     worst_equilibrium_residual: float | None = optional(
-        "largest unbalanced force, per weight", "Equilibrio|Equilibrium"
+        "largest unbalanced force, per weight", "Equilibrio|Equilibrium", digits=2
     )
-    worst_penetration_m: float | None = optional("deepest of two blocks", "Compenetr.|Penetration")
+    worst_penetration_m: float | None = optional(
+        "deepest of two blocks", "Compenetr.|Penetration", shown="mm"
+    )
     worst_complementarity: float | None = optional(
-        "largest contact force times its gap, per weight and step", "Complem."
+        "largest contact force times its gap, per weight and step", "Complem.", digits=2
     )
-    worst_cone_violation: float | None = optional("force outside the cone, per weight", "Attrito|Friction")
+    worst_cone_violation: float | None = optional(
+        "force out of the cone, per weight", "Attrito|Friction", digits=2
+    )
 
 
 WORST = tuple(name for name in Certificates.model_fields if name.startswith("worst_"))

@@ -167,11 +167,16 @@ def first_error(error: ValidationError) -> str:
     return f"{place or 'the whole'}: {wrong}{more}"
 
 
+def unit_of(name: str) -> str:
+    """Return the unit that a name tells by its end, empty where it tells none."""
+    ends = [end for end in UNITS if name.removesuffix("_range").endswith(end)]
+    return UNITS[max(ends, key=len)] if ends else ""
+
+
 def _unit(name: str, annotation: Any) -> str:
     """Return the unit that a name tells; of configurations, and of other numbers."""
-    stem = name.removesuffix("_range")
-    if ends := [end for end in UNITS if stem.endswith(end)]:
-        return UNITS[max(ends, key=len)]
+    if unit := unit_of(name):
+        return unit
     if annotation in (Configuration, Configuration | None, list[Configuration]):
         return "m, rad"
     return (

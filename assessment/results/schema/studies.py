@@ -51,6 +51,7 @@ class ConvergenceRow(Part):
         "the largest error, relative; null: not known",
         "Errore massimo|Largest error",
         shown="%",
+        digits=2,
         null="not_known",
     )
     relative_scatter: float | None = optional("relative", "Dispersione|Scatter", shown="%", null="not_known")

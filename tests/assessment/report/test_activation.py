@@ -104,7 +104,7 @@ def test_linear_checks_are_of_what_is_activated_first(results, rows, state, dire
     words = words_of(results)
     for sentence in onsets(results, words):
         if f"“{words.state(state)}”, direction {direction_name(direction)}" in sentence:
-            assert f"α = {words.show(rigid.alpha_onset)}: the linear checks" in sentence
+            assert f"first motion at α = {words.show(rigid.alpha_onset)};" in sentence
 
 
 @each_case

@@ -105,7 +105,8 @@ def test_the_states_are_compared_on_one_page_with_what_the_tie_bears(results):
 
 def test_the_hand_check_prints_the_work_of_the_tie(results):
     """W δ_z and F e, in the same column: their sum over W_s δ_x is α."""
-    grids = {grid.caption.striptags(): grid for grid in macro_block_grids(results, Words.of("it"))}
+    full = results.replace(echo=results.echo.replace(report=results.echo.report.replace(annexes="full")))
+    grids = {grid.caption.striptags(): grid for grid in macro_block_grids(full, Words.of("it"))}
     # the weakest direction of the strengthened state: towards −x the tie has nearly no arm
     [grid] = [each for caption, each in grids.items() if "“strengthened”" in caption]
     assert [row[0] for row in grid.rows] == ["1", "chain", "Σ"]

@@ -17,6 +17,7 @@ from assessment.report.tables import structure
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.equilibrium import balance, hand_check
 from assessment.report.text.language import NO_BREAK, check_name, direction_name, words_of
+from assessment.results.schema.part import QUANTITIES
 from assessment.results.table import reference_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -136,7 +137,7 @@ def _history(said: Fields, read: Read) -> None:
     peaks = {name: entry["peak_displacement_m"] for name, entry in entries.items() if not entry["collapsed"]}
     [name] = [name for name in peaks if WORDS.state(name) == said["state"]]
     assert peaks[name] == max(peak for peak in peaks.values() if peak is not None)
-    assert said["peak"] == WORDS.millimetres(peaks[name])
+    assert said["peak"] == show(1000.0 * peaks[name])
 
 
 def _campaign(kind: str) -> Callable[[Fields, Read], None]:
@@ -190,7 +191,7 @@ def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:
     def check(said: Fields, read: Read) -> None:
         settled = [row for row in read.rows["scenarios"] if row["state"] != "original"]
         [row] = [row for row in settled if row["worst"]]
-        assert (said["state"], said["movement"]) == (row["state"], WORDS.millimetres(row["movement_m"]))
+        assert (said["state"], said["movement"]) == (row["state"], show(1000.0 * row["movement_m"]))
         if quantity is None:
             fallen = [each["movement_m"] for each in settled if each["collapses"]]
             assert row["collapses"] and row["movement_m"] == min(fallen)
@@ -241,7 +242,7 @@ def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
         ultimate = row[f"ultimate_{contacts}_m"]
         applied = read.results["states"][said["state"]]["pushdown"][contacts]["applied_movement_m"]
         assert said["ultimate"] == show(1000.0 * ultimate) and said["applied"] == show(1000.0 * applied)
-        assert said["share"] == per_cent(applied / ultimate)
+        assert said["share"] == WORDS.number(100.0 * applied / ultimate, 2)
         assert (applied >= ultimate) == collapses
 
     return check
@@ -372,11 +373,17 @@ PARTS = {
 }  # of sentences, or of the file
 
 
+def _unit(quantity: str) -> str:
+    unit = QUANTITIES[quantity].printed_unit if quantity in QUANTITIES else quantity
+    return f" {unit}" if unit else ""
+
+
 def pattern(key: str) -> re.Pattern[str]:
     """What a sentence of the judgement looks like; its fields as named groups."""
 
     def fields(text: str) -> str:
-        joined = re.sub(r"\{(\w+):([^{}]+)\}", r"{\1} \2", text)  # what a value and its unit look like
+        # what a value and its unit look like
+        joined = re.sub(r"\{(\w+):(\w+|%)\}", lambda it: f"{{{it[1]}}}{_unit(it[2])}", text)
         named = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+?)", re.escape(joined))
         named = named.replace("(?P<dynamic>.+?)", r"(?P<dynamic>\S+?)")  # a number
         return named.replace("(?P<among>.+?)", "(?P<among>.*?)")  # nothing where all are known

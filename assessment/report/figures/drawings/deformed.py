@@ -60,11 +60,10 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     views: list[tuple[str, Configuration, float]] = [(_times(times, words), content.configuration, times)]
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
-            movement = words.millimetres(path.ultimate_movement_m)
-            title = words.plain("figure.ultimate", contacts=contacts, movement=movement)
+            title = words.plain("figure.ultimate", contacts=contacts, movement=path.ultimate_movement_m)
             views.append((title, path.ultimate_configuration, 1.0))
     shapes = [shape.moved(at, by) for _, at, by in views]
-    sizes = {"border_mm": 5.0, "below_mm": 8.0, "foot_mm": foot([""]), "height_mm": 130.0, "most_mm": 75.0}
+    sizes = {"border_mm": 5.0, "below_mm": 8.0, "foot_mm": foot(1), "height_mm": 130.0, "most_mm": 75.0}
     page = sheet(pictures.union([shape, *shapes]), len(views), **sizes)
     for axes, (title, at, by), view in zip(page.panels, views, shapes, strict=True):
         axes.set_title(title)
@@ -85,7 +84,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     times = pictures.magnification(shape, at)
     view = shape.moved(at, times)
     shown = [shape, view, *([mechanism.start, mechanism.swept] if mechanism else [])]
-    sizes = {"border_mm": 7.0, "below_mm": 7.0, "foot_mm": foot(["", ""]), "height_mm": 88.0, "most_mm": 55.0}
+    sizes = {"border_mm": 7.0, "below_mm": 7.0, "foot_mm": foot(2), "height_mm": 88.0, "most_mm": 55.0}
     page = sheet(pictures.union(shown), 2 if mechanism else 1, **sizes)
     axes, handles = page.panels[0], [parts.ghost_handle(words.plain("figure.original_outline"))]
     axes.set_title(words.state(settled or "original") + (f", {_times(times, words)}" if settled else ""))
@@ -110,11 +109,11 @@ def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Fi
     pushed = [rigid_push(results, *view) for view in views]
     starts = [drawing.moved(results.states[name].configuration) for name, _ in views]
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
-    page = sheet(pictures.union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot([""]))
+    page = sheet(pictures.union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot(1))
     for axes, (name, way), start, end, rigid in zip(page.panels, views, starts, ends, pushed, strict=True):
         left = alpha_at_d_0(rigid)
         lost = "" if left is None else f", α = {words.show(left)}"
-        axes.set_title(f"{words.state(name)}\nd₀ = {words.millimetres(rigid.d_0_m)}{lost}")
+        axes.set_title(f"{words.state(name)}\nd₀ = {words.told('d_0_m', rigid.d_0_m)}{lost}")
         pictures.ghost(axes, start)
         pictures.fill_roles(axes, end)
         parts.draw_ties(page, axes, parts.moved_ends(results, name, rigid.final_configuration))
@@ -142,8 +141,7 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
 def _draw_mechanisms(words: Words, views: Sequence[MechanismView], ways: Sequence[Direction]) -> Figure:
     handles = mechanism_handles(views, words)
     bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
-    labels = [each.get_label() for each in handles]
-    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(labels), height_mm=170.0, most_mm=75.0)
+    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(len(handles)), height_mm=170.0, most_mm=75.0)
     for axes, view, way in zip(page.panels, views, ways, strict=True):
         axes.set_title(words.at(view.state, way))
         view.draw(page, axes)
@@ -241,15 +239,18 @@ class MechanismView:
 
 def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure:
     """Draw a settled state, not magnified: its cracks, `most` of them numbered, blocks, and where it was surveyed."""
-    shape = outlines(results).moved(results.states[state].configuration)
-    page = sheet(pictures.union([shape]), border_mm=8.0, foot_mm=foot(["", ""]))
+    drawn, moved = outlines(results), np.asarray(results.states[state].configuration, dtype=float)
+    shape = drawn.moved(moved)
+    page = sheet(pictures.union([shape]), border_mm=8.0, foot_mm=foot(2))
     axes = page.panels[0]
     pictures.fill_roles(axes, shape)
     found = cracks_of(results, state)
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
-    ends = {crack.joint: _face(results, shape, crack.joint) for crack in found}
-    for face in ends.values():
-        axes.plot(*face.T, **CRACK)
+    ends = {}
+    for crack in found:  # the face of the second block
+        face, owner = np.asarray(results.geometry.joints[crack.joint].ends_m), np.full(2, crack.block_b)
+        ends[crack.joint] = pictures.place(face, owner, drawn.centroids, moved)
+        axes.plot(*ends[crack.joint].T, **CRACK)
     marks: list[Array] = []
     for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
         size = min(LARGEST_PT, ROOM * 1000.0 * outline_area(ring) ** 0.5 / page.scale)
@@ -259,7 +260,6 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
             axes.annotate(str(number), tuple(centroid.tolist()), ha="center", va="center", **style)
             marks.append(centroid)
     handles = [key(words.plain("figure.crack"), **CRACK)] if found else []
-    drawn, moved = outlines(results), np.asarray(results.states[state].configuration, dtype=float)
     wanted = []
     for each in surveyed(results, state):
         line = np.asarray(each.line, dtype=float)
@@ -286,7 +286,7 @@ def draw_identification(results: Results, words: Words) -> Figure:
     points = np.array([site.point_m for site in found.sites], dtype=float)
     owner = np.array([site.block for site in found.sites], dtype=np.intp)
     marked = points + times * (pictures.place(points, owner, drawn.centroids, moved) - points)
-    page = sheet(pictures.union([drawn, shape]), border_mm=8.0, foot_mm=foot([""]))
+    page = sheet(pictures.union([drawn, shape]), border_mm=8.0, foot_mm=foot(1))
     axes = page.panels[0]
     axes.set_title(_times(times, words))
     pictures.ghost(axes, drawn)
@@ -301,18 +301,6 @@ def draw_identification(results: Results, words: Words) -> Figure:
 
 def _times(times: float, words: Words) -> str:
     return words.plain("figure.magnified" if times > 1.0 else "figure.true_scale", times=f"{times:g}")
-
-
-def _face(results: Results, shape: pictures.Shape, joint: int) -> Array:
-    """Return the ends (2, 2) m of the second block's face of a joint, in the configuration drawn."""
-    face, drawn = results.geometry.joints[joint], outlines(results)
-    block = face.blocks[1]
-    own, now = drawn.points[drawn.owner == block], shape.points[drawn.owner == block]
-    arm, turned = own[1] - own[0], now[1] - now[0]
-    turn = np.arctan2(turned[1], turned[0]) - np.arctan2(arm[1], arm[0])
-    spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    ends: Array = now[0] + (np.asarray(face.ends_m) - own[0]) @ spin.T
-    return ends
 
 
 def _beside(page: Panels, face: Array, middle: Array) -> list[Array]:
@@ -344,7 +332,9 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     largest = max(float(np.hypot(*states.force.T).max()) for states in joints)
     unit = round_force(largest)
     scale = words.plain("figure.resultant", force=words.comma(f"{unit:g}"), length=f"{UNIT_MM:g}")
-    handles: list[Any] = [key(words.plain("figure.thrust"), **pictures.THRUST), key(scale, **RESULTANT)]
+    lines = [thrust_lines(states) for states in joints]
+    handles: list[Any] = [key(words.plain("figure.thrust"), **pictures.THRUST)] if any(lines) else []
+    handles.append(key(scale, **RESULTANT))
     conditions = {each for states in joints for each in states.condition}
     named = [
         (each, style) for each, style in (*JOINTS.items(), ("edge", pictures.HINGE)) if each in conditions
@@ -352,9 +342,10 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     handles += [key(words.plain(f"figure.joint_{each}"), **style) for each, style in named]
     handles += parts.tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
-    below = foot([each.get_label() for each in handles])
-    page = sheet(pictures.union(shapes), len(shown), border_mm=above, foot_mm=below, height_mm=150.0)
-    for axes, situation, shape, states in zip(page.panels, shown, shapes, joints, strict=True):
+    page = sheet(
+        pictures.union(shapes), len(shown), border_mm=above, foot_mm=foot(len(handles)), height_mm=150.0
+    )
+    for axes, situation, shape, states, line in zip(page.panels, shown, shapes, joints, lines, strict=True):
         if situation.direction is None:
             forces = words.plain("figure.at_rest_forces", contacts=situation.contacts)
             axes.set_title(f"{words.state(situation.state)}\n{forces}")
@@ -372,7 +363,7 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
         half = 0.5 * page.paper(UNIT_MM) / unit * states.force
         resultants = np.stack([states.point - half, states.point + half], axis=1)[are != "idle"]
         axes.add_collection(LineCollection(list(resultants), **RESULTANT))
-        axes.add_collection(LineCollection(thrust_lines(states), **pictures.THRUST))
+        axes.add_collection(LineCollection(line, **pictures.THRUST))
         mark = pictures.HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}
         axes.plot(*states.point[are == "edge"].T, **mark)
         parts.draw_ties(page, axes, parts.moved_ends(results, situation.state, situation.configuration))

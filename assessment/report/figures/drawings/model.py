@@ -43,9 +43,8 @@ def draw_model(results: Results, words: Words) -> Figure:
         support = blocks[own[0]].support
         text = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
         named[layer] = text if len(text) <= LONGEST_NAME else f"{text[: LONGEST_NAME - 1]}…"
-    labels = list(named.values())[:MOST_NAMED]
-    marked = ["", "", *([""] if results.model.ties else [])]  # loads, control points, ties
-    page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0, foot_mm=foot([*labels, *marked]))
+    labels = min(len(named), MOST_NAMED + 1) + 3  # layers, loads, control points, ties
+    page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0, foot_mm=foot(labels))
     axes = page.panels[0]
     handles: list[Any] = []
     for index, (layer, label) in enumerate(named.items()):

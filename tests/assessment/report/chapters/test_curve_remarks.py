@@ -29,9 +29,9 @@ def _plain(sentences):
 def test_a_later_peak_is_not_said_to_be_where_the_hinges_close():
     results = _with_curve([0.0, 0.0, 0.0017, 0.04, 0.0438, 0.1], [0.02, 0.004, 0.2178, 0.2048, 0.2197, 0.0])
     [said] = [each for each in _plain(onsets(results, words_of(results))) if "+x" in each]
-    assert "it is 0.218 at d = 1.70 mm already" in said
-    assert "largest at d = 43.80 mm: α0 = 0.220" in said
-    assert said.endswith("What sets blocks in motion first is α = 0.0200: the linear checks are of it.")
+    assert "; then as little as 0.00400, 0.218 at d = 1.70 mm already;" in said
+    assert said.endswith("largest at d = 43.80 mm: α0 = 0.220.")
+    assert ": first motion at α = 0.0200; then" in said
 
 
 def test_a_first_peak_that_stays_low_is_not_told():
@@ -51,7 +51,7 @@ def test_d_0_where_equilibrium_is_lost_is_said_to_be_that():
         for axes in draw_overturned(results, words, [(SETTLED, "+x")]).axes
         if axes.get_title()
     ]
-    assert title.endswith("d₀ = 371 mm, α = 0.0907")
+    assert title.endswith("d₀ = 371\u00a0mm, α = 0.0907")
     figure = draw_pushover(results, words, ["+x"])
     triangles = [line.get_xydata() for line in figure.axes[0].get_lines() if line.get_marker() == "^"]
     assert any(place[0] == pytest.approx([371.0, 0.0907]) for place in triangles)

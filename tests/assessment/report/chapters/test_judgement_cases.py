@@ -45,7 +45,7 @@ def test_a_turn_of_a_support_has_its_margin():
     assert "rigid contacts: the movement of 20.0 mm is 31 % of the ultimate one (65.0 mm)." in text
     found = typed(results)
     labels = [line.get_label() for line in draw_pushdown(found, words_of(found), SETTLED).axes[0].lines]
-    assert "assigned movement, 20.0 mm" in labels
+    assert "assigned movement, 20.0\u00a0mm" in labels
     arrows = list(draw_settlement(found, words_of(found), SETTLED).axes[0].texts)
     assert len(arrows) == 1 and arrows[0].arrowprops["connectionstyle"] == "arc3,rad=1.0"  # anticlockwise
 

@@ -6,7 +6,6 @@ import pytest
 from matplotlib.text import Text
 
 from assessment.report.chapters.remarks import cracks as crack_sentences
-from assessment.report.chapters.remarks import damping
 from assessment.report.chapters.remarks import survey as survey_sentences
 from assessment.report.figures.drawings.deformed import draw_cracks
 from assessment.report.tables.cracks import SEEN, cracks, survey_table
@@ -81,14 +80,6 @@ def test_of_cracks_that_is_told_which_there_is(monkeypatch):
     apart = typed(with_motion(block, [*(2.0 * along), 0.0]))
     assert any(row["opening_m"] is None for row in cracks(apart).rows)
     assert "slid off" in " ".join(crack_sentences(apart, words))
-
-
-def test_the_damping_is_that_of_the_circular():
-    results = results_example("it")
-    words = words_of(typed(results))
-    assert "8 % e del 10 %" in damping(typed(results), words)
-    results["echo"]["assessment"]["circular"] = 2009
-    assert "5 %" in damping(typed(results), words) and "617/2009" in damping(typed(results), words)
 
 
 def test_surveyed_cracks_stand_beside_those_of_the_nearest_joint():

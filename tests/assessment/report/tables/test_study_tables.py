@@ -114,10 +114,10 @@ def test_chapters_name_the_worst_case_and_show_tables_and_figures(language, fall
         assert text.count("<figure") == 1 and text.count("<caption>") == 1
         assert words(f"section.{chapter}") in text
     key, rock = "collapses" if fallen else "a_g_g", words.plain("value.stated_on_rock")
-    sentence = words(f"judgement.worst_{key}", state=SETTLED, movement=words.millimetres(0.02), direction="−x",
+    sentence = words(f"judgement.worst_{key}", state=SETTLED, movement=0.02, direction="−x",
                      capacity=0.6, limit="SLC", reference=rock, among="")  # fmt: skip
     if not fallen:
-        sentence += Markup(" ") + words("judgement.worst_reduction", reduction="25")
+        sentence += Markup(" ") + words("judgement.worst_reduction", reduction=0.25)
     assert joined(sentence) in html and sentence in draft_judgement(typed(results), words)
     widest = words("judgement.sensitive", property=words.plain("value.stiffness"), state=words.state("original"),
                    low=0.5, high=2.0, least=0.7, most=1.2, limit="SLC", reference=rock)  # fmt: skip

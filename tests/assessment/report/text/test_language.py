@@ -48,6 +48,9 @@ def test_what_is_not_there_is_told_from_what_was_not_reached():
 def test_a_displacement_below_a_micrometre_is_rounding():
     """ "peak 4.62e-10 mm" was printed of a block that does not move."""
     words = Words.of("en")
-    assert words.millimetres(4.6e-13) == "< 0.001 mm" and words.millimetres(0.0) == "0 mm"
-    assert words.millimetres(2.3e-6) == "0.00230 mm"
+    assert (
+        words.told("movement_m", 4.6e-13) == "< 0.001\u00a0mm"
+        and words.told("movement_m", 0.0) == "0\u00a0mm"
+    )
+    assert words.told("movement_m", 2.3e-6) == "0.00230\u00a0mm"
     assert str(written("peak_displacement_m", 4.6e-13, words)) == "0"
