@@ -142,7 +142,13 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     crush = n**2 / (4.0 * half * law[:, STRENGTH])
     margin = ends - crush[:, None]
     slip = v + law[:, SHEAR] * t
-    lifted = u - law[:, DILATION] * law[:, FRICTION] * abs(slip)
+    # the cone in homogeneous form, |T| cos φ ≤ N sin φ over the larger of both: N ≥ 0 alone where nothing slides
+    mu = law[:, FRICTION]
+    infinite = np.isinf(mu)
+    cos = 1.0 / np.maximum(mu, 1.0)
+    sin = np.where(infinite, 1.0, np.minimum(mu, 1.0))
+    room = sin * n - cos * abs(t)
+    lifted = u - law[:, DILATION] * np.where(infinite, 0.0, mu) * abs(slip)
     gaps = np.stack([lifted - half * phi, lifted + half * phi], axis=1)
     elastic = law[:, BED] < np.inf
     if elastic.any():
@@ -152,16 +158,18 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     both = 0.5 * (gaps.sum(axis=1) - (1.0 - 2.0 * share) * abs(apart))
     both = np.where(share < CRUSHED, both, -both)
     gaps = both[:, None] + np.maximum(np.stack([apart, -apart], axis=1), 0.0)
-    mu = law[:, FRICTION]
     work = 0.0
     if p.lateral is not None:
         work = (float(p.lateral @ displacement) - p.work) / (p.weight * p.step)
         # a load that only wedges the blocks holds α at its bound and does less than the given work
         work = max(work, 0.0) if alpha > 0.99 * LARGEST_MULTIPLIER else abs(work)
-    idle = abs(np.maximum(margin, 0.0) * gaps).sum() + abs(mu * n * abs(slip) + t * slip).sum()
+    idle = abs(np.maximum(margin, 0.0) * gaps).sum() + abs(sin * n * abs(slip) + cos * t * slip).sum()
+    # an open joint bears no T either, but by the associative law, whose cone is closed
+    coulomb = infinite & (law[:, DILATION] < 1.0)
+    idle += float((abs(t) * np.maximum(gaps.min(axis=1), 0.0))[coulomb].sum())
     return Certificate(
         equilibrium=float(abs(residual).max(initial=0.0) / p.weight),
-        cone=float(max((abs(t) - mu * n).max(initial=0.0), (-margin).max(initial=0.0)) / p.weight),
+        cone=float(max((-room).max(initial=0.0), (-margin).max(initial=0.0)) / p.weight),
         complementarity=float(idle / (p.weight * p.step * len(p.load) / 3)),
         penetration=float((-gaps).max(initial=0.0)),
         work=work,

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from mechanics.kernels.jit import compiler
-from mechanics.kernels.law import FRICTION
+from mechanics.kernels.law import FRICTION, STEEPEST
 from mechanics.types import Array
 
 compiled = compiler(allocates=False)
@@ -116,7 +116,8 @@ def friction_between(places: Array, law: Array) -> None:
         # δ of φ = sin (1 − β)δ + sin βδ, to the third order
         turned = min(beta, 1.0 - beta) * phi * (1.0 + phi**2 * ((1.0 - beta) ** 3 + beta**3) / 6.0)
         if turned > 0.0:
-            law[k, FRICTION] = np.tan(max(np.arctan(law[k, FRICTION]) - turned, LEAST))
+            friction = np.tan(max(np.arctan(law[k, FRICTION]) - turned, LEAST))
+            law[k, FRICTION] = friction if friction < STEEPEST else law[k, FRICTION]
 
 
 @compiled

@@ -38,12 +38,12 @@ from mechanics.kernels.joint import (
     V,
     place,
 )
+from mechanics.kernels.law import STEEPEST
 from mechanics.model.block import Block, Joints, Tie
 from mechanics.types import Array, Index, Mask
 
 ACROSS = 1e-7  # of the tension: a force across the tie, without which the cone of friction had no inside
 RIGID = 10.0  # times the stiffest joint: a rigid tie in analyses with elastic joints
-MOST_FRICTION = 1e3  # tangent of the friction angle that stands for infinite friction
 # of the shorter face of a joint: how near two corners meet. Their normal turns as they slide past each other: if it
 # turned over less slip than joints yield in shear, hinges at corners would be unstable
 CORNER = 3e-3
@@ -216,6 +216,7 @@ def between(
     """
     depth = np.array([block.depth for block in blocks])
     mu = np.array([block.material.friction for block in blocks])
+    mu[mu > STEEPEST] = np.inf
     k = np.array([(b.material.normal_stiffness or np.nan, b.material.tangential_stiffness) for b in blocks])
     strength = np.array([block.material.compressive_strength for block in blocks])
     wished = np.array([block.segments or segments for block in blocks], dtype=np.intp)
@@ -228,7 +229,7 @@ def between(
         a=a,
         b=b,
         faces=faces,
-        friction=np.minimum(np.minimum(mu[a], mu[b]), MOST_FRICTION),
+        friction=np.minimum(mu[a], mu[b]),
         bed=series[:, 0] * thin,
         shear=series[:, 1] * thin * length,
         strength=np.minimum(strength[a], strength[b]) * thin,

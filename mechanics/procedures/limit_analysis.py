@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.law import FRICTION
+from mechanics.kernels.law import FRICTION, STEEP
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points
@@ -198,30 +198,44 @@ def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
                     return bound
             if psi > 0.0 or iterate is None or len(program.places) > LIMIT.most_joints:
                 return central, central.alpha, psi
-            return _least(program, closed.layout, central, iterate), central.alpha, 0.0
+            return _least(program, closed.layout, central, iterate) or central, central.alpha, 0.0
+        if psi == 0.0 and len(program.places) <= LIMIT.most_joints:  # the central flow is one of many
+            found = _least(program, closed.layout, None, None)
+            if found is not None:
+                return found, found.alpha, 0.0
     return _associative(closed)
 
 
-def _least(program: Program, layout: Elimination, central: Solution, iterate: Iterate) -> Solution:
+def _least(
+    program: Program, layout: Elimination, central: Solution | None, iterate: Iterate | None
+) -> Solution | None:
     """Return the flow of least multiplier that is found, from the central one, other mechanisms and other frictions.
 
     By Coulomb's law mechanisms do not depend on frictions: forces of the program that vanish at the gaps and slips of
     any mechanism, whatever its frictions, are with it one of its flows. Of the mechanisms that fit the forces in the
-    end, that of least gaps and slips is taken.
+    end, that of least gaps and slips is taken. None where no flow is found, and the central one is not given.
     """
     from mechanics.solvers import lp_highs  # late: with them comes scipy.optimize
 
-    none, room = LIMIT.idle * program.weight, margins(program, central.forces)
-    displacement, flowing = central.displacement, flows_at(program, central.forces, iterate.gaps)
-    if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
-        return central  # what only turns has one multiplier
-    best, chance, tries = central, np.random.default_rng(0), 0
-    while tries <= min(LIMIT.tries, LIMIT.tried // len(room)):
+    none, chance = LIMIT.idle * program.weight, np.random.default_rng(0)
+    if central is None or iterate is None:
+        begun = _of_other_frictions(program, layout, chance)
+        if begun is None:
+            return None
+        displacement, flowing = begun
+    else:
+        room = margins(program, central.forces)
+        displacement, flowing = central.displacement, flows_at(program, central.forces, iterate.gaps)
+        if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
+            return central  # what only turns has one multiplier
+    best, tries = central, 0
+    while tries <= min(LIMIT.tries, LIMIT.tried // len(flowing)):
         answer = lp_highs.least_multiplier(program, flowing)
         other, tries = None, tries + 1
         if answer is not None:
             found = Solution(*answer, displacement, certify(program, *answer, displacement))
-            if found.alpha < best.alpha * (1.0 - GOOD) and found.certificate.worst(program.step) <= GOOD:
+            less = best is None or found.alpha < best.alpha * (1.0 - GOOD)
+            if less and found.certificate.worst(program.step) <= GOOD:
                 best, tries = found, 0
             if tries % LIMIT.turn == 0:
                 room = margins(program, answer[0])
@@ -231,8 +245,8 @@ def _least(program: Program, layout: Elimination, central: Solution, iterate: It
             displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
         else:
             displacement, flowing = _of_other_frictions(program, layout, chance) or (displacement, flowing)
-    if best is central:
-        return central
+    if best is None or best is central:
+        return best
     room = margins(program, best.forces)
     plain = lp_highs.mechanism_of(program, room <= none, np.ones_like(room))
     if plain is None:
@@ -247,6 +261,7 @@ def _of_other_frictions(
 ) -> tuple[Array, Mask] | None:
     """Return displacements (m,), gaps and slips (j, 4) of the central flow with frictions changed by chance."""
     law = program.law.copy()
+    law[:, FRICTION] = np.minimum(law[:, FRICTION], STEEP)
     law[:, FRICTION] *= 1.0 + LIMIT.other * chance.uniform() * chance.uniform(-1.0, 1.0, len(law))
     other = replace(program, law=law)
     with suppress(ConvergenceError, NoEquilibriumError):

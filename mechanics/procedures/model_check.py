@@ -110,7 +110,10 @@ def _worst(
     faces = ~contacts.ties & np.isinf(contacts.strength)
     gap = np.where(faces & (n > max(system.least_force, felt)), apart, 0.0)
     depth = np.where(faces, -inside, 0.0)
-    beyond = np.where(contacts.ties, 0.0, abs(t) - contacts.friction * n)
+    steep = np.isinf(contacts.friction)
+    bound = np.where(steep, 0.0, contacts.friction) * n
+    bound[steep & (n > LIMIT.idle * system.weight)] = np.inf
+    beyond = np.where(contacts.ties, 0.0, abs(t) - bound)
     if (most := gap.max(initial=0.0)) > LIMIT.closed * size:
         pair = _blocks(contacts, gap)
         return message("{pair} press on each other across a gap of {size:.2g} m", pair=pair, size=float(most))

@@ -10,7 +10,7 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, DILATION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, SHEAR, SLID, STEEPEST, STRENGTH
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, Solution, certify
@@ -115,6 +115,9 @@ def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Ar
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
     law[:, BED], law[:, SHEAR], law[:, SLID], law[:, DILATION] = np.inf, 0.0, 0.0, 1.0
+    law[:, FRICTION] = np.minimum(
+        law[:, FRICTION], STEEPEST
+    )  # T is nothing where N is, which no closed cone says
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)

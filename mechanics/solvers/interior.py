@@ -17,7 +17,7 @@ from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.interior.inertia import inertia
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import CURVED, H
-from mechanics.kernels.law import DILATION, FRICTION
+from mechanics.kernels.law import DILATION, FRICTION, STEEP
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.types import Array
@@ -80,14 +80,15 @@ class Iterate:
     def warm(self, program: Program, distance: float) -> Iterate:
         """Return the iterate with a least distance from the bounds, per weight and step, for a next solution."""
         p = program
-        mu = np.maximum(p.law[:, FRICTION], 1.0)
         least = 0.5 * distance * p.weight
         forces = np.zeros_like(self.forces)
         forces[:, :2] = np.maximum(self.forces[:, :2], least)
         keep_within_strength(p.places, p.law, forces)
-        bound = (1.0 - distance) * p.law[:, FRICTION] * forces[:, :2].sum(axis=1)
+        mu = np.minimum(p.law[:, FRICTION], STEEP)
+        bound = (1.0 - distance) * mu * forces[:, :2].sum(axis=1)
         forces[:, 2] = np.clip(self.forces[:, 2], -bound, bound)
-        gaps = np.maximum(self.gaps, distance * p.step * np.stack([mu**0, mu**0, 1.0 / mu, 1.0 / mu], axis=1))
+        slip = 1.0 / np.maximum(mu, 1.0)
+        gaps = np.maximum(self.gaps, distance * p.step * np.stack([mu**0, mu**0, slip, slip], axis=1))
         return Iterate(forces, gaps, self.alpha, np.zeros(len(p.load)))
 
 
@@ -109,7 +110,7 @@ class IterationEnd:
 def cold(program: Program) -> Iterate:
     """Return the iterate of a cold start: all joints carry equal forces and have equal gaps."""
     far = COLD * np.sqrt(len(program.load) / 3)
-    mu = np.maximum(program.law[:, FRICTION], 1.0)
+    mu = np.clip(program.law[:, FRICTION], 1.0, STEEP)
     forces = np.zeros((len(program.places), 3))
     forces[:, :2] = 0.5 * far * program.weight
     keep_within_strength(program.places, program.law, forces)
@@ -218,6 +219,7 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
         np.zeros(len(p.load)),
         solution.forces,
         solution.gaps.copy(),
+        p.step,
         STIFFEST * p.step / p.weight,
         held,
         layout.work_space,

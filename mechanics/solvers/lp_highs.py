@@ -18,7 +18,7 @@ from scipy.optimize import linprog
 
 from mechanics.errors import ArgumentError
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import SLID
+from mechanics.kernels.law import FRICTION, SLID
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm
@@ -76,6 +76,7 @@ def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | N
     form = StandardForm.of(program)
     first, second, forth, back = flowing.T
     idle = np.stack([first | forth, first | back, second | forth, second | back], axis=1)  # rays of +T and −T
+    idle |= ((forth | back) & np.isinf(program.law[:, FRICTION]))[:, None]  # what presses does not slide
     q = np.zeros(len(form.q))
     q[form.rays] = 1.0
     bounds = [(0.0, 0.0 if none else None) for none in idle.ravel()] + [(0.0, LARGEST_MULTIPLIER)]

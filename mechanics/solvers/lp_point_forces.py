@@ -62,12 +62,14 @@ class PointForces:
         )
 
     def friction_bounds(self) -> sparse.csc_matrix:
-        """Return the rows of ±T − μ Σ N ≤ 0 over the unknowns N, T and α."""
+        """Return the rows of ±T − μ Σ N ≤ 0 over the unknowns N, T and α, of joints that slide."""
         points, joints = len(self.joint), len(self.a)
-        limit = sparse.csc_matrix(
-            (-self.friction[self.joint], (self.joint, np.arange(points))), shape=(joints, points)
-        )
-        one, alpha = sparse.identity(joints), sparse.csc_matrix((joints, 1))
+        slides = np.isfinite(self.friction)
+        mu = np.where(slides, self.friction, 0.0)
+        limit = sparse.csr_matrix((-mu[self.joint], (self.joint, np.arange(points))), shape=(joints, points))[
+            slides
+        ]
+        one, alpha = sparse.identity(joints, format="csr")[slides], sparse.csr_matrix((int(slides.sum()), 1))
         return sparse.bmat([[limit, one, alpha], [limit, -one, alpha]], format="csc")
 
 
@@ -87,7 +89,7 @@ def largest_multiplier(
     result = linprog(
         np.r_[np.zeros(presses + shears), -1.0],
         A_ub=points.friction_bounds(),
-        b_ub=np.zeros(2 * shears),
+        b_ub=np.zeros(2 * int(np.isfinite(points.friction).sum())),
         A_eq=matrix,
         b_eq=-dead.ravel(),
         bounds=[(0.0, most) for most in points.most / weight] + [(None, None)] * shears + [(None, LARGEST)],

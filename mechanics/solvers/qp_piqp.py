@@ -17,7 +17,7 @@ from scipy import sparse
 
 from mechanics.errors import ArgumentError
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, DILATION, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, SEGMENTS, SHEAR, SLID, STEEPEST, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.types import Array, Index
@@ -84,6 +84,19 @@ class Points:
             compliance = segments[joint] / (2.0 * half[joint] * law[joint, BED] * inner)
         return cls(joint, half[joint] * (2.0 * share - 1.0), compliance)
 
+    def rays(self, law: Array) -> tuple[Array, Array]:
+        """Return normal and tangential components (c, 2) of the unit rays that span each point's cone, (1, ±μ).
+
+        Where friction is infinite the points of a joint share its T: a ray (1, 0) each, and (0, ±1) by turns. By
+        Coulomb's law T needs an N, however small, which no closed cone says: there it is a very large friction.
+        """
+        mu, turns = law[self.joint, FRICTION], np.where(np.arange(len(self.joint)) % 2, -1.0, 1.0)
+        mu = np.where(law[self.joint, DILATION] < 1.0, np.minimum(mu, STEEPEST), mu)
+        infinite, finite = np.isinf(mu), np.where(np.isinf(mu), 0.0, mu)
+        n, t = 1.0 / np.hypot(1.0, finite), finite / np.hypot(1.0, finite)
+        second = np.where(infinite, 0.0, n), np.where(infinite, turns, -t)
+        return np.stack([n, second[0]], axis=1), np.stack([t, second[1]], axis=1)
+
 
 @dataclass(frozen=True, eq=False)
 class StandardForm:
@@ -115,15 +128,15 @@ class StandardForm:
         row = rows(places)[j]
         normal, tangent = row[:, 0] + s[:, None] * row[:, 1], row[:, 2]
         gap = np.stack([places[j, U] + s * places[j, PHI], (places[:, V] - law[:, SLID])[j]], axis=1)
-        n, t = _ray(law[j, FRICTION])
-        rays = np.stack([n[:, None] * normal + sign * t[:, None] * tangent for sign in (1, -1)], axis=1)
+        n, t = points.rays(law)
+        rays = n[:, :, None] * normal[:, None, :] + t[:, :, None] * tangent[:, None, :]
         dof = program.dof[j]
         moving = np.broadcast_to((dof >= 0)[:, None, :], rays.shape)
         at = np.broadcast_to(dof[:, None, :], rays.shape)[moving]
         col = np.broadcast_to(np.arange(2 * c).reshape(-1, 2, 1), rays.shape)[moving]
         parts = [(-rays[moving] / scale[at], at, col)]
         q = np.zeros(size)
-        q[: 2 * c] = np.stack([n * gap[:, 0] + sign * t * gap[:, 1] for sign in (1, -1)], 1).ravel() / d
+        q[: 2 * c] = (n * gap[:, :1] + t * gap[:, 1:]).ravel() / d
         every = np.arange(m)
         if program.lateral is not None:
             parts.append((-program.lateral / scale / w, every, np.full(m, 2 * c)))
@@ -132,11 +145,8 @@ class StandardForm:
             parts.append((np.ones(m), every, 2 * c + has_alpha + every))
         a = _matrix(parts, (m, size))
         # normal compliance of each point, tangential one of the sum of a joint
-        of_point = sparse.csc_matrix(
-            (np.repeat(n, 2), (np.repeat(np.arange(c), 2), np.arange(2 * c))), (c, size)
-        )
-        signed = np.stack([t, -t], axis=1).ravel()
-        of_joint = sparse.csc_matrix((signed, (np.repeat(j, 2), np.arange(2 * c))), (len(law), size))
+        of_point = sparse.csc_matrix((n.ravel(), (np.repeat(np.arange(c), 2), np.arange(2 * c))), (c, size))
+        of_joint = sparse.csc_matrix((t.ravel(), (np.repeat(j, 2), np.arange(2 * c))), (len(law), size))
         p = (w / d) * (
             of_point.T @ sparse.diags(points.compliance) @ of_point
             + of_joint.T @ sparse.diags(law[:, SHEAR]) @ of_joint
@@ -156,8 +166,8 @@ class StandardForm:
         """
         p, j = self.program, self.points.joint
         rays = p.weight * z[: self.rays].reshape(-1, 2)
-        n, t = _ray(p.law[j, FRICTION])
-        bears, shears = n * rays.sum(axis=1), t * (rays[:, 0] - rays[:, 1])
+        n, t = self.points.rays(p.law)
+        bears, shears = (n * rays).sum(axis=1), (t * rays).sum(axis=1)
         parts = (bears, bears * self.points.s, shears)
         sums = [np.asarray(np.bincount(j, part, minlength=len(p.law)), dtype=float) for part in parts]
         forces = np.stack(sums, axis=1)
@@ -168,9 +178,3 @@ class StandardForm:
 def _matrix(parts: list[tuple[Array, Index, Index]], shape: tuple[int, int]) -> sparse.csc_matrix:
     data, row, col = (np.concatenate([part[k] for part in parts]) for k in range(3))
     return sparse.csc_matrix((data, (row, col)), shape=shape)
-
-
-def _ray(friction: Array) -> tuple[Array, Array]:
-    """Return normal and tangential component of the unit ray (1, μ)."""
-    size = np.hypot(1.0, friction)
-    return 1.0 / size, friction / size

@@ -30,8 +30,12 @@ from mechanics.types import Array, Mask
 
 
 def margins(program: Program, forces: Array) -> Array:
-    """Return N₁, N₂, μN + T and μN − T (j, 4), kN, of forces N, P and T (j, 3)."""
-    bound, t = program.law[:, FRICTION] * forces[:, 0], forces[:, 2]
+    """Return N₁, N₂, μN + T and μN − T (j, 4), kN, of forces N, P and T (j, 3).
+
+    Where friction is infinite the last two are N: no slip under it.
+    """
+    mu = program.law[:, FRICTION]
+    bound, t = np.where(np.isinf(mu), 1.0, mu) * forces[:, 0], np.where(np.isinf(mu), 0.0, forces[:, 2])
     return np.column_stack([end_forces(forces, program.places[:, H]), bound + t, bound - t])
 
 

@@ -24,13 +24,13 @@ LINES = {
     "assessment/runtime": 1696,
     "assessment/studies": 2494,
     "assessment/workflow": 1111,
-    "mechanics": 962,
-    "mechanics/kernels": 3544,
-    "mechanics/model": 3383,
-    "mechanics/procedures": 3450,
+    "mechanics": 970,
+    "mechanics/kernels": 3638,
+    "mechanics/model": 3384,
+    "mechanics/procedures": 3468,
     "mechanics/records": 1086,
-    "mechanics/solvers": 1135,
-    "mechanics/steps": 1911,
+    "mechanics/solvers": 1148,
+    "mechanics/steps": 1914,
 }
 
 

@@ -6,6 +6,8 @@ The bed's forces N and P are functions of the motion, T is that of the slide or,
     sticks         λ = v − v₀ + T/k_t = 0              as long as |T| ≤ μN
     slides         λ = v − v₀ + T/k_t, T = ∓μN         as long as λ has the sign that it had
 
+Where nothing slides (μ infinite) a joint sticks as long as it presses, and is free where it is open.
+
 A joint that finds itself beyond its bound changes from one to the other (a primal-dual active set). Near a solution
 this takes two to four iterations. Nothing guarantees that it converges: where it does not, or where many joints change,
 the interior point solves it.
@@ -21,7 +23,7 @@ from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.interior.joint_loops import unbalanced
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, lift, most_shear
 from mechanics.kernels.linalg.factors import lu, solve, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
@@ -59,8 +61,8 @@ class StepJoints(NamedTuple):
 def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s: Array) -> None:
     """Forces and stiffness of a joint that slides by |λ| = ±v − μN/k_t, into `s`; u − ψμ|λ| is the bed's."""
     mu, shear = law[FRICTION], law[SHEAR]
-    lift = law[DILATION] * mu
-    w, give = u - lift * sign * v, lift * mu * shear
+    steep = law[DILATION] * mu
+    w, give = u - steep * sign * v, steep * mu * shear
     force = max(s[N], 0.0)
     n, m, c0, c1, c2 = bed_forces(law, law[STRENGTH], law[LEFT:], h, w + give * force, phi)
     if give > 0.0:
@@ -73,8 +75,8 @@ def _slide(law: Array, h: float, u: float, phi: float, v: float, sign: float, s:
     share = 1.0 / (1.0 + give * c0)
     s[N], s[P], s[T], s[SLIP], s[SLIDES] = n, m, -sign * mu * n, v - sign * shear * mu * n, sign
     uu, up = share * c0, share * c1
-    s[DUU], s[DUP], s[DPP], s[DVV] = uu, up, c2 - c1 * c1 * give * share, lift * mu * uu
-    s[DUV], s[DPV], s[DVU], s[DVP] = -lift * sign * uu, -lift * sign * up, -mu * sign * uu, -mu * sign * up
+    s[DUU], s[DUP], s[DPP], s[DVV] = uu, up, c2 - c1 * c1 * give * share, steep * mu * uu
+    s[DUV], s[DPV], s[DVU], s[DVP] = -steep * sign * uu, -steep * sign * up, -mu * sign * uu, -mu * sign * up
     s[MISS], s[SOFT] = 0.0, 0.0
 
 
@@ -98,7 +100,14 @@ def _evaluate(
         p, s, mu = places[k], known[k], law[k, FRICTION]
         du, dphi, dv = motion(p, row[k, 0], row[k, 1], x)
         u, phi, v = p[U] + du, p[PHI] + dphi, p[V] + dv - law[k, SLID]
-        if s[SLIDES] == 0.0:
+        if mu == np.inf:
+            apart = s[SLIDES] != 0.0
+            _stick(law[k], p[H], u, phi, v, least, s)
+            s[SLIDES] = 0.0 if s[N] > 0.0 else 1.0
+            changed += apart != (s[SLIDES] != 0.0)
+            if s[SLIDES] != 0.0:
+                s[T], s[SLIP], s[MISS], s[DVV] = 0.0, v, 0.0, 0.0
+        elif s[SLIDES] == 0.0:
             _stick(law[k], p[H], u, phi, v, least, s)
             if abs(s[T]) > mu * s[N] + BEYOND * weight:
                 changed += 1
@@ -158,7 +167,7 @@ def _begin(law: Array, f: Array, y: Array, unit: float, known: Array) -> None:
     """Let joints slide whose slip in the solution f, y, per step, was larger than the distance of T from its bound."""
     for k in range(len(f)):
         s, n = known[k], f[k, 0] + f[k, 1]
-        bound, slid = law[k, FRICTION] * n, y[k, 2] - y[k, 3]
+        bound, slid = most_shear(law[k, FRICTION], n), y[k, 2] - y[k, 3]
         s[N], s[T] = n, min(max(f[k, 2], -bound), bound)
         s[SLIDES] = 0.0
         if abs(slid) > unit * (bound - abs(s[T])):
@@ -174,8 +183,7 @@ def _end(joints: Any, x: Array, known: Array, f: Array, y: Array) -> None:
         couple = s[P] / p[H]
         f[k, 0], f[k, 1], f[k, 2] = 0.5 * (s[N] - couple), 0.5 * (s[N] + couple), s[T]
         du, dphi, _ = motion(p, row[k, 0], row[k, 1], x)
-        lift = joints.law[k, DILATION] * joints.law[k, FRICTION] * abs(s[SLIP])
-        u, tilt = p[U] + du - lift, p[H] * (p[PHI] + dphi)
+        u, tilt = p[U] + du - lift(joints.law[k], abs(s[SLIP])), p[H] * (p[PHI] + dphi)
         y[k, 0], y[k, 1] = max(u - tilt, 0.0), max(u + tilt, 0.0)
         y[k, 2], y[k, 3] = max(s[SLIP], 0.0), max(-s[SLIP], 0.0)
 

@@ -12,7 +12,7 @@ from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import CURVED, PHI, H, U
-from mechanics.kernels.law import DASHPOTS, DILATION, FRICTION, LEFT, STRENGTH
+from mechanics.kernels.law import DASHPOTS, DILATION, FRICTION, LEFT, STEEP, STRENGTH, lift
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -67,7 +67,7 @@ def _part_evenly(weight: float, span: float, product: float, e: int, f: Array, y
 @compiled
 def _within_friction(law: Array, weight: float, span: float, product: float, f: Array, y: Array) -> None:
     """Bring the force of friction within its bounds, and enlarge slips, up to the span, to the least product."""
-    bound = law[FRICTION] * (f[0] + f[1])
+    bound = min(law[FRICTION], STEEP) * (f[0] + f[1])
     f[2] = min(max(f[2], -WITHIN * bound), WITHIN * bound)
     for e in range(2):
         least = product * weight * span / (bound + (1 - 2 * e) * f[2])
@@ -132,14 +132,15 @@ def _take_lift_back(
     of the first lift if they are `known`. Returns as `solve` does.
     """
     weight, _, span, accepted, closed = scale
-    taken, done, lift = np.zeros(len(f)), 0, np.inf
+    taken, done, lifts = np.zeros(len(f)), 0, np.inf
     force, product, solved = np.inf, np.inf, False
     convex = laws.copy()
     convex[:, DILATION] = 1.0
     places = at.copy()
     for n in range(ROUNDS):
         if n > 0 or known:
-            taken = laws[:, FRICTION] * (y[:, 2] + y[:, 3])
+            for q in range(len(f)):
+                taken[q] = lift(convex[q], y[q, 2] + y[q, 3])
         places[:, U] = at[:, U] + taken
         _begin_near(laws, weight, span, CENTRAL_RIGID, f, y)
         more, force, _, product = _interior_point(
@@ -149,13 +150,13 @@ def _take_lift_back(
         solved = force <= accepted and product <= closed
         if not solved:
             break
-        lift = 0.0
+        lifts = 0.0
         for q in range(len(f)):
             if f[q, 0] + f[q, 1] > PRESSED * weight:
-                lift = max(lift, abs(laws[q, FRICTION] * (y[q, 2] + y[q, 3]) - taken[q]) / span)
-        if lift <= RIGHT:
+                lifts = max(lifts, abs(lift(convex[q], y[q, 2] + y[q, 3]) - taken[q]) / span)
+        if lifts <= RIGHT:
             break
-    return solved, done, force, product, lift
+    return solved, done, force, product, lifts
 
 
 @compiled
@@ -245,7 +246,7 @@ def solve(
         stalled = skew and moves and force <= STALLED_FORCE and product <= STALLED
         if stalled or not skew or (force <= accepted and product <= closed):
             return stalled or (force <= accepted and product <= closed), done, force, product, 0.0
-    solved, more, force, product, lift = _take_lift_back(
+    solved, more, force, product, lifts = _take_lift_back(
         rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen, central and gap <= RIGHT
     )
-    return solved, done + more, force, product, lift
+    return solved, done + more, force, product, lifts

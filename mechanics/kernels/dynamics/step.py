@@ -39,7 +39,7 @@ from mechanics.kernels.dynamics.motion import (
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V, friction_between
-from mechanics.kernels.law import CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, SLID, STRENGTH, lift, most_shear
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -96,7 +96,7 @@ def attempt(
                 scaled[j + e] = mass[i, e] / (share * h * h)
                 begun[j + e], central[j + e] = h * v[i, e], blocks[3, i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * begun[j + e]
-    done, lift = 0, 0.0
+    done, lifts = 0, 0.0
     while True:
         chosen = touching[inside]
         at, laws, dx = places[chosen], law[chosen], begun.copy()
@@ -107,7 +107,7 @@ def attempt(
         # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
         products = 4.0 * max(len(chosen), 1) * weight * span
         closed = max(accepted, errors / products)
-        solved, more, force, product, lift = solve(
+        solved, more, force, product, lifts = solve(
             row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed),
             begins, elastic,
             COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, near, central, h,
@@ -149,8 +149,7 @@ def attempt(
             k = chosen[q]
             normal = resultants[k, 0]
             du, dphi, _ = relative(at[q], a[k], b[k], moved)
-            lift = laws[q, DILATION] * laws[q, FRICTION] * (y[q, 2] + y[q, 3])
-            u = start[k, U] - joints[k, SUNK] + du - lift
+            u = start[k, U] - joints[k, SUNK] + du - lift(laws[q], y[q, 2] + y[q, 3])
             closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
             done_on[k] = -(normal * du + resultants[k, 1] * dphi)
             if normal > PRESSED * weight:  # the blocks meet, or part, where the joint presses, at this speed
@@ -174,7 +173,7 @@ def attempt(
     x += moved
     past[:] = (speed - v) / h
     v[:] = speed
-    return True, done, taken, turned, held, force, product * products, lift
+    return True, done, taken, turned, held, force, product * products, lifts
 
 
 @compiled
@@ -193,8 +192,7 @@ def _closed_all_the_same(
         p = places[k]
         du, dphi, dv = motion(p, row[k, 0], row[k, 1], dx)
         slip = p[V] + dv - law[k, SLID]
-        lift = law[k, DILATION] * law[k, FRICTION] * abs(slip)
-        u, tilt = p[U] + du - lift, p[H] * (p[PHI] + dphi)
+        u, tilt = p[U] + du - lift(law[k], abs(slip)), p[H] * (p[PHI] + dphi)
         joints[k, GAPS], joints[k, GAPS + 1] = u - tilt, u + tilt
         joints[k, GAPS + 2], joints[k, GAPS + 3] = max(slip, 0.0), max(-slip, 0.0)
         if u < abs(tilt):
@@ -239,7 +237,7 @@ def _worked(
         normal, moment, t = f[q, 0] + f[q, 1], at[q, H] * (f[q, 1] - f[q, 0]), f[q, 2]
         resultants[k, 0], resultants[k, 1], resultants[k, 2] = normal, moment, t
         contact += normal * du + moment * dphi + t * dv
-        limit = laws[q, FRICTION] * normal
+        limit = most_shear(laws[q, FRICTION], normal)
         if elastic:
             joints[k, SPRING] = min(max(shear[k] + (t - shear[k]) / stretch, -limit), limit)
             give = basic[k, SHEAR] * (joints[k, SPRING] - shear[k])  # way of the spring: no slide
@@ -265,6 +263,6 @@ def _worked(
         _, _, v1 = relative(at[q], a[k], b[k], speed)
         if v0 * v1 < 0.0 and (not elastic or max(abs(t), abs(shear[k])) >= SLIDING * limit):
             turned += abs(t * h * v0 * v1 / (v0 - v1))
-        elif not elastic and abs(v1) < STILL * abs(v0):
+        elif not elastic and limit < np.inf and abs(v1) < STILL * abs(v0):
             turned += h * abs(v0) * (limit - abs(t))
     return contact, turned

@@ -7,7 +7,8 @@ p± = λ±/(μN ± T), S = p₊ + p₋, s the compliance in shear, a = ΣD of th
     q = S + s + ψμ²a(4p₊p₋ + sS)        D_uu = a(S + s)/q        D_uv = −ψμa(p₊ − p₋)/q
                                         D_vu = −μa(p₊ − p₋)/q    D_vv = (1 + ψμ²aS)/q
 
-and ℓ times the terms of u those of φ. D is symmetric for ψ = 1 alone. A joint of infinite friction has no slips.
+and ℓ times the terms of u those of φ. D is symmetric for ψ = 1 alone.
+A joint that does not slide at all (infinite friction, see bounds) has no slips.
 
 What is known of joints is kept in rows of LANES of them (rows, KNOWN): the same quantity of eight joints side by side,
 so that loops over the lanes `k` of a row `s` become vector instructions. Quantity C of lane k is s[C + k].
@@ -29,7 +30,7 @@ compiled = compiler("contract", "reassoc", allocates=False)
 inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 LANES = 8  # joints side by side
-NO_SLIP = 1e-300  # m: of a joint of infinite friction
+NO_SLIP = 1e-300  # m: of a joint that does not slide at all
 # what is known of a joint: forces, gaps and slips; g₁, g₂ and 2κN; what the laws of the ends and of the slip miss, and
 # the most of it; bounds of T; λ±/(μN ± T); D of the ends; its sum a, b/a, and the sums of the elimination; forces aimed
 # at; λ± aimed at; corrections of the products; compliance of the bed; half-length, friction (0 where it is infinite),

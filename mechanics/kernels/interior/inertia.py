@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.interior.bounds import begin
 from mechanics.kernels.interior.elimination import KNOWN, LANES
 from mechanics.kernels.interior.joint_loops import ProgramJoints, assemble, dot, evaluate
 from mechanics.kernels.jit import compiler
@@ -19,16 +20,18 @@ compiled = compiler("contract", "reassoc")
 @compiled
 def inertia(
     row: Any, places: Array, law: Array, curved: Array, lateral: Array, x: Array, f: Array, y: Array,
-    least: float, held: Array, stored: Array, packed: Any, which: Any,
+    step: float, least: float, held: Array, stored: Array, packed: Any, which: Any,
 ) -> tuple[int, float]:  # fmt: skip
     """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
 
     Joints that slide by Coulomb's law do so under the friction that they have.
 
-    Arrays as in `iterate`; `least` (m/kN): compliance that bounds the stiffness; `held` (m,): stiffness added to the
-    diagonal.
+    Arrays as in `iterate`; `step` (m) of the program; `least` (m/kN): compliance that bounds the stiffness; `held`
+    (m,): stiffness added to the diagonal.
     """
     pattern = unpacked(packed)
+    law = law.copy()
+    begin(places, law, f, step)
     joints = ProgramJoints(row, places, law, curved, which)
     known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
     residual = np.zeros(len(x))

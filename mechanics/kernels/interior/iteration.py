@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.interior.bounds import begin, grow
 from mechanics.kernels.interior.elimination import CHANGES, CN1, KNOWN, LANES
 from mechanics.kernels.interior.joint_loops import (
     TO_THE_BOUND,
@@ -127,6 +128,8 @@ def iterate(
     pattern = unpacked(packed)
     weight, size, step, accepted, closed = scale
     count, c, unit = len(x), len(row), step / weight
+    given, law = law, law.copy()
+    bounded = begin(places, law, f, step)
     joints = ProgramJoints(row, places, law, curved, which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
@@ -231,5 +234,7 @@ def iterate(
         if tied:
             reach_f = reach_g = min(reach_f, reach_g)
         advance(joints, known, reach_f, reach_g, f, y)
+        if bounded:
+            grow(law, given, f, y, unit)
         x += reach_g * dx
         alpha += reach_f * dalpha
