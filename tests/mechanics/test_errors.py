@@ -104,7 +104,7 @@ def test_a_state_in_which_nothing_stands_is_refused(model):
             analysis(model, state=fallen)
 
 
-@pytest.mark.parametrize("lean", [-0.19, -0.1, -0.01])
+@pytest.mark.parametrize("lean", [-0.19, -0.01])
 def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
     """Gravity alone is not carried, though it would be by the end of the joint that is open."""
     with pytest.raises(UnstableError, match="start to move"):
@@ -115,28 +115,15 @@ def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
     ("name", "call"),
     [
         ("direction", lambda m: limit_analysis(m, "x")),
-        ("direction", lambda m: pushover(m, TOP, "+y")),
         ("contacts", lambda m: pushover(m, TOP, contacts="soft")),
-        ("contacts", lambda m: pushdown(m, "base", (0.01, 0.0), contacts="stiff")),
         ("increment", lambda m: pushover(m, TOP, increment=0.0)),
-        ("increment", lambda m: pushover(m, TOP, increment=-1e-3)),
-        ("increment", lambda m: pushover(m, TOP, increment=np.inf)),
         ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
-        ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=np.nan)),
         ("displacement", lambda m: pushdown(m, "base")),
-        ("displacement", lambda m: pushdown(m, "base", (5e-324, 0.0))),
-        ("displacement", lambda m: pushdown(m, "base", rotation=1e-15)),
-        ("displacement", lambda m: pushdown(m, "base", (0.01,))),
-        ("displacement", lambda m: pushdown(m, "base", (0.01, np.nan))),
-        ("rotation", lambda m: pushdown(m, "base", rotation=np.inf)),
         ("control", lambda m: pushover(m, (0.1, 2.0))),
-        ("control", lambda m: pushover(m, (np.nan, 0.5))),
-        ("control", lambda m: pushover(m, (0.1, 0.5, 0.0))),
         ("block", lambda m: m.rotated(2, TOP, 0.1)),
         ("about", lambda m: m.rotated(1, (0.0,), 0.1)),
         ("segments_per_joint", lambda m: Assembly(m.blocks, segments_per_joint=0)),
         ("tolerance", lambda m: Assembly(m.blocks, tolerance=0.0)),
-        ("tolerance", lambda m: Assembly(m.blocks, tolerance=np.nan)),
         ("blocks", lambda m: Assembly([])),
         ("blocks", lambda m: Assembly(m.blocks[:1])),
         ("unit_weight", lambda m: Material(0.0)),
@@ -144,9 +131,7 @@ def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
         ("normal_stiffness", lambda m: Material(18.0, 0.5, 0.0)),
         ("tangential_stiffness", lambda m: Material(18.0, 0.5, 1e6, 0.0)),
         ("depth", lambda m: Block(rectangle(0, 0, 1, 1), 0.0, STONE)),
-        ("vertices", lambda m: Block([[0, 0], [1, 0]], 1.0, STONE)),
         ("vertices", lambda m: Block([[0, 0], [1, 0], [2, 0]], 1.0, STONE)),
-        ("vertices", lambda m: Block([[0, 0], [1, 0], [np.inf, 1]], 1.0, STONE)),
         ("segments", lambda m: Block(rectangle(0, 0, 1, 1), 1.0, STONE, segments=0)),
     ],
 )
@@ -214,12 +199,6 @@ def test_collapse_carries_the_path_so_far(contacts):
     assert -path.final.positions[0, 2] == pytest.approx(np.arctan(0.2), abs=0.01)
 
 
-def test_errors_of_one_kind_are_caught_as_value_errors():
-    assert issubclass(UnstableError, ValueError)
-    assert issubclass(CollapseError, ValueError)
-    assert issubclass(ControlError, ValueError)
-
-
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_a_state_of_another_model_is_refused(model, contacts):
     with pytest.raises(ValueError, match=r"^state = \(34, 3\): must be of this assembly: \(2, 3\)"):
@@ -238,7 +217,7 @@ def test_a_pushdown_is_no_state(model):
         limit_analysis(model, state=moved)
 
 
-@pytest.mark.parametrize("increment", [0.005, 0.05, 0.5])
+@pytest.mark.parametrize("increment", [0.005, 0.5])
 def test_a_coarse_increment_still_finds_where_the_multiplier_vanishes(model, increment):
     # the block is at rest on its corner when its centroid stands over it: the top corner has come down by then
     path = pushover(model, TOP, increment=increment)
@@ -249,32 +228,20 @@ def test_a_coarse_increment_still_finds_where_the_multiplier_vanishes(model, inc
 FOOT = [[-1, -0.3], [1, -0.3], [1, 0], [-1, 0]]
 REST = np.zeros(5)
 WRONG = {  # by argument: what is not of its type, or no number
-    "unit_weight": lambda _: Material("18"),
     "friction": lambda _: Material(18.0, None),
-    "normal_stiffness": lambda _: Material(18.0, 0.6, "1e6"),
-    "compressive_strength": lambda _: Material(18.0, compressive_strength=None),
     "material": lambda _: Block(FOOT, 1.0, "stone"),
-    "depth": lambda _: Block(FOOT, None, STONE),
-    "vertices": lambda _: Block([[0, 0], [1]], 1.0, STONE),
     "support": lambda _: Block(FOOT, 1.0, STONE, support=3),
     "segments": lambda _: Block(FOOT, 1.0, STONE, segments=1.5),
-    "vertical_load": lambda _: Block(FOOT, 1.0, STONE, vertical_load="9"),
     "blocks": lambda m: Assembly([*m.blocks, "wall"]),
-    "segments_per_joint": lambda m: Assembly(m.blocks, 1.5),
-    "tolerance": lambda m: Assembly(m.blocks, tolerance="1"),
     "block": lambda m: m.rotated(1.0, (0.0, 0.0), 0.1),
     "about": lambda m: m.rotated(1, "corner", 0.1),
-    "rotation": lambda m: m.rotated(1, (0.0, 0.0), np.nan),
     "model": lambda m: limit_analysis(list(m.blocks)),
     "control": lambda m: pushover(m, "C1"),
-    "increment": lambda m: pushover(m, TOP, increment=None),
     "until": lambda m: pushover(m, TOP, until="0"),
     "displacement": lambda m: pushdown(m, "base", "down"),
     "acceleration": lambda m: time_history(m, "record", 0.005),
     "time_step": lambda m: time_history(m, REST, "0.005"),
-    "damping_ratio": lambda m: time_history(m, REST, 0.005, "elastic", damping_ratio=None),
     "restitution": lambda m: time_history(m, REST, 0.005, restitution="0"),
-    "ultimate": lambda m: time_history(m, REST, 0.005, control=TOP, ultimate="1"),
 }
 
 
@@ -295,11 +262,6 @@ def test_a_block_that_cannot_be_is_refused(name, call):
 def test_an_argument_of_another_type_is_named(model, name, call):
     with pytest.raises(ArgumentError, match=rf"^{name} = .*: must be "):
         call(model)
-
-
-def test_blocks_that_are_no_support_are_no_support_called_none(model):
-    with pytest.raises(ArgumentError, match="support = None: must be one of base"):
-        pushdown(model, None, (0.01, 0.0))
 
 
 @pytest.mark.parametrize("procedure", [limit_analysis, pushdown, pushover, time_history])

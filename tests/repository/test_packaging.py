@@ -107,20 +107,6 @@ def test_every_file_of_the_packages_is_installed(installed):
     assert ours == theirs
 
 
-def test_templates_load_from_the_wheel(installed, tmp_path):
-    code = (
-        "import templates, tomllib\n"
-        "from importlib.resources import files\n"
-        "print(templates.__file__)\n"
-        "texts = {f.name: f.read_text('utf-8') for f in files('templates').iterdir() if f.is_file()}\n"
-        "[tomllib.loads(text) for name, text in texts.items() if name.endswith('.toml')]\n"
-        "print(*(name for name, text in texts.items() if text))\n"
-    )
-    place, names = execute("-c", code, cwd=tmp_path, PYTHONPATH=str(installed)).splitlines()
-    assert Path(place).is_relative_to(installed)
-    assert {Path(name).suffix for name in names.split()} >= {".j2", ".css", ".toml"}
-
-
 def test_the_command_runs_from_the_wheel(installed, tmp_path):
     def assesto(*arguments):
         return execute("-m", "assessment.cli", *arguments, cwd=tmp_path, PYTHONPATH=str(installed))
@@ -134,13 +120,6 @@ def test_the_command_runs_from_the_wheel(installed, tmp_path):
     assert "stands under its own weight: yes" in assesto("check", "block")
     docs = Path(assesto("--help").rpartition("documentation: ")[2].strip())
     assert docs.is_file() and docs.is_relative_to(installed)
-
-
-def test_the_benchmark_runs_from_the_wheel(installed, tmp_path):
-    wall = execute(
-        "-m", "assessment.benchmark.cases.walls", "3", "3", cwd=tmp_path, PYTHONPATH=str(installed)
-    )
-    assert '"blocks": 10' in wall
 
 
 def test_help_imports_no_package():
@@ -160,14 +139,6 @@ def test_no_committed_file_names_a_machine():
     place = re.compile(rb"(?<![\w.*-])/(work|root)/")
     paths = [ROOT / name for name in files_of_git()]
     assert [str(path) for path in paths if path.is_file() and place.search(path.read_bytes())] == []
-
-
-def test_readme_lists_exactly_the_dependencies():
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    section = re.search(r"^## Dependencies$(.*?)^## ", readme, re.MULTILINE | re.DOTALL)
-    assert section is not None
-    rows = re.findall(r"^\| `([^`]+)` \|", section[1], re.MULTILINE)
-    assert sorted(rows) == sorted(dependencies())
 
 
 def test_what_ci_installs_is_pinned_within_the_bounds():

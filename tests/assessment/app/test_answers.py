@@ -53,7 +53,7 @@ def changed(session, *changes):
 # ---- state, edits ----
 
 
-@pytest.mark.parametrize("text", ["[]", "null", "3", '{"a": ' + "[" * 100_000])
+@pytest.mark.parametrize("text", ["null", '{"a": ' + "[" * 100_000])
 def test_results_that_no_run_has_written_are_none(session, text):
     (session.folder / "output").mkdir()
     (session.folder / "output" / "results.json").write_text(text, encoding="utf-8")

@@ -60,7 +60,7 @@ def grounds(draw):
     z=st.floats(0.0, H),
     damping=st.sampled_from([0.05, 0.08, 0.10]),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15)
 def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(
     ground, circular, period, storeys, z, damping
 ):
@@ -82,7 +82,7 @@ def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(
     d_0=st.floats(0.02, 4.0),
     model=st.sampled_from(["none", "trilinear"]),
 )
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_capacity_starts_at_the_ground_and_never_rises_with_height(
     ground, circular, period, alpha_0, d_0, model
 ):

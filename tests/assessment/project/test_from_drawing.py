@@ -39,7 +39,7 @@ def survey(path, unit="m", declared=None, layers=None, template="arcade"):
 
 
 @pytest.mark.parametrize("unit", SCALE)
-@pytest.mark.parametrize("declared", ["as it is", "", "m"])
+@pytest.mark.parametrize("declared", ["as it is", ""])
 def test_a_clean_drawing_becomes_a_project_that_check_accepts(unit, declared, tmp_path, capsys):
     survey(tmp_path / "rilievo.dxf", unit, unit if declared == "as it is" else declared)
     assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "rilievo.dxf")]) == 0
@@ -80,7 +80,7 @@ def test_supports_without_a_layer_of_their_own_are_regions(tmp_path, capsys):
     assert all(block.polygon[:, 1].min() < 0.0 for block in blocks if block.support), "the bases"
 
 
-@pytest.mark.parametrize("broken", [(0, 0), (0, 1), (2, 0)])
+@pytest.mark.parametrize("broken", [(0, 1), (2, 0)])
 @pytest.mark.parametrize("lines", [False, True])
 def test_what_rests_on_an_outline_with_a_fault_is_no_support(broken, lines, tmp_path, capsys):
     document, space = drawing(unit="mm")

@@ -94,7 +94,7 @@ def test_ring_has_the_asked_span_rise_and_thickness(
     assert area == pytest.approx(0.5 * voussoirs * np.sin(2.0 * ring.half_angle / voussoirs) * annulus)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(
     span=st.floats(4.0, 8.0),
     ratio=st.floats(0.1, 0.5),

@@ -90,7 +90,7 @@ def test_openings_are_left_out_below_lintels_and_doors_reach_the_ground(tmp_path
     assert limit_analysis(model).alpha > 0.0, "the wall stands"
 
 
-@pytest.mark.parametrize("scale", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("scale", [0.1, 10.0])
 def test_a_bond_fills_any_outline_without_overlap(scale):
     gable = Polygon(scale * np.array([(0, 0), (4, 0), (4, 2), (2, 3.3), (0, 2)]))
     blocks = running(

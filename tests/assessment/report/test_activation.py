@@ -133,7 +133,7 @@ def test_all_that_is_of_the_mechanism_is_of_the_point_that_is_printed(results, r
     assert axes.get_title().endswith(f"α = {words.show(printed)}")
 
 
-@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize("direction", ["-x"])
 def test_figures_mark_the_multiplier_of_the_tables(results, direction):
     """The mark stood at the peak of the run that is reported, beside the number of another one."""
     words = words_of(results)

@@ -80,16 +80,10 @@ def test_the_answer_is_the_same_without_any_store(project):
         run(loaded, build_model(loaded)),
         run(loaded, build_model(loaded), store=store),
         run(loaded, build_model(loaded), store=store),
-        run(loaded, build_model(loaded), store=store, fresh=True),
     ]
     every = outcomes[0].computed
     assert every > 0
-    assert [(each.computed, each.taken) for each in outcomes] == [
-        (every, 0),
-        (every, 0),
-        (0, every),
-        (every, 0),
-    ]
+    assert [(each.computed, each.taken) for each in outcomes] == [(every, 0), (every, 0), (0, every)]
     first, *others = [json.dumps(timeless(plain(each.results))) for each in outcomes]
     assert all(other == first for other in others)
 
@@ -99,11 +93,8 @@ def test_the_answer_is_the_same_without_any_store(project):
 OTHER = ""
 EVERYTHING = {OTHER: 1.0}
 EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
-    "nothing": ("", "", {}),
     "friction": ("friction = 0.7", "friction = 0.71", EVERYTHING),
     "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", {"pushover": 1.0}),
-    # what a history may reach before it has fallen
-    "another direction": ('["+x"]', '["+x", "-x"]', {"history": 1.0, "incremental": 1.0, "finer: incremental": 1.0}),
     "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', {}),
     # one state of the two
     "the movement": (
@@ -111,8 +102,6 @@ EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
         {"self-weight": 0.0, "pushdown": 1.0, "finer: incremental": 0.0, OTHER: 0.5},
     ),
     "the record's scale": ('record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9', {"history": 1.0}),
-    "fewer states": ('[[history]]\nrecord = "wave.csv"', '[[history]]\nstates = ["original"]\nrecord = "wave.csv"', {}),
-    "the report's language": ('language = "it"', 'language = "en"', {}),
 }  # fmt: skip
 
 
@@ -130,8 +119,6 @@ def test_only_what_depends_on_an_edit_is_computed_again(done, capsys, what):
     assert min(before.values()) > 0
     old, new, again = EDITS[what]
     edit(done, old, new)
-    if what == "nothing":
-        forget(done / "output")
     assesto(done)
     found, due = computed(done), expected(before, planned(done), again)
     if again == {"pushover": 1.0}:  # it begins where the largest multiplier is, which may have moved
@@ -151,7 +138,7 @@ def test_another_version_of_the_program_takes_over_nothing(done, capsys, monkeyp
     assert counts(done, capsys) == (every, 0)
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "of another", "a folder"])
+@pytest.mark.parametrize("damage", ["flipped", "of another", "a folder"])
 def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
     before, every, (first, second, *_) = output(done), sum(planned(done).values()), entries(done)
     forget(done / "output")
@@ -162,11 +149,8 @@ def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
     else:
         content[-2] ^= 1
         broken = {
-            "cut": bytes(content[:-2]),
             "flipped": bytes(content),
-            "empty": b"",
             "of another": second.read_bytes(),
-            "not text": b"\xff\xfe",
         }
         first.write_bytes(broken[damage])
     assert counts(done, capsys) == (1, every - 1)

@@ -34,7 +34,7 @@ def ends_of(eccentricity: float, force: float = 1.0) -> tuple[float, float]:
     return 0.5 * force * (1.0 - eccentricity), 0.5 * force * (1.0 + eccentricity)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, turn=turns, closed=st.floats(1e-6, 1e-2))
 def test_force_and_couple_are_integrals_of_the_pressure(half, k, turn, closed):
     u, phi = -closed, turn * closed / half
@@ -45,7 +45,7 @@ def test_force_and_couple_are_integrals_of_the_pressure(half, k, turn, closed):
     assert stored(u, phi, half, k) == pytest.approx(energy, rel=1e-6)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, turn=turns, closed=st.floats(1e-6, 1e-2))
 def test_forces_are_minus_the_gradient_of_the_energy_and_stiffness_its_derivative(half, k, turn, closed):
     u, phi = -closed, turn * closed / half
@@ -73,7 +73,7 @@ def dual(n1: float, n2: float, half: float, k: float) -> float:
     return 2.0 * n**2 / (9.0 * k * (half - e))
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=40)
 @given(half=halves, k=stiffnesses, eccentricity=eccentricities)
 def test_bed_and_dual_fulfil_fenchels_equality(half, k, eccentricity):
     """W(u, φ) + W*(N, P) = −(Nu + Pφ) on the law, and it is more anywhere else."""
@@ -89,7 +89,7 @@ def test_bed_and_dual_fulfil_fenchels_equality(half, k, eccentricity):
         assert other > -(off * u + half * eccentricity * phi)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, eccentricity=eccentricities)
 def test_compliance_is_the_derivative_of_the_closures(half, k, eccentricity):
     n1, n2 = ends_of(eccentricity)
@@ -104,7 +104,7 @@ def test_compliance_is_the_derivative_of_the_closures(half, k, eccentricity):
     assert min(c11, c22) > 0.0 < c11 * c22 - c12**2
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, eccentricity=eccentricities)
 def test_the_stiffer_tangent_is_that_of_the_law_where_forces_and_turn_agree(half, k, eccentricity):
     n1, n2 = ends_of(eccentricity)
@@ -115,7 +115,7 @@ def test_the_stiffer_tangent_is_that_of_the_law_where_forces_and_turn_agree(half
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-9 * soft)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, eccentricity=eccentricities, n=st.integers(2, 64))
 def test_gaps_of_a_bed_of_points_are_those_whose_springs_bear_the_forces(half, k, eccentricity, n):
     n1, n2 = ends_of(0.9 * eccentricity)
@@ -127,7 +127,7 @@ def test_gaps_of_a_bed_of_points_are_those_whose_springs_bear_the_forces(half, k
     assert (-c11 * n1 + c12 * n2, c12 * n1 - c22 * n2) == pytest.approx((g1, g2), rel=1e-9)
 
 
-@pytest.mark.parametrize("eccentricity", [0.0, 0.2, -0.3])
+@pytest.mark.parametrize("eccentricity", [0.0, -0.3])
 def test_points_come_to_the_exact_bed_with_the_square_of_their_number(eccentricity):
     """A bed of n segments that is pressed all along is stiffer in rotation by 1 + 2/n²."""
     n1, n2 = ends_of(eccentricity)
@@ -137,7 +137,7 @@ def test_points_come_to_the_exact_bed_with_the_square_of_their_number(eccentrici
         assert turn * (1.0 + 2.0 / n**2) == pytest.approx(exact, rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("eccentricity", [0.4, -0.6, 0.8])
+@pytest.mark.parametrize("eccentricity", [0.4, -0.6])
 def test_points_come_to_the_exact_bed_where_it_opens(eccentricity):
     """Over a contact of half the joint and less: the error falls with the square, as the last point lies in it."""
     exact = np.array(closures(*ends_of(eccentricity), 1.0))

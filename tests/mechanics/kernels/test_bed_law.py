@@ -36,7 +36,7 @@ def in_motion(law: Array, half: float, phi: float) -> tuple[Array, Array]:
     return p, joint
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=40)
 @given(kind=kinds, half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 3.0), left=lines)
 def test_work_on_the_bed_of_a_motion_is_the_integral_of_the_forces_of_its_steps(
     kind, half, k, turn, over, left
@@ -51,7 +51,7 @@ def test_work_on_the_bed_of_a_motion_is_the_integral_of_the_forces_of_its_steps(
     assert work_on_bed(p, end[0], law, joint) == pytest.approx(done, rel=1e-5, abs=1e-6 * half * over**2 / k)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=40)
 @given(kind=kinds, half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 3.0), left=lines)
 def test_dashpots_are_along_the_bed_that_bears(kind, half, k, turn, over, left):
     law, (u, phi) = law_of(kind, k, left), np.array([-over, turn * over / half]) / k
@@ -61,7 +61,7 @@ def test_dashpots_are_along_the_bed_that_bears(kind, half, k, turn, over, left):
     np.testing.assert_allclose(bed_under(p, u, phi, law, joint) / scale, expected / scale, rtol=0, atol=1e-11)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(max_examples=40)
 @given(kind=kinds, half=halves, k=stiffnesses, eccentricity=st.floats(-0.95, 0.95), left=lines)
 def test_gaps_and_compliance_under_forces_are_those_of_the_bed_that_has_them(
     kind, half, k, eccentricity, left
@@ -82,7 +82,7 @@ def test_gaps_and_compliance_under_forces_are_those_of_the_bed_that_has_them(
     assert gaps[0] == pytest.approx([w1, w2], rel=1e-12, abs=1e-12 / k)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=25)
 @given(half=halves, k=stiffnesses, over=st.floats(0.05, 3.0))
 def test_a_tie_in_motion_yields_as_a_whole_and_is_elastic_below(half, k, over):
     law = law_of({STRENGTH: 1.0}, k, [0.0] * 8)

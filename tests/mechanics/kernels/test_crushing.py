@@ -43,7 +43,7 @@ def pressed_to(half: float, k: float, over: float, turn: float) -> tuple[float, 
     return -closed, turn * closed / half
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 5.0), before=pressings)
 def test_forces_are_those_of_fibres_that_yield(half, k, turn, over, before):
     """Of a bed pressed once before its fibres' residuals are known exactly: the deepest pressing of either end."""
@@ -59,7 +59,7 @@ def test_forces_are_those_of_fibres_that_yield(half, k, turn, over, before):
     assert worked(u, phi, half, k, STRENGTH, left) == pytest.approx(work, rel=1e-5, abs=1e-6 * half / k)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(
     half=halves,
     k=stiffnesses,
@@ -78,7 +78,7 @@ def test_forces_beside_any_three_lines(half, k, turn, over, lines):
     assert found[:2] == (pytest.approx(n, abs=1e-5 * half), pytest.approx(p, abs=1e-5 * half**2))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 5.0), before=pressings)
 def test_forces_are_minus_the_gradient_of_the_work(half, k, turn, over, before):
     left = NONE.copy()
@@ -95,7 +95,7 @@ def test_forces_are_minus_the_gradient_of_the_work(half, k, turn, over, before):
     assert (work(u, phi - dphi) - work(u, phi + dphi)) / (2.0 * dphi) == pytest.approx(p, abs=1e-4 * half**2)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(half=halves, k=stiffnesses, turn=turns, over=st.floats(1.01, 5.0))
 def test_a_bed_stays_as_it_has_been_pressed(half, k, turn, over):
     """The same displacements have the same forces again; let go by σ/k everywhere the bed carries nothing."""
@@ -115,7 +115,7 @@ def test_ends_and_middle_keep_the_lines_of_their_deepest_pressings():
     assert left[:6] == pytest.approx([5e-3, -3e-3, -3e-3, 5e-3, 3e-3, 3e-3])
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(
     half=halves,
     k=stiffnesses,

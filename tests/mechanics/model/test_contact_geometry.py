@@ -83,7 +83,7 @@ def spread(lean: float) -> float:
     return -2.0 * float(np.cos(lean) * x - np.sin(lean) * z - x)
 
 
-@pytest.mark.parametrize("friction", [0.12, 0.15, 0.2, 0.3, 0.5])
+@pytest.mark.parametrize("friction", [0.15, 0.3])
 def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction):
     """A corner on a flat floor is pushed by the floor's normal: points pushed it along the tilted leg's as well.
 
@@ -228,7 +228,7 @@ def test_a_block_that_slides_off_a_shelf_lands_on_the_floor():
     assert motion.positions[-1, 2, 0] > 0.4
 
 
-@settings(deadline=None, max_examples=12)
+@settings(max_examples=12)
 @given(seed=st.integers(0, 10**6))
 def test_contacts_about_a_configuration_hold_every_pair_that_touches(seed):
     """Blocks thrown about: two outlines that overlap are a pair that is known there, if no farther than the reach."""
@@ -253,7 +253,7 @@ def test_contacts_about_a_configuration_hold_every_pair_that_touches(seed):
                 assert (a, b) in known, (a, b, area)
 
 
-@pytest.mark.parametrize("height", [0.001, 0.01, 0.1])
+@pytest.mark.parametrize("height", [0.001, 0.1])
 def test_the_top_of_a_thin_slab_is_not_held_by_the_underside_of_its_floor(height):
     """A slab of 1 m on a floor as thin: it slides at μ; faces that look at each other through both wedged it."""
     stone = Material(20.0, 0.7)

@@ -37,7 +37,7 @@ def pair_of(contacts: Contacts, k: int, positions: Array) -> Pair:
     return Pair(contacts.faces[k], positions[contacts.a[k]], positions[contacts.b[k]])
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=15)
 @given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]))
 def test_places_are_those_of_their_definition(name, seed, amount):
     model = MODELS[name]
@@ -54,7 +54,7 @@ def test_places_are_those_of_their_definition(name, seed, amount):
         assert (p[H] > 0.0) == (high - low > max(0.0, -closed))
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(name=names, seed=seeds, turn=st.floats(-4.0, 4.0), dx=st.floats(-3.0, 3.0), dz=st.floats(-3.0, 3.0))
 def test_measures_do_not_feel_a_rigid_motion_of_everything(name, seed, turn, dx, dz):
     model = MODELS[name]
@@ -98,7 +98,7 @@ def derivative(function, size: float = 1e-5) -> Array:
     return np.array([(function(step) - function(-step)) / (2.0 * size) for step in steps])
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]))
 def test_rows_are_the_derivatives_of_gap_turn_and_slip(name, seed, amount):
     joint = any_joint(MODELS[name], seed, amount)
@@ -119,7 +119,7 @@ def geometric(joint: Joint, n: float, m: float, t: float) -> Array:
     return full
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]))
 def test_curvature_is_the_second_derivative_along_the_forces(name, seed, amount):
     joint = any_joint(MODELS[name], seed, amount)
@@ -132,7 +132,7 @@ K_NORMAL, K_SHEAR = 1e5, 3e4
 BEDS = {"exact": (0, np.inf), "points": (5, np.inf), "crushing": (0, 100.0)}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(name=names, seed=seeds, bed=st.sampled_from(sorted(BEDS)), slip=st.floats(-1.0, 1.0))
 def test_forces_on_blocks_are_the_gradient_of_the_energy_and_stiffness_the_second_derivative(
     name, seed, bed, slip
@@ -173,7 +173,7 @@ def test_forces_on_blocks_are_the_gradient_of_the_energy_and_stiffness_the_secon
     assert found == pytest.approx(stiffness, abs=5e-3 * abs(stiffness).max())
 
 
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=10)
 @given(name=names, seed=seeds)
 def test_rows_do_no_work_in_a_rigid_motion(name, seed):
     model = MODELS[name]
@@ -192,7 +192,7 @@ def two(
     return Assembly([Block(lower, 1.0, STONE, support="base"), Block(upper, 1.0, STONE)], tolerance=tolerance)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(
     low=st.floats(-1.5, 1.5),
     width=st.floats(0.2, 2.0),
@@ -217,7 +217,7 @@ def test_overlap_is_that_of_the_outlines(low, width, slide, turn):
     assert max(2.0 * place[H], 0.0) == pytest.approx(expected, abs=1e-7)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(
     slide=st.floats(-1.5, 1.5),
     lift=st.floats(-5e-3, 5e-3),

@@ -44,7 +44,7 @@ def test_layers_give_role_and_material(tmp_path):
     assert (rest.depth, rest.material, rest.layer) == (1.0, STONE.material, "0")
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15)
 @given(
     radii=st.lists(st.floats(1.0, 10.0), min_size=3, max_size=9),
     unit=st.sampled_from(["mm", "cm", "m"]),

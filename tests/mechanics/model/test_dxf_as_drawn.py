@@ -22,7 +22,7 @@ def polygons(blocks) -> list[np.ndarray]:
     return [1e3 * block.polygon for block in blocks]
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15)
 @given(
     turn=st.floats(-math.pi, math.pi),
     at=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
@@ -110,7 +110,7 @@ def file(entities: str, version: str | None = "AC1009", header: bool = True) -> 
 
 @pytest.mark.parametrize("ends", ["\n", "\r"])
 @pytest.mark.parametrize("markers", [True, False])
-@pytest.mark.parametrize("version", ["AC1006", "AC1014", "AC1032", None, "no header"])
+@pytest.mark.parametrize("version", ["AC1006", "AC1032", None, "no header"])
 def test_an_lwpolyline_is_one_whatever_the_file_says_of_its_version(version, markers, ends, tmp_path):
     old = "  0\nPOLYLINE\n  8\nWALL\n 66\n1\n 70\n1\n" + "".join(
         f"  0\nVERTEX\n  8\nWALL\n 10\n{x}\n 20\n{y}\n" for x, y in SQUARE

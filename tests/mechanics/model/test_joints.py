@@ -86,7 +86,7 @@ def test_nearly_parallel_edges_touch_if_both_ends_do(share, found):
     assert len(joints_of(rectangle(0, 0, 1, 1), wedge).a) == found
 
 
-@pytest.mark.parametrize("angle", [0.1, 0.7, 2.0, np.pi, -1.3])
+@pytest.mark.parametrize("angle", [0.7, np.pi, -1.3])
 def test_the_direction_of_a_joint_does_not_matter(angle):
     walls = rectangle(0, 0, 3, 1), rectangle(1, 1, 5, 2), rectangle(0, 1, 1, 3)
     upright, joints = joints_of(*walls), joints_of(*(turned(p, angle, (7.0, -2.0)) for p in walls))
@@ -102,7 +102,7 @@ def test_collinear_vertices_are_passed_over():
     assert joints_of(dotted, plain[1]).length == pytest.approx(joints_of(*plain).length)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_inaccuracies_of_the_drawing_change_no_joint_and_open_no_gap(seed):
     exact = running_bond(columns=3, courses=3)

@@ -61,7 +61,7 @@ def test_a_running_bond_wall_has_no_remarks():
     assert check_layout(running_bond(6, 5), TOLERANCE) == ()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15)
 @given(
     rotation=st.floats(-3.2, 3.2),
     shift=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
@@ -125,7 +125,7 @@ def test_what_a_gap_keeps_in_the_air_is_told_with_the_gap_and_the_tolerance_that
     assert check_layout(blocks, 0.004) == ()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.floats(1.1, 19.0), min_size=1, max_size=6), st.floats(-4.0, 1.0))
 def test_the_tolerance_that_is_proposed_closes_every_gap(gaps, decade):
     """Columns of two blocks on one base, the upper ones in the air by 1.1 to 19 tolerances, at any scale."""

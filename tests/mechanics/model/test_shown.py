@@ -58,7 +58,7 @@ def test_what_a_clip_leaves_is_read(corners, inverted, shown, tmp_path):
     assert [left in warning for warning in result.warnings] == [True] * (len(shown) < 4)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15)
 @given(
     at=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
     turn=st.floats(-180.0, 180.0),

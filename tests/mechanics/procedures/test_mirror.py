@@ -115,7 +115,7 @@ def test_what_is_not_quite_its_image_has_no_mirror(change):
     assert Mirror.of(_changed(change), "rigid") is None
 
 
-@pytest.mark.parametrize("field", ["unit_weight", "friction", "normal_stiffness"])
+@pytest.mark.parametrize("field", ["unit_weight", "friction"])
 def test_stones_have_to_be_alike_on_both_sides(field):
     model = arch_on_piers()
     stone = model.blocks[0].material

@@ -65,7 +65,7 @@ def test_dashpots_let_it_decay_as_the_damping_ratio_says(segments: int | None) -
     assert abs(energy.integrator).max() < 1e-6 * energy.viscous[-1]
 
 
-@pytest.mark.parametrize("segments", [1, 2, 4, 8])
+@pytest.mark.parametrize("segments", [1, 4])
 def test_a_column_that_rocks_on_its_points_is_warned_of_nothing(segments: int) -> None:
     """With lift-off, damped: closing points take little, and few steps are halved."""
     record = 0.15 * np.sin(6.0 * np.pi * np.arange(0.0, 1.0, 0.005))

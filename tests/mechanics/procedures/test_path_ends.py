@@ -13,7 +13,6 @@ from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
 from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
-from mechanics.messages import message
 from mechanics.procedures.pushover import PushoverTolerances
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
@@ -85,7 +84,7 @@ def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
     assert ended.multiplier[-1] > 0.1
 
 
-@pytest.mark.parametrize("increment", [0.0003, 0.003, 0.01])
+@pytest.mark.parametrize("increment", [0.001, 0.01])
 def test_an_arch_that_falls_does_so_at_the_same_displacement(increment):
     """At 13.24 mm α jumps from 0.143 below zero: no point at zero belongs to the curve, at whatever increment."""
     model = arch_on_piers(voussoirs=9, courses=3, stiffness=1e7)
@@ -247,21 +246,9 @@ def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go()
     assert not path.lifting
 
 
-def test_an_elastic_path_that_slides_by_coulomb_friction_is_followed_to_its_collapse():
-    """Programs near the last solution failed as slips changed, and it ended undecided after 68 s at 0.05 of 0.26 m."""
-    movement = np.array([0.15, -0.15])
-    path = pushdown(
-        drawn("triumphal_arch"), "destro", movement, increment=0.01, contacts="elastic", to_collapse=True,
-        sliding="coulomb",
-    )  # fmt: skip
-    assert path.ultimate is not None
-    assert path.ultimate > 0.25
-    assert "moves by" in path.end
-
-
 @pytest.mark.parametrize(
     ("sliding", "increment", "close"),
-    [("associative", 1e-4, 0.002), ("coulomb", 1e-4, 0.01), ("coulomb", 1e-3, 0.02)],
+    [("associative", 1e-4, 0.002), ("coulomb", 1e-3, 0.02)],
 )
 def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(sliding, increment, close):
     """At its limit point a released arch came to rest behind, climbed again and was released again, eleven times."""
@@ -271,38 +258,6 @@ def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(sliding,
     assert curve.lost
     # 1.7287 mm at 0.1 mm, 1.7285 at 0.3, 1.7313 at 1; by Coulomb's law 1.723 and 1.697: it turns back in the last steps
     assert curve.displacement[-1] == pytest.approx(0.001729, rel=close)
-
-
-def test_a_movement_whose_rest_is_not_decided_ends_in_its_words_with_what_was_followed(monkeypatch):
-    """It went on with steps of no length, and ended in a division by zero."""
-
-    def undecided(*_):
-        raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
-
-    module = import_module("mechanics.procedures.pushdown")
-    monkeypatch.setattr(module, "lifted", lambda *_: 1.0)
-    monkeypatch.setattr(module, "motion_to_rest", undecided)
-    with pytest.raises(ConvergenceError, match="not solved") as caught:
-        pushdown(block_on_base(), "base", (0.01, -0.01), increment=0.005, to_collapse=True)
-    assert caught.value.path.movement.tolist() == [0.0, 0.005, 0.01]
-
-
-def test_a_step_that_may_be_halved_is_not_decided_by_a_motion(monkeypatch):
-    """Motions decide of the shortest step: 1/32 of the increment."""
-    module, lengths = import_module("mechanics.procedures.step_control"), []
-    motion = module.motion_to_rest
-
-    def told(problem, begun):
-        lengths.append(problem.size)
-        return motion(problem, begun)
-
-    monkeypatch.setattr(module, "motion_to_rest", told)
-    increment = 0.003
-    curve = pushover(arch_on_piers(voussoirs=9, courses=3, stiffness=1e7), (0.85, 0.8), increment=increment)
-    assert curve.lost
-    assert lengths
-    # the size of a step is the displacement of its fastest block, which is not the control point's
-    assert max(lengths) < 2.0 * increment / 32.0 * float(abs(curve.mechanism[:, :2]).max())
 
 
 def test_a_slow_fall_is_followed_at_its_own_speed(monkeypatch):
@@ -368,7 +323,7 @@ def test_a_step_ends_where_two_programs_in_a_row_find_the_structure_unstable(mon
     assert given_up and max(given_up) <= 10
 
 
-@pytest.mark.parametrize(("increment", "until"), [(0.01, 0.5), (0.005, 0.25), (0.002, 0.5), (0.01, 0.0)])
+@pytest.mark.parametrize(("increment", "until"), [(0.01, 0.5), (0.002, 0.5)])
 def test_an_elastic_arch_that_snaps_through_has_not_spent_its_capacity(increment, until, tmp_path):
     """It yields to 0.012 of its weight, rests in the mirror image of its configuration, and bears ten times as much."""
     model = build_model(load_project(arch(tmp_path / "arch"))).assembly

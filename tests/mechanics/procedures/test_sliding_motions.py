@@ -28,7 +28,7 @@ def between_walls(friction: float, stiffness: float) -> Assembly:
 
 
 @pytest.mark.parametrize(("friction", "stiffness"), [(0.84, 1e5), (0.84, 1e7), (5.0, 1e6)])
-@pytest.mark.parametrize("time_step", [0.005, 0.001])
+@pytest.mark.parametrize("time_step", [0.005])
 def test_a_beam_that_nothing_presses_between_walls_falls_freely(friction, stiffness, time_step):
     """½gt² in 0.3 s, whatever friction, stiffness and step; it was held by the lift of its slides."""
     model = between_walls(friction, stiffness)

@@ -91,7 +91,7 @@ def test_a_mirror_image_swaps_the_directions():
     assert curves(arch()).alpha == pytest.approx(limit_analysis(arch(), "-x").alpha, rel=1e-7)
 
 
-@settings(max_examples=1, deadline=None)
+@settings(max_examples=1)
 @given(
     scale=st.floats(0.05, 20.0),
     shift=st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0)),
@@ -258,7 +258,7 @@ def test_a_movement_and_its_way_back(behaviour):
         assert _multiplier_at(model, state) == pytest.approx(limit_analysis(model, "+x").alpha, rel=1e-2)
 
 
-@pytest.mark.parametrize("angle", [-0.05, 0.02, 0.08])
+@pytest.mark.parametrize("angle", [-0.05, 0.08])
 def test_a_turned_support_lowers_the_multiplier_on_its_low_side(angle):
     # rigid block B x H: α = tan(arctan(B/H) ∓ θ)
     model = block_on_base()

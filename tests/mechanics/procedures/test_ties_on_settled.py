@@ -9,7 +9,7 @@ from mechanics.errors import CollapseError
 from tests.support.random_masonry import random_masonry
 
 
-@pytest.mark.parametrize("seed", range(0, 90, 3))
+@pytest.mark.parametrize("seed", range(0, 90, 15))
 def test_tie_on_settled(seed):
     """Thirty arches whose right support has spread, by either law; the tie is set after the movement."""
     model, sliding = random_masonry(seed), "associative" if seed % 2 else "coulomb"

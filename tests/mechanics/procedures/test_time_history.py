@@ -225,7 +225,7 @@ def test_overturning_block_collapses_and_the_run_stops() -> None:
     assert motion.displacement[-1] < -0.3
 
 
-@pytest.mark.parametrize("tilted", [0.55, 0.8, 0.95])
+@pytest.mark.parametrize("tilted", [0.55, 0.95])
 def test_a_block_released_beyond_its_balance_collapses(tilted: float) -> None:
     """It lies flat at π/2, which is less than 1 rad from where it began."""
     model = block_on_base(0.3, 1.5, friction=5.0)
@@ -249,16 +249,6 @@ def test_ultimate_displacement_ends_the_run_earlier() -> None:
     assert motion.collapsed and "ultimate" in motion.collapse_reason
     assert motion.time_of_collapse < overturning().time_of_collapse
     assert abs(motion.displacement[-1]) == pytest.approx(0.25, abs=0.05)
-
-
-def test_falling_block_collapses() -> None:
-    """A block against a wall, carried by nothing."""
-    stone = Material(18.0, 0.6)
-    wall = Block(rectangle(-0.5, -1.0, 0.0, 1.0), 1.0, stone, support="wall")
-    model = Assembly([wall, Block(rectangle(0.0, 0.0, 0.3, 0.3), 1.0, stone)])
-    motion = time_history(model, np.zeros(100), STEP, "rigid")
-    assert motion.collapsed and "fallen" in motion.collapse_reason
-    assert motion.time_of_collapse == pytest.approx(np.sqrt(2.0 * 0.3 / 9.80665), abs=2 * STEP)
 
 
 def test_control_point_past_its_ultimate_and_coming_back_is_no_collapse() -> None:
@@ -350,14 +340,6 @@ def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: I
         whole.halvings,
     )
     assert abs(after.positions - whole.positions[cut:]).max() < 1e-9
-
-
-def test_a_motion_does_not_go_on_with_joints_of_another_kind() -> None:
-    model = block_on_base()
-    first = time_history(model, burst(0.3), STEP, "rigid")
-    begun = [replace(first.final, motion=None), first.final]
-    one, other = (time_history(model, np.zeros(20), STEP, "elastic", state) for state in begun)
-    assert one.positions == pytest.approx(other.positions, abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -125,49 +125,33 @@ QUOTED = '"time","acc"\n' + "".join(f'"{STEP * k:.3f}","{v:.9f}"\n' for k, v in 
 FORMATS = {
     "esm": esm(),
     "esm without sensor depth": esm(sensor_depth=False),
-    "esm without the end of its header": esm(USER5=None),
-    "esm in g": esm(unit="g"),
     "esm, Windows": esm().replace("\n", "\r\n"),
     "peer": peer(),
     "peer, eight a line, old header": peer(a_line=8, sizes=OLD),
     "peer, one a line, doubled returns": peer(a_line=1, end="\r\r\n"),
-    "peer without a comma": peer(sizes="NPTS=   {n}  DT=  0.0050 SEC,"),
     "peer, history": peer(unit="G. FILTER POINTS: HP=0.1 Hz LP=30.0 Hz").replace("SERIES", "HISTORY"),
     "five columns": five_column(),
-    "five columns, last line ended": five_column() + "\n",
     "commas": columns(","),
-    "commas and blanks": columns(",", spaces=" "),
     "commas, header, BOM": columns(",", header="time (s),acceleration (g)\n", bom="\ufeff"),
     "semicolons": columns(";", header="t;a\n"),
     "semicolons, decimal commas": columns(";", point=","),
-    "tabs": columns("\t"),
     "tabs, decimal commas, header": columns("\t", point=",", header="t\ta\n"),
     "blanks": columns("  "),
-    "semicolons, doubled returns": columns(";").replace("\n", "\r\r\n"),
-    "commas, BOM, no header": columns(",", bom="\ufeff"),
     "cesmd v2": v2(),
-    "cesmd v2, no peak": v2().replace("Peak acc", "Largest acc"),
     "utf-16": heading("time [s],acc [g]").encode("utf-16"),
     "utf-16 without its mark": heading("time [s],acc [g]").encode("utf-16-le"),
-    "utf-16, big end first": b"\xfe\xff" + heading("time [s],acc [g]").encode("utf-16-be"),
     "trailing commas": columns(",", header="time,acc\n").replace("\n", ",\n"),
-    "trailing semicolons": columns(";").replace("\n", ";;\n"),
     "quoted": QUOTED,
-    "quoted, decimal commas": QUOTED.replace(".", ","),
     "quoted, semicolons, decimal commas": QUOTED.replace(",", ";").replace(".", ","),
-    "quoted, tabs": QUOTED.replace(",", "\t"),
     "four columns": four("t [s]; a [g]; v [m/s]; d [m]"),
-    "four columns, trailing": four("t; a; v; d").replace("\n", ";\n"),
     "an index": "\n".join(
         f"{k},{line}" if k else f",{line}" for k, line in enumerate(heading("time,acc").splitlines())
     ),
     "accelerations first": "acc,time\n" + "".join(f"{v:.9f},{STEP * k:.3f}\n" for k, v in enumerate(VALUES)),
     "a comment": columns(",", header="# made by hand in 2020\n# time [s], acc [g]\n"),
-    "a comment below the heading": columns(",", header="time [s],acc [g]\n# north\n"),
     "a title": columns(";", header="Somewhere, north\n\nt;a\n"),
     "units below names": columns(",", header="time,acc\ns,g\n"),
     "blanks in the heading": columns("   ", header="Time (s)  Acceleration (g)\n"),
-    "single blanks in the heading": columns(" ", header="Time (s) Acceleration (g)\n"),
     "italian": heading("Tempo [s];Accelerazione [g]", ";", ","),
     "hard blanks, a true minus": columns(";").replace("-", "\u2212").replace(";", ";\xa0"),
     "one column": column(),
@@ -197,40 +181,22 @@ FAULTS = {
         "Dear reader,\nhere is\nthe record\n",
         "line 1: 'Dear reader,': no line of numbers follows; supported",
     ),
-    "esm no step": (esm(SAMPLING_INTERVAL_S=None), "no SAMPLING_INTERVAL_S; get the file again"),
     "esm empty step": (esm(SAMPLING_INTERVAL_S=""), "line 54: SAMPLING_INTERVAL_S is ''; must be a positive"),
     "esm no unit": (esm(UNITS=None), "no UNITS"),
-    "esm velocity": (esm(UNITS="cm/s"), "line 56: 'cm/s' is no unit of acceleration"),
     "esm cut": (esm(NDATA=15), "line 74: 12 values where NDATA says 15; .*get it again"),
-    "esm no end": (esm((), USER5=None), "USER5"),
     "esm nan, doubled returns": (esm(NAN).replace("\n", "\r\r\n"), "line 70: 'nan' is not a finite number"),
     "esm nan": (esm(NAN), "line 70: 'nan' is not a finite number"),
     "peer no sizes": (peer(sizes="4000 points"), "no line with NPTS and DT"),
-    "peer odd sizes": (peer(sizes="NPTS unknown"), "line 4: must read 'NPTS="),
     "peer too long": (peer(n=10), "line 7: 12 values where NPTS says 10"),
-    "peer zero step": (peer(sizes="NPTS= {n}, DT= 0.000 SEC"), "line 4: DT is '0.000'"),
-    "peer velocity": (peer(unit="CM/S"), "line 3: 'CM/S' is no unit of acceleration"),
-    "peer no unit": (peer().replace("IN UNITS OF G", ""), "no header line states the unit"),
     "five columns cut": (five_column()[:-3], "line 9: '.*E' is not a finite number"),
-    "five columns short": (
-        five_column(VALUES[:-1], **{"Number of Data": 12}),
-        "line 9: 11 values where Number of Data says 12",
-    ),
     "five columns no step": (five_column(**{"Time Increment (s)": None}), r"no Time Increment \(s\)"),
-    "five columns no title": (
-        five_column().replace("Accelaration", "Series"),
-        "no header line states the unit",
-    ),
     "garbled": (GARBLED, "line 2: '-0.25x' is not a finite number; correct it"),
-    "overflow": (columns(",").replace("0.200000000", "1e999"), "line 6: '1e999' is not a finite"),
     "missing cell": (
         columns(",").replace(",0.200000000", ""),
         "line 6: 1 columns where the first line has 2",
     ),
     "three columns": ("0.0,1.0,2.0\n0.1,1.0,2.0\n", "line 1: 3 columns without a heading; write a line"),
-    "commas for everything": ("0,005,0,001\n0,010,0,002\n", "line 1: '0.005.0.001' is not a finite number"),
     "gap": (columns(",").replace("0.025,", "0.027,"), "line 6|line 7: the times are not evenly spaced"),
-    "backwards": ("0.2,0.1\n0.1,0.2\n0.0,0.1\n", "not evenly spaced"),
     "unknown unit": (
         heading("t [s],a [m/s3]"),
         r"line 1: 'm/s3' in the heading .*no unit.*; known are g, % g, mg, gal",
@@ -239,22 +205,7 @@ FAULTS = {
         heading("time (s),velocity (cm per s)"),
         "line 1: the heading .* names time and velocity; give acc",
     ),
-    "displacement": (
-        heading("Time (s),Displacement (cm)"),
-        "line 1: .* names time and displacement; give acc",
-    ),
-    "velocity by its unit": (
-        heading("t [s],a [m/s]"),
-        "line 1: .* says acceleration and velocity; known are",
-    ),
     "two units": (heading("t,a [g] (m/s2)"), "line 1: .* gives two units"),
-    "unknown name": (heading("t,foo"), "line 1: 'foo' in the heading 'foo' is no unit that is known"),
-    "one name of two": (
-        heading("acceleration"),
-        "line 1: the heading 'acceleration' does not name 2 columns",
-    ),
-    "two times": (heading("t,time"), "line 1: .* names time and time; give accelerations"),
-    "no times": (heading("index,a"), "line 1: 0 columns of times beside the accelerations"),
     "two components": (
         four("t;NS;EW;UP"),
         "line 1: 3 columns of accelerations; give a record of one component",
@@ -267,48 +218,15 @@ FAULTS = {
         heading("O.000,0.5"),
         "line 1: 'O.000,0.5' holds the number '0.5' and is no line",
     ),
-    "first line, letters": (
-        heading("O.000,O.5"),
-        "line 1: 'o.000' in the heading 'O.000' is no unit that is known",
-    ),
-    "first line, one column": (
-        "O.5\n" + column(),
-        "line 1: 'o.5' in the heading 'O.5' is no unit that is known",
-    ),
     "line in the middle, a letter": (
         columns(",").replace("0.035,", "O.035,"),
         "line 8: 'O.035' is not a finite",
     ),
-    "line in the middle, glued": (
-        columns(",").replace("0.035,", "0.035"),
-        "line 8: 1 columns where the first",
-    ),
-    "line in the middle, underscore": (
-        columns(",").replace("0.200000000", "0_2"),
-        "line 6: '0_2' is not a finite",
-    ),
-    "line in the middle, text": (
-        columns(",").replace("0.035", "end\n0.035"),
-        "line 8: 1 columns where the first",
-    ),
     "a comment that states the unit": (columns(",", header="# unit: m/s2\n"), "line 1: .*known are g"),
-    "a title that states the unit": (
-        columns(",", header="AQV cm/s2\nt,a\n"),
-        "line 1: 'AQV cm/s2' speaks of units",
-    ),
-    "a comment that states the step": (column(header="# dt = 0.01\n"), "line 1: .*known are g"),
-    "metadata": (
-        columns(",", header="NPTS,4000\nt,a\n").replace("NPTS", "N"),
-        "line 1: .* holds the number '4000'",
-    ),
     "whole numbers": ("0,1\n1,2\n2,3\n", "line 1: commas may part columns or decimals; .*semicolons"),
     "esm spectrum": (
         esm().replace("KEY_9: ", "DATA_TYPE: ACCELERATION RESPONSE SPECTRUM"),
         "DATA_TYPE is 'ACCELERATION RESPONSE SPECT",
-    ),
-    "prose of many lines": (
-        heading("word\n" * 120 + "t,a [m/s2]"),
-        "line 1: 'word': no line of numbers follows",
     ),
     "v2 cut": (v2(n=20), "line 8: 12 values where the V2 file says 20"),
     "v2 of two channels": (
@@ -320,24 +238,10 @@ FAULTS = {
         "Uncorrected Accelerogram Data     Processed: 02\n  .1 .2\n",
         "this is a V1 file, uncorrected; supported are ESM",
     ),
-    "cosmos": (
-        "Corrected acceleration    (Format v01.20 with 13 text lines)\n",
-        "this is a V2 file of the COSMOS form; supp",
-    ),
-    "geonet": ("Corrected accelerogram 20161113_110256 GNS Science\n", "this is a GeoNet file; supported"),
-    "v2 of another form": (
-        "Corrected accelerogram of somewhere\n 1.0 2.0\n",
-        "this is a V2 file of another form; supported",
-    ),
-    "smc": ("2 CORRECTED ACCELEROGRAM\n*\n 1.0 2.0\n", "this is a SMC file; supported"),
     "cwb": ("#Earthquake Information\n#Data\n0.0 1.0 1.0 1.0\n", "this is a CWB file of three components"),
     "binary": (bytes(range(256)) * 4, "is no text; supported are ESM"),
-    "page": ("<!DOCTYPE html>\n<html>404</html>\n", "line 1: '<!DOCTYPE html>': no line of numbers follows"),
-    "one sample": ("0.0,0.1\n", "fewer than two samples"),
     "no step": (column(), "needs its time step; give time_step"),
     "zero": (columns(",", values=np.zeros(9)), "every sample is 0 g"),
-    "constant": (columns(";", values=np.full(9, 0.1)), "every sample is 0.1 g"),
-    "no motion": (columns(",", values=1e-12 * VALUES), "every sample is 0 g"),
     "too large": (
         columns(",").replace("0.200000000", "1e7"),
         "line 6: '1e7' is larger than 1e.06; correct it",
@@ -345,14 +249,6 @@ FAULTS = {
     "peer step in ms": (
         peer(sizes="NPTS= {n}, DT= 50.0 SEC"),
         "line 4: a time step of 50 s; must be from 1e-06 to",
-    ),
-    "times in ms": (
-        "0,0.1\n50,0.2\n100,0.1\n",
-        r"a time step of 50 s; must be from 1e-06 to 10 s; name the unit in the heading, as in time \[ms\]",
-    ),
-    "esm step of nothing": (
-        esm(SAMPLING_INTERVAL_S=1e-9),
-        "line 54: a time step of 1e-09 s; must be from 1e-06",
     ),
     "wrong unit": (
         columns(",", values=981.0 * VALUES),
@@ -402,7 +298,7 @@ UNITS = {
 
 
 @pytest.mark.parametrize("title", UNITS)
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252"])
 def test_units_of_the_heading_are_converted_and_kept(write, title, encoding):
     unit, size, step = UNITS[title]
     record = read_record(write(heading(title).encode(encoding)))
@@ -411,7 +307,7 @@ def test_units_of_the_heading_are_converted_and_kept(write, title, encoding):
 
 
 @given(line=st.integers(0, 11), place=st.integers(0, 14), letter=st.sampled_from("OolIx'*?"))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30)
 def test_a_line_damaged_by_a_letter_is_never_passed_over(tmp_path_factory, line, place, letter):
     lines = columns(";").splitlines()
     lines[line] = lines[line][:place] + letter + lines[line][place + 1 :]

@@ -27,13 +27,13 @@ def on_a_slope(angle: float, friction: float) -> Assembly:
     )
 
 
-@pytest.mark.parametrize("friction", [0.0, 1e-9, 1e-6])
+@pytest.mark.parametrize("friction", [0.0, 1e-6])
 def test_a_wall_with_next_to_no_friction_stands(friction: float) -> None:
     """Vertical forces carry it, at the bounds of friction."""
     check_self_weight(running_bond(3, 4, friction=friction))
 
 
-@pytest.mark.parametrize("angle", [3e-6, 1e-5, 1e-4])
+@pytest.mark.parametrize("angle", [3e-6, 1e-4])
 def test_a_block_slides_off_a_slope_that_is_steeper_than_its_friction(angle: float) -> None:
     """Without friction by g sin θ, of which next to nothing is taken for none."""
     with pytest.raises(UnstableError, match=f"start to move with {angle:.2g} g"):

@@ -151,7 +151,7 @@ def test_shears_of_springs_go_on_to_rest():
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
-@pytest.mark.parametrize("stiffness", [1e4, 1e6])
+@pytest.mark.parametrize("stiffness", [1e4])
 def test_a_block_pulled_aside_is_released_where_it_was_pulled_to(contacts, stiffness):
     """What carried a block aside is no equilibrium under gravity alone, however near on soft joints one is."""
     model = block_on_base(0.6, 4.2, stiffness=stiffness)

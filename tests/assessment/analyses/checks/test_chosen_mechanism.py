@@ -104,7 +104,7 @@ def test_a_load_without_mass_resists_and_does_not_push():
 
 
 @given(courses=st.integers(2, 6), hinge=st.integers(0, 5), load=st.floats(0.0, 30.0))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15)
 def test_no_chosen_mechanism_lies_below_limit_analysis(courses, hinge, load):
     """The courses above any joint turn about its edge; the lowest joint gives limit analysis's own α0."""
     model, hinge = column(courses, loads=[(load, True)]), min(hinge, courses - 1)

@@ -144,7 +144,7 @@ def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
     assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
 
 
-@pytest.mark.parametrize("language", ["it", "en"])
+@pytest.mark.parametrize("language", ["it"])
 def test_figures_tables_and_report(outcome, tmp_path, language):
     results = json.loads(json.dumps(plain(outcome.results)))
     results["echo"]["report"]["language"] = language

@@ -17,7 +17,7 @@ def test_every_text_of_the_judgement_is_a_claim_that_is_checked():
 
 
 @given(random_results())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25)
 def test_every_sentence_agrees_with_the_tables(results):
     hold(results)
 

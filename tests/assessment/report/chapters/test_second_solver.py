@@ -32,7 +32,7 @@ def pair(difference=3e-10):
     }
 
 
-@pytest.mark.parametrize(("language", "number"), [("en", "0.12346"), ("it", "0,12346")])
+@pytest.mark.parametrize(("language", "number"), [("it", "0,12346")])
 def test_the_table_has_enough_digits_to_compare(language, number):
     results = example(language, found=pair())
     words = words_of(results)

@@ -85,7 +85,7 @@ def sentence_agrees(results):
 
 
 @given(random_results())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15)
 def test_table_and_sentence_agree_with_the_checks(results):
     found = typed(results)
     agrees(found)

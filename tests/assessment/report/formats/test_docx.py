@@ -9,17 +9,17 @@ from lxml import html
 
 from assessment.report.document import CHAPTERS, write_docx, write_page
 from assessment.report.figures.index import write_images
-from assessment.report.text.language import LANGUAGES, words_of
+from assessment.report.text.language import words_of
 from assessment.runtime.pool import Pool, result_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 
 
-@pytest.fixture(scope="module", params=LANGUAGES)
-def made(request, tmp_path_factory):
-    folder = tmp_path_factory.mktemp(request.param)
-    results = results_example(request.param)
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("it")
+    results = results_example("it")
     for content in results["states"].values():
         content["pushover"].pop("-x", None)  # half the figures
         content["capacity"].pop("-x", None)

@@ -24,7 +24,7 @@ HALF = 0.3
 KINDS = {"exact": {}, "points": {SEGMENTS: 5.0}, "crushing": {STRENGTH: 30.0}}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(u=st.floats(-1e-3, 5e-4), phi=st.floats(-4e-3, 4e-3), segments=st.integers(1, 20))
 def test_a_bed_of_points_is_its_springs(u, phi, segments):
     n, m, *_ = points(u, phi, HALF, 1e5, segments)
@@ -32,7 +32,7 @@ def test_a_bed_of_points_is_its_springs(u, phi, segments):
     assert found == pytest.approx(bed_of_points(u, phi, HALF, 1e5, segments), rel=1e-9, abs=1e-9)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=30)
 @given(
     kind=st.sampled_from(sorted(KINDS)),
     motion=st.tuples(st.floats(-8e-4, -2e-4), st.floats(-6e-4, 6e-4), st.floats(-1e-4, 1e-4)),

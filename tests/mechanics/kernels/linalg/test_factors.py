@@ -62,7 +62,7 @@ def test_factorisation_is_that_of_lapack(blocks: int, reach: int, share: float) 
         assert not band[k, pattern.last[k] + 1 - k :].any()
 
 
-@pytest.mark.parametrize("row", [0, 4, 11])
+@pytest.mark.parametrize("row", [0, 11])
 def test_a_matrix_that_is_not_positive_definite_is_told(row: int) -> None:
     pairs = linked(4, 1, 1.0)
     for value in (0.0, -1.0, np.nan):
