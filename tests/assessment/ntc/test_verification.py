@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assessment.ntc.capacity_curve import Activation, capacity_curve, participation
-from assessment.ntc.curve_fit import CurveFit, fit_curve, fit_rigid
+from assessment.ntc.curve_fit import CurveFit, Way, fit_curve, fit_rigid
 from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.hazard import HazardCurve, return_period_steps, site_curve
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
@@ -211,6 +211,13 @@ def test_local_limit():
     assert (near.d_star_m, near.governing) == (pytest.approx(0.1), "local limit")
     far = verify(_block(), {"SLC": SOIL_A}, Method(local_limits={"SLC": 0.5}))["SLC"]
     assert (far.d_star_m, far.governing) == (pytest.approx(0.18), "0.60 d_0")
+    slow = Way(
+        np.array([0.0, 1.0]), np.array([0.0, 0.7])
+    )  # the blocks go 0.7 times as far as the point: 0.07 m
+    capacity = _block()
+    capacity = replace(capacity, fit=replace(capacity.fit, way=slow))
+    near = check_nonlinear(capacity, "SLC", SOIL_A, Method(local_limits={"SLC": 0.2}))
+    assert (near.d_star_m, near.governing) == (pytest.approx(0.07), "local limit")
 
 
 def test_the_end_of_the_elastic_curve_governs_where_it_comes_first():

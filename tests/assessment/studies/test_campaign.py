@@ -216,6 +216,7 @@ def test_the_static_loss_beside_rigid_motions_is_that_of_rigid_joints(block):
 def test_both_signs_of_a_structure_that_is_its_own_mirror_image_are_one_run(block):
     """As drawn; the block whose base has turned is none. What is not run is what it would have been."""
     edit(block, "point_m = [0.3, 4.2]", "point_m = [0.0, 4.2]")
+    edit(block, "scatter = 2", "scatter = 1")
     edit(block, 'records = ["wave*.csv"]', 'records = ["wave1.csv"]')
     edit(block, "signs = [1]", "signs = [1, -1]")
     assert run(block, "--only", "campaign") == 0
@@ -259,26 +260,21 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
     ("old", "new", "text"),
     [
         ('records = ["wave*.csv"]', 'records = "generate:0"', 'campaign.records: "generate:0" is no number'),
-        ('records = ["wave*.csv"]', 'records = ["wave4.csv"]', "campaign.records[1]: no file"),
         ("signs = [1]", 'settlements = ["base turnt"]', 'did you mean "base turned"'),
         ("signs = [1]", 'measure = "Sa(T)"', "campaign.period_s: missing"),
         ("signs = [1]", 'method = "stripes"', "campaign.levels_g: missing"),
-        ("signs = [1]", "levels_g = [0.1]", "campaign.levels_g"),
         ("signs = [1]", "scale_limits = [2.0, 0.5]", "campaign.scale_limits: [2, 0.5] is no range; write"),
-        ("signs = [1]", "periods_s = [2.0, 0.5]", "campaign.periods_s: [2, 0.5] is no range; write"),
         (
             "shares = [0.0, 1.0]",
             "shares = [0.0, 1e-6, 1.0]",
             "campaign.shares[2]: 1e-06 of the movement moves",
         ),
         ("shares = [0.0, 1.0]", "shares = [1.0, 0.0]", "campaign.shares: not in order"),
-        ("signs = [1]", "signs = [2]", "campaign.signs[1]"),
         (
             "signs = [1]",
             "curve_members = [1, 3]",
             "campaign.curve_members[2]: 3: scatter = 2 runs no such member",
         ),
-        ("signs = [1]", "curve_members = [0]", "campaign.curve_members[1]"),
     ],
 )
 def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.model.block import Material
-from mechanics.model.drawing import METRES, Layer
+from mechanics.model.drawing import Layer
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
 
 
@@ -92,6 +92,9 @@ def test_inserts_put_blocks_where_they_belong(
         )
     assert reference.handle == plain.dxf.handle
     assert reference.area == pytest.approx(polygon_area(METRES[unit] * np.array(star)))
+
+
+METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 
 def rotation_matrix(degrees):

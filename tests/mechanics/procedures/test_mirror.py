@@ -21,10 +21,14 @@ CONTROL = {"+x": (0.6, 0.84), "-x": (-0.6, 0.84)}
 
 @pytest.mark.parametrize("behaviour", ["rigid", "elastic"])
 def test_the_image_of_a_path_is_the_path_the_other_way(behaviour):
-    model = arch_on_piers()
+    """About an axis at 1.25 m."""
+    aside = np.array([1.25, 0.0])
+    model = Assembly([replace(block, vertices=block.polygon + aside) for block in arch_on_piers().blocks])
     mirror = Mirror.of(model, behaviour)
-    one = pushover(model, CONTROL["+x"], "+x", behaviour, 0.001, until=UNTIL[behaviour])
-    other = pushover(model, CONTROL["-x"], "-x", behaviour, 0.001, until=UNTIL[behaviour])
+    one, other = (
+        pushover(model, tuple(CONTROL[way] + aside), way, behaviour, 0.001, until=UNTIL[behaviour])
+        for way in ("+x", "-x")
+    )
     image = mirror.pushover(one)
     assert (one.direction, image.direction, other.direction) == ("+x", "-x", "-x")
     close = 0.01 * 0.001  # m: a hundredth of a step

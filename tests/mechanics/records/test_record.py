@@ -44,6 +44,8 @@ def test_arias_window_of_a_constant_is_linear():
     record = Record(np.full(101, 0.2), 0.1, "constant")
     assert record.arias_window() == pytest.approx((0.5, 9.5))
     assert record.arias_window(0.0, 1.0) == pytest.approx((0.0, 10.0))
+    one = Record(np.array([0.0, 0.3, 0.0]), 0.1, "one sample")  # half of its intensity on either side
+    assert one.arias_window(0.0, 0.25) == pytest.approx((0.0, 0.05))
 
 
 @given(low=st.floats(0.0, 0.45), high=st.floats(0.55, 1.0), factor=st.floats(0.1, 10.0))

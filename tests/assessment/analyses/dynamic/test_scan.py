@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from assessment.analyses.dynamic import scan as scans
-from assessment.analyses.dynamic.fragility import RecordLevel, observed, over_records
+from assessment.analyses.dynamic.fragility import Observed, RecordLevel, observed, over_records
 from assessment.analyses.dynamic.histories import Scatter
 from assessment.analyses.dynamic.scan import CERTAIN, DOWN, FARTHEST, Reach, scan, scan_levels
 from assessment.analyses.dynamic.time_history import Setting
@@ -142,6 +142,13 @@ def test_probability_in_a_bracket_grows_evenly_in_ln_level():
     assert seen.probable == pytest.approx([0.2 * 1.5**p for p in (0.16, 0.5, 0.84)])
     assert seen.capacity == seen.probable[0] and seen.beta == 0.0 and seen.certain == 0.3
     assert seen.gap == pytest.approx((0.3, 0.3)) or seen.gap is None
+
+
+def test_a_level_is_known_to_its_bracket_and_the_scatter_of_the_collapse():
+    """δ/√12 of a bracket of δ in ln, and √(β δ/1.806) beside it."""
+    assert Observed(0.2, spacing=0.06).known_to(0.0) == pytest.approx(0.06 / math.sqrt(12.0))
+    both = math.sqrt(0.3 * 0.06 / 1.806 + 0.06**2 / 12.0)
+    assert Observed(0.2, spacing=0.06).known_to(0.3) == pytest.approx(both, rel=1e-3)
 
 
 def test_where_collapse_comes_in_bands_the_probit_counts_if_it_is_lower():

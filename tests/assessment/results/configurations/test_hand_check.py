@@ -87,6 +87,8 @@ def test_weights_come_from_the_input_alone():
     dead, seismic = weights(typed(results))
     movable = [block["support"] is None for block in results["geometry"]["blocks"]]
     assert dead[movable].sum() == pytest.approx(results["model"]["weight_kN"])
+    results["geometry"]["blocks"][4]["depth_m"] *= 0.5
+    assert weights(typed(results))[0][4] == pytest.approx(0.5 * dead[4])
     results["geometry"]["blocks"][3]["vertical_load_kN"] = 2.0
     layer = results["geometry"]["blocks"][3]["layer"]
     results["echo"]["layers"].setdefault(layer, {})["load_has_mass"] = False
