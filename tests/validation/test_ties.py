@@ -67,10 +67,9 @@ def test_a_tie_that_does_not_yield_leaves_sliding():
     assert limit_analysis(model, "+x").alpha == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.parametrize("increment", [0.1])
-def test_a_rigid_curve_with_a_tie_that_yields(increment):
+def test_a_rigid_curve_with_a_tie_that_yields():
     """Exact in any configuration, at any increment: the tie pulls along the line of its ends."""
-    path = pushover(tied_wall(), (B, H), "+x", increment=increment)
+    path = pushover(tied_wall(), (B, H), "+x", increment=0.1)
     for state, found in zip(path.states[1:-1], path.multiplier[1:-1], strict=True):
         assert found == pytest.approx(multiplier(state.positions, FORCE), abs=5e-8)
         assert state.lengthened == pytest.approx(
@@ -189,11 +188,10 @@ CHAIN = Tie("chain", (-AWAY, AT), (0.0, AT), FORCE)
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
-@pytest.mark.parametrize("step", [2.5e-3])
-def test_a_slack_tie_changes_nothing_of_a_motion(step, contacts):
+def test_a_slack_tie_changes_nothing_of_a_motion(contacts):
     """The wall rocks to either side, its tie longer than it goes: the same impacts, to 1e-12 m."""
-    free = released([], step, 0.35, contacts=contacts)
-    slack = released([CHAIN], step, 0.35, longer=1.0, contacts=contacts)
+    free = released([], 2.5e-3, 0.35, contacts=contacts)
+    slack = released([CHAIN], 2.5e-3, 0.35, longer=1.0, contacts=contacts)
     assert free.energy.impact[-1] > 0.0 or contacts == "elastic"
     np.testing.assert_allclose(slack.positions, free.positions, rtol=0.0, atol=1e-12)
     assert (free.programs, free.halvings) == (slack.programs, slack.halvings)

@@ -133,16 +133,15 @@ def test_all_that_is_of_the_mechanism_is_of_the_point_that_is_printed(results, r
     assert axes.get_title().endswith(f"α = {words.show(printed)}")
 
 
-@pytest.mark.parametrize("direction", ["-x"])
-def test_figures_mark_the_multiplier_of_the_tables(results, direction):
+def test_figures_mark_the_multiplier_of_the_tables(results):
     """The mark stood at the peak of the run that is reported, beside the number of another one."""
     words = words_of(results)
-    figure = draw_pushover(results, words, [direction])
+    figure = draw_pushover(results, words, ["-x"])
     marks = [line.get_xydata()[0] for line in figure.axes[0].lines if line.get_marker() == "o"]
-    states = [state for state, way in CASES if way == direction]
+    states = [state for state, way in CASES if way == "-x"]
     assert len(marks) == len(states)
     for state, (_, alpha) in zip(states, marks, strict=True):
-        expected = push(results, state, direction).alpha_0
+        expected = push(results, state, "-x").alpha_0
         assert alpha == pytest.approx(expected, rel=1e-12)
 
 

@@ -7,8 +7,6 @@ import os
 import time
 from pathlib import Path
 
-import pytest
-
 from assessment.runtime.cache import Store, fingerprint
 from assessment.runtime.tasks import From, Workers
 
@@ -31,26 +29,25 @@ def _pid(folder: str, processes: int) -> int:
     return os.getpid()
 
 
-@pytest.mark.parametrize("jobs", [2])
-def test_an_argument_from_an_earlier_result(jobs, tmp_path):
+def test_an_argument_from_an_earlier_result(tmp_path):
     """Each begins when the one that it follows from is known; what was kept of them is not computed again.
 
     Taken over is what an earlier run kept: a first run told that it took over what it had computed itself.
     """
     tasks = [(1.0, 3.0), (From(0, _doubled), 4.0), (5.0, 5.0), (From(1, _doubled), 2.0)]
     sums = [4.0, 12.0, 10.0, 26.0]
-    with Workers(jobs=jobs, store=Store(tmp_path)) as workers:
+    with Workers(jobs=2, store=Store(tmp_path)) as workers:
         assert workers.each("add", operator.add, tasks[:2], [""] * 2, False) == sums[:2]
         assert workers.each("add", operator.add, tasks, [""] * 4, False) == sums
         assert workers.each("add", operator.add, tasks, [""] * 4, False) == sums
         assert (workers.computed, workers.taken) == (4, 0)
-    with Workers(jobs=jobs, store=Store(tmp_path)) as again:
+    with Workers(jobs=2, store=Store(tmp_path)) as again:
         assert again.each("add", operator.add, tasks, [""] * 4, False) == sums
         assert (again.computed, again.taken) == (0, 4)
     first = Store(tmp_path)
     (first.folder / fingerprint(operator.add, tasks[0])).unlink()
     with Workers(
-        jobs=jobs, store=first
+        jobs=2, store=first
     ) as again:  # what follows from it is as it was, and is not computed again
         assert again.each("add", operator.add, tasks, [""] * 4, False) == sums
         assert (again.computed, again.taken) == (1, 3)

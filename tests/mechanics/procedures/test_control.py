@@ -3,7 +3,7 @@
 import pytest
 
 from assessment.benchmark.cases.structures import assembly, rectangle, template
-from mechanics import Assembly, Block, ControlError, Material, pushdown, pushover
+from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.procedures import Mirror, farthest_corner
 from tests.support.structures import running_bond
 
@@ -27,15 +27,11 @@ def test_without_a_control_point_the_top_of_a_wall_is_followed(direction, foremo
 
 
 def test_of_a_wall_whose_top_courses_turn_it_is_a_corner_of_theirs():
-    """What lies below does not move: it was refused, with the advice to give a point higher up."""
     model = running_bond(3, 6)
-    path = pushover(model, increment=0.005)
+    path = pushover(model, increment=0.02, until=0.9)
     moved = path.mechanism[path.block]
     assert abs(moved[:2]).max() > 0.5 * abs(path.mechanism[:, :2]).max()
-    still = [k for k, row in enumerate(path.mechanism) if model.movable[k] and abs(row[:2]).max() < 1e-6]
-    for k in still[:1]:
-        with pytest.raises(ControlError):
-            pushover(model, model.blocks[k].centroid, increment=0.005)
+    assert abs(path.mechanism[model.movable, :2]).max(axis=1).min() < 1e-6, "what lies below does not move"
 
 
 def test_a_corner_that_two_blocks_share_is_not_chosen():
@@ -64,5 +60,5 @@ def test_where_the_first_mechanism_is_local_the_curve_is_of_what_goes_farthest()
     (table,) = project.settlements
     state = pushdown(model, table.support, table.displacement_m, increment=0.004).final
     for direction in ("+x", "-x"):
-        path = pushover(model, direction=direction, increment=0.001, state=state)
+        path = pushover(model, direction=direction, increment=0.002, state=state)
         assert path.displacement.max() > 0.01 and path.multiplier.max() > 0.1

@@ -11,20 +11,18 @@ from tests.support.structures import running_bond
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
-@pytest.mark.parametrize(("columns", "courses"), [(4, 5), (3, 6)])
-def test_walls_that_slide_neither_penetrate_nor_exceed_the_associative_law(contacts, columns, courses):
+def test_walls_that_slide_neither_penetrate_nor_exceed_the_associative_law(contacts):
     """Joints yield to changes of their forces by less than 10⁻⁴ of a block."""
-    model = running_bond(columns, courses, 0.5, 0.3, 0.6)
-    curve = pushover(model, (0.5 * columns, 0.3 * courses), "+x", contacts, 0.01, sliding="coulomb")
-    other = pushover(model, (0.5 * columns, 0.3 * courses), "+x", contacts, 0.01, sliding="associative")
+    model = running_bond(4, 5, 0.5, 0.3, 0.6)
+    curve = pushover(model, (2.0, 1.5), "+x", contacts, 0.01, sliding="coulomb")
+    other = pushover(model, (2.0, 1.5), "+x", contacts, 0.01, sliding="associative")
     assert max(step.penetration for step in curve.steps) < 1e-4 * model.size
     assert 0.9 * other.multiplier.max() < curve.multiplier.max() < 1.001 * other.multiplier.max()
 
 
-@pytest.mark.parametrize("seed", [60, 323])
-def test_a_curve_goes_on_along_its_flow_whatever_the_increment(seed):
+def test_a_curve_goes_on_along_its_flow_whatever_the_increment():
     """Programs alone go over to other flows: α 0.335 for 0.310 after the first step of wall 60, 2.7 times its d_0."""
-    model = small_wall(seed)
+    model = small_wall(60)
     curves = [pushover(model, increment=increment) for increment in (0.01, 0.02)]
     least = limit_analysis(model).alpha
     assert [curve.alpha_0 for curve in curves] == pytest.approx([least, least], rel=1e-6)

@@ -35,10 +35,9 @@ def test_a_curve_that_ends_at_zero_is_at_zero(seed):
 
 
 @pytest.mark.parametrize("friction", [0.6, np.inf])
-@pytest.mark.parametrize("increment", [0.01])
-def test_wall_beside_support(friction, increment):
+def test_wall_beside_support(friction):
     """They can touch at θ = 1/3 only: α0 = b/h, and the wall is spent when its centre stands above its edge."""
-    curve = pushover(beside(0.3, friction), increment=increment)
+    curve = pushover(beside(0.3, friction), increment=0.01)
     assert curve.multiplier[0] == pytest.approx(SLENDER, rel=1e-9)
     assert curve.displacement[-1] == pytest.approx(3.0 * np.sin(np.arctan(SLENDER)), rel=1e-6)
     assert curve.reached_zero

@@ -231,10 +231,9 @@ def tangent_cuts(model: Assembly, direction: str) -> float:
     raise AssertionError(f"the cuts leave {short.max():.2g} kN")
 
 
-@pytest.mark.parametrize("strength", [41.5])
 @pytest.mark.parametrize("direction", ["+x", "-x"])
-def test_crushing_by_linear_programs(strength, direction):
-    model = drawn("buttressed_arch", 1.0, strength)
+def test_crushing_by_linear_programs(direction):
+    model = drawn("buttressed_arch", 1.0, 41.5)
     assert limit_analysis(model, direction).alpha == pytest.approx(tangent_cuts(model, direction), abs=1e-7)
 
 

@@ -151,10 +151,9 @@ def test_shears_of_springs_go_on_to_rest():
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
-@pytest.mark.parametrize("stiffness", [1e4])
-def test_a_block_pulled_aside_is_released_where_it_was_pulled_to(contacts, stiffness):
+def test_a_block_pulled_aside_is_released_where_it_was_pulled_to(contacts):
     """What carried a block aside is no equilibrium under gravity alone, however near on soft joints one is."""
-    model = block_on_base(0.6, 4.2, stiffness=stiffness)
+    model = block_on_base(0.6, 4.2, stiffness=1e4)
     pulled = pushover(model, (0.3, 4.2), "+x", contacts, 0.02, until=0.3).states[-1]
     for state in (pulled, model.rotated(1, (0.6, 0.0), -0.05)):
         motion = unshaken(model, state, "elastic")

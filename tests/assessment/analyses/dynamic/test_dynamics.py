@@ -144,10 +144,9 @@ def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
     assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
 
 
-@pytest.mark.parametrize("language", ["it"])
-def test_figures_tables_and_report(outcome, tmp_path, language):
+def test_figures_tables_and_report(outcome, tmp_path):
     results = json.loads(json.dumps(plain(outcome.results)))
-    results["echo"]["report"]["language"] = language
+    results["echo"]["report"]["language"] = "it"
     names = {picture.name for picture in pictures(typed(results))}
     assert {"record_1", "history_1", "history_2", "incremental"} <= names
     assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names

@@ -55,14 +55,13 @@ def test_a_draft_that_an_editor_saved_in_its_own_way_is_still_the_draft(results,
         assert judgement(typed(results), words, tmp_path).edited is None
 
 
-@pytest.mark.parametrize("command", ["check"])
 @pytest.mark.parametrize("content", [b"PK\x03\x04\x00\x00", b"\x81\x8d"])
-def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatch, content, command):
+def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatch, content):
     monkeypatch.setattr("assessment.workflow.stages.run", lambda *_: pytest.fail("an analysis ran"))
     path = project / "output" / NAME
     path.parent.mkdir()
     path.write_bytes(content)
-    assert main([command, str(project)]) == 2
+    assert main(["check", str(project)]) == 2
     assert capsys.readouterr().err == (
         f"error: {path}: not readable as text; save it as UTF-8, or delete it to have a new draft\n"
     )
