@@ -12,6 +12,8 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -28,7 +30,7 @@ from tests import ROOT
 from tests.support.block_project import read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.every_stage import planned
-from tests.support.scheduler import LONG, wait_for
+from tests.support.scheduler import LONG, scheduler, wait_for
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="signals"),
@@ -133,9 +135,30 @@ def check_rest(folder: Path, kept: int, whole, capsys, *options: str) -> None:
     assert read_journal(folder / "output").exit_code == 0
 
 
-def test_ctrl_c_ends_a_campaign_of_local_processes_and_costs_what_they_were_at(project, capsys, whole):
-    started = begin(project, "--jobs", "2")
-    wait_for_one(project, started)
-    os.killpg(started.pid, signal.SIGINT)  # as a terminal does
-    assert end_of(started).endswith("run again to go on")
-    check_rest(project, check_kept(project, capsys), whole, capsys, "--jobs", "2")
+@contextmanager
+def cluster(port: int = 0) -> Iterator[str]:
+    """Start a scheduler and a worker that are threads here, where all is imported; yield the address."""
+    distributed = pytest.importorskip("distributed")
+    options = {"processes": False, "protocol": "tcp", "scheduler_port": port, "dashboard_address": ":0"}
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, silence_logs=50, **options) as found:
+        yield found.scheduler_address
+
+
+def test_ctrl_c_leaves_a_cluster_at_work_and_a_scheduler_that_is_started_again_goes_on_with_what_is_left(
+    project, capsys, whole, tmp_path
+):
+    pytest.importorskip("distributed")
+    with scheduler(tmp_path) as (address, lost, worker):
+        started = begin(project, "--scheduler", address)
+        wait_for_one(project, started, lost, worker)
+        os.killpg(started.pid, signal.SIGINT)
+        assert end_of(started).endswith("run again to go on")
+        kept = check_kept(project, capsys)
+        started = begin(project, "--scheduler", address)
+        wait_for(lambda: len(entries(project / "output")) > kept, started, lost, worker)
+        lost.kill()
+        assert "the Dask scheduler or its workers were lost" in end_of(started)
+    kept = len(entries(project / "output"))
+    with cluster(int(address.rpartition(":")[2])) as same:
+        assert same == address
+        check_rest(project, kept, whole, capsys, "--scheduler", address)

@@ -49,14 +49,11 @@ def test_letters_that_the_console_lacks_are_spelt_out(project, encoding):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
-@pytest.mark.parametrize("closed", ["1", "0 1 2"])
-def test_a_closed_stream_ends_no_run(project, closed):
+def test_a_closed_stream_ends_no_run(project):
     """And nothing that anybody prints goes into a file that has got its number."""
     stored = project / "output" / "results.json"
-    if closed == "0 1 2":
-        stored.unlink()
-    closing = " ".join(f"{number}>&-" for number in closed.split())
-    script = f'exec "$0" -m assessment.cli "$@" {closing}'
+    stored.unlink()
+    script = 'exec "$0" -m assessment.cli "$@" 0>&- 1>&- 2>&-'
     command = ["sh", "-c", script, sys.executable, "run", str(project), "--no-report"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")

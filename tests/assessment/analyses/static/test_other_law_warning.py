@@ -35,11 +35,3 @@ def test_the_other_law_is_compared_at_alpha_0_where_the_mechanism_is_another():
     assert note.fields["multiplier"] == curve.alpha_0 == path.alpha_0
     assert note.fields["other"] == curve.other_law.alpha_0 == pytest.approx(at_peak, rel=1e-8)
     assert curve.other_law.mechanism.alpha != pytest.approx(at_peak, rel=1e-4)
-
-
-def test_where_the_onset_alone_differs_nothing_is_told_of_alpha_0():
-    """It was "α0 is 0.326, not 0.326"."""
-    curve, notes = told(leaning(4, "+x"))
-    assert curve.other_law.alpha_0 == pytest.approx(curve.alpha_0, rel=1e-4)
-    assert curve.other_law.alpha_onset > 1.1 * curve.alpha_onset
-    assert not notes
