@@ -33,10 +33,7 @@ def schema(session: Session, _: Sent) -> dict[str, Any]:
 
 @cache
 def page_words(language: str) -> dict[str, Any]:
-    """Return the words of the page in a language; `keys`: name, as in the report, and meaning of each key.
-
-    English meanings are those of the schema.
-    """
+    """Return the words of the page in a language; `keys`: name, as in the report, and meaning (in English empty)."""
     from assessment.report.text.language import Words, key_name, plain_text  # late: the page comes first
 
     found = tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
@@ -111,11 +108,6 @@ def convert(session: Session, _: Sent) -> dict[str, Any]:
     return {"kept": kept.name}
 
 
-def open_folder(session: Session, sent: Sent) -> None:
-    """Show the project of another folder, or with `folder` null none."""
-    session.open(None if sent.get("folder") is None else session.home / _given(sent, "folder", str))
-
-
 def new(session: Session, sent: Sent) -> None:
     """Make a project in a new folder and show it: from a `template`, an `example`, or a dropped `drawing`.
 
@@ -153,7 +145,9 @@ ANSWERS: Mapping[str, Callable[[Session, Sent], dict[str, Any] | None]] = {
     "report": lambda session, _: session.project.runs.start("report"),
     "judgement": judgement,
     "convert": convert,
-    "open": open_folder,
+    "open": lambda session, sent: session.open(  # with `folder` null none
+        None if sent.get("folder") is None else session.home / _given(sent, "folder", str)
+    ),
     "new": new,
     "examples": lambda session, _: {"examples": session.worker.ask("examples")},
 }

@@ -236,7 +236,7 @@ const summary = ({ rows, governing }) => {
   const cells = (row) => [nameOf(row.state), way(row.direction), number(row.alpha_0), number(1e3 * row.d_0_m),
     Object.entries(row.checks).map(([name, each]) => `${name} ${number(each.zeta_E)}`).join(" · "),
     row.verified === null ? "–" : w(row.verified ? "yes" : "no")];
-  const head = ["state", "direction", "α0", "d0 [mm]", "ζ_E", "verified"].map((name) => el("th", {}, w(name)));
+  const head = ["state", "direction", "α0", "d0 [mm]", "borne", "verified"].map((name) => el("th", {}, w(name)));
   const caption = governing && [w("governing"), nameOf(governing.state), way(governing.direction), governing.limit_state,
     `ζ_E = ${number(governing.zeta_E)}`].join(" · ");
   return el("table", { id: "summary" }, caption && el("caption", {}, caption), el("tr", {}, ...head), ...rows.map((row) =>

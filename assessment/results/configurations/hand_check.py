@@ -36,7 +36,7 @@ class HandCheck:
 
     state: str
     direction: Direction
-    macro_blocks: int
+    macro_blocks: Annotated[int, named("Macroblocchi|Macro-blocks")]
     alpha_mechanism: Annotated[float, named("α programma|α program")]
     virtual_work_alpha: float
     deviation: Annotated[float, named("Scarto|Deviation", shown="%", digits=2)]

@@ -212,7 +212,7 @@ class GivenMechanism(_Checked, Participation):
     d_0_star_m: float | None = optional("the same of the equivalent oscillator")
     curve: OscillatorCurve | None = optional("capacity curve of its finite motion; null: not found")
     moving_weight_kN: float | None = optional("seismic weight that moves")
-    macro_blocks: list[GivenMacroBlock] | None = optional("its macro-blocks", "Macroblocchi|Macro-blocks")
+    macro_blocks: list[GivenMacroBlock] | None = optional("its macro-blocks")
     displacements: Configuration | None = optional("x, z, ω of each block, the largest being 1 m")
     penetration: float | None = optional("deepest penetration per largest displacement")
     sliding_joints: list[int] | None = optional("numbers of the joints that slide")
