@@ -22,7 +22,6 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
-from mechanics.procedures.closings import behind_closing, closes, may_peak
 from mechanics.procedures.limit_analysis import limit_analysis, limit_in
 from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.model_check import check_path
@@ -33,6 +32,7 @@ from mechanics.procedures.path_start import (
     mechanism_start,
     no_way_from_rest,
 )
+from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
 from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
 from mechanics.steps.contact_values import moved_over
@@ -340,7 +340,7 @@ class _Curve:
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
             return
-        nearest = self._down_to_zero(work, fastest, step)
+        nearest = self._down_to_zero(work, fastest, step, shortest)
         if nearest is not None:
             self._append(*nearest)
         self.end = None
@@ -366,7 +366,7 @@ class _Curve:
         return reach(problem, now.positions + work * self.rate, last, shortest)
 
     def _down_to_zero(
-        self, work: float, fastest: float, beyond: Equilibrium
+        self, work: float, fastest: float, beyond: Equilibrium, shortest: bool
     ) -> tuple[float, Equilibrium, bool] | None:
         """Return the step to α = 0 on the way to an equilibrium beyond it (false position, Illinois rule).
 
@@ -383,8 +383,10 @@ class _Curve:
                 break
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             try:
-                step, jumped = self._step(chord, fastest)
+                step, jumped = self._step(chord, fastest, shortest)
             except (NoEquilibriumError, ConvergenceError):
+                if not shortest:  # what lies beyond may be another branch: this one is followed to its end
+                    raise
                 break
             if step.alpha >= -tolerance:
                 last = (chord, step, jumped)
@@ -581,40 +583,16 @@ class _Curve:
         return self.model.rounding > START.resolved and self.multiplier[-1] >= max(self.multiplier)
 
     def _end_where_it_falls(self) -> None:
-        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls.
-
-        Held at a peak, the load drives the structure through the trough behind it: it stands if what it gains there, by
-        the work of all loads, is taken up farther on. Where the direction of its motion changes from Δ to Δ', as in an
-        impact, it keeps (ΔᵀMΔ')² / (ΔᵀMΔ Δ'ᵀMΔ') of its energy, and none if it turns back.
-        """
-        alpha, jumps = self.multiplier, set(self.crossed)
-        # index of the peak; energy (kNm) gained since; index of the first point that exceeds the peak
-        held, gained, above = 0, 0.0, 0
+        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls."""
         moves = np.diff([state.positions for state in self.states], axis=0)
-        inertia = np.einsum("kbi,bi,kbi->k", moves, self.model.mass, moves)
-        turning = np.einsum("kbi,bi,kbi->k", moves[:-1], self.model.mass, moves[1:])
-        kept = np.r_[0.0, np.maximum(turning, 0.0) ** 2 / np.maximum(inertia[:-1] * inertia[1:], 1e-300)]
-        for k in range(1, len(alpha)):
-            if not gained and alpha[k] >= alpha[held]:
-                held = k
-                continue
-            work = float((self.lateral * moves[k - 1]).sum())
-            if (self.displacement[k - 1], self.displacement[k]) in jumps:
-                against = -float((self.model.dead_load * moves[k - 1]).sum())
-            else:
-                # where joints close α rises at once
-                against = max(0.5 * (alpha[k - 1] + alpha[k]), alpha[k]) * work
-            gained = kept[k - 1] * gained + alpha[held] * work - against
-            if gained <= 0.0:
-                held, gained, above = k, 0.0, 0
-            elif alpha[k] > (1.0 + self.tolerances.flat) * alpha[held] and not above:
-                above = k
-        zero, behind = self.tolerances.zero * max(alpha), above or len(alpha)
-        spent = [k for k in range(held + 1, behind) if alpha[k] <= zero]
-        last = spent[0] if spent else behind - 1
+        steps = zip(self.displacement, self.displacement[1:], strict=False)
+        jumps = np.array([step in self.crossed for step in steps], dtype=bool)
+        alpha, flat, zero = np.array(self.multiplier), self.tolerances.flat, self.tolerances.zero
+        last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
         if last < len(alpha) - 1:
-            self.reached, self.lost = bool(spent), not spent
-            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=alpha[held])
+            self.reached = bool(alpha[last] <= zero * alpha.max())
+            self.lost = not self.reached
+            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=held)
             self._cut(last)
 
     def _cut(self, last: int) -> None:

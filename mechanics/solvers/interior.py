@@ -17,8 +17,8 @@ from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.interior.inertia import inertia
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
 from mechanics.kernels.joint import CURVED, H
-from mechanics.kernels.law import DILATION, FRICTION, STEEP
-from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, certify
+from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
+from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, bed_gaps, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.types import Array
 
@@ -78,7 +78,10 @@ class Iterate:
     displacement: Array
 
     def warm(self, program: Program, distance: float) -> Iterate:
-        """Return the iterate with a least distance from the bounds, per weight and step, for a next solution."""
+        """Return the iterate with a least distance from the bounds, per weight and step, for a next solution.
+
+        What the forces of elastic ends gain changes their beds; the gaps take it up: at an end that opens it is much.
+        """
         p = program
         least = 0.5 * distance * p.weight
         forces = np.zeros_like(self.forces)
@@ -87,8 +90,13 @@ class Iterate:
         mu = np.minimum(p.law[:, FRICTION], STEEP)
         bound = (1.0 - distance) * mu * forces[:, :2].sum(axis=1)
         forces[:, 2] = np.clip(self.forces[:, 2], -bound, bound)
+        gaps, soft = self.gaps.copy(), p.law[:, BED] < np.inf
+        if soft.any():
+            half = p.places[soft, H]
+            for ends, sign in ((self.forces, 1.0), (forces, -1.0)):
+                gaps[soft, :2] += sign * bed_gaps(ends[soft, :2], half, p.law[soft])
         slip = 1.0 / np.maximum(mu, 1.0)
-        gaps = np.maximum(self.gaps, distance * p.step * np.stack([mu**0, mu**0, slip, slip], axis=1))
+        gaps = np.maximum(gaps, distance * p.step * np.stack([mu**0, mu**0, slip, slip], axis=1))
         return Iterate(forces, gaps, self.alpha, np.zeros(len(p.load)))
 
 

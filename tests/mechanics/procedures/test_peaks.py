@@ -7,7 +7,7 @@ import pytest
 
 from mechanics import limit_analysis, pushdown, pushover
 from mechanics.procedures import limit_in, static_theorem
-from mechanics.procedures.closings import may_peak
+from mechanics.procedures.peaks import may_peak
 from mechanics.procedures.pushover import PUSHOVER
 from tests.support.drawn_projects import drawn, tables
 
