@@ -27,10 +27,10 @@ LINES = {
     "mechanics": 970,
     "mechanics/kernels": 3638,
     "mechanics/model": 3384,
-    "mechanics/procedures": 3468,
+    "mechanics/procedures": 3481,
     "mechanics/records": 1086,
     "mechanics/solvers": 1148,
-    "mechanics/steps": 1914,
+    "mechanics/steps": 1919,
 }
 
 
