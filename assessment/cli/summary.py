@@ -58,23 +58,16 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     results = outcome.results
     best = best_of(results.identification) if results.identification else None
     content = {
-        "assesto": results.assesto,
-        "title": results.title,
-        "output": str(folder),
-        "complete": outcome.complete,
-        "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
+        "assesto": results.assesto, "title": results.title, "output": str(folder),
+        "complete": outcome.complete, "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
         "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
-        "summary": plain(results.summary),
-        "undetermined": undetermined(results),
-        "capacities": capacities(results),
-        "ultimate_movements": _ultimates(results),
+        "summary": plain(results.summary), "undetermined": undetermined(results),
+        "capacities": capacities(results), "ultimate_movements": _ultimates(results),
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
-        "comparison": plain(results.comparison),
-        "strengthening": plain(results.strengthening),
-        "best_movement": plain(best.movement) if best else None,
-        "warnings": _warnings(results, warnings),
+        "comparison": plain(results.comparison), "strengthening": plain(results.strengthening),
+        "best_movement": plain(best.movement) if best else None, "warnings": _warnings(results, warnings),
         "timing_s": results.timing_s,
-    }
+    }  # fmt: skip
     return json.dumps(content, allow_nan=False, indent=2)
 
 
@@ -89,15 +82,12 @@ def capacities(results: Results) -> list[dict[str, Any]]:
             limit = quoted_limit_state(found)
             rows.append(
                 {
-                    "state": name,
-                    "direction": direction,
+                    "state": name, "direction": direction,
                     "alpha_0": curves.rigid.alpha_0 if curves.rigid else None,
-                    "d_0_m": curves.rigid.d_0_m if curves.rigid else None,
-                    "limit_state": limit,
-                    **(checks[limit] if limit else {"a_g_g": None, "zeta_E": None}),
-                    "checks": checks,
+                    "d_0_m": curves.rigid.d_0_m if curves.rigid else None, "limit_state": limit,
+                    **(checks[limit] if limit else {"a_g_g": None, "zeta_E": None}), "checks": checks,
                 }
-            )
+            )  # fmt: skip
     return rows
 
 

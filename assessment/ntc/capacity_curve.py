@@ -169,12 +169,8 @@ class CapacityCurve:
     def steps(self) -> Trace:
         """Return α0*, a_y*, T_0 and d_0* by hand."""
         fit, F_C, e, Gamma, first = (
-            self.fit,
-            self.confidence_factor,
-            self.e_star,
-            self.gamma_star,
-            self.activation,
-        )
+            self.fit, self.confidence_factor, self.e_star, self.gamma_star, self.activation,
+        )  # fmt: skip
         own = first.e_star == e  # of the mechanism of the curve, or of another one that moves before
         alpha, e_act = ("alpha_0", "e_star") if own else ("alpha_act", "e_star_act")
         lines = [
@@ -206,13 +202,9 @@ class CapacityCurve:
 
 
 def capacity_curve(
-    fit: CurveFit,
-    e_star: float,
-    gamma_star: float,
-    confidence_factor: float = 1.0,
-    confidence_source: str = CONFIDENCE_FACTOR,
-    activation: Activation | None = None,
-) -> CapacityCurve:
+    fit: CurveFit, e_star: float, gamma_star: float, confidence_factor: float = 1.0,
+    confidence_source: str = CONFIDENCE_FACTOR, activation: Activation | None = None,
+) -> CapacityCurve:  # fmt: skip
     """Return the capacity curve d* = d Γ*, a* = α/(e* F_C): the confidence factor divides once, here.
 
     `confidence_source`: the paragraph that F_C follows from; `activation`: default, the curve's own mechanism at α0.

@@ -222,14 +222,9 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
 
 
 def _idealised(
-    model: str,
-    rigid: tuple[Array, Array, float | None],
-    secant: float,
-    alpha_u: float,
-    alpha_y: float,
-    area: float | None = None,
-    *notes: Message,
-) -> CurveFit:
+    model: str, rigid: tuple[Array, Array, float | None], secant: float, alpha_u: float, alpha_y: float,
+    area: float | None = None, *notes: Message,
+) -> CurveFit:  # fmt: skip
     """Return min(secant stiffness times d, α_y, rigid branch) as a piecewise-linear curve.
 
     secant: displacement at 0.4 α_u, m; area: of the curve from which α_y was found, m, None for a share of α_u. Where

@@ -27,11 +27,7 @@ _RISK = "D.M. 58/2017, Allegato A"
 
 @dataclass(frozen=True)
 class RiskIndices:
-    """Indices of a structure, named as in the results; None where the return periods that they need are not known.
-
-    I_S = T_SLV/T_R,SLV; f_a = a_SLV/a_g,SLV on rock; IS_V: ratio of PGA at SLV and its class; PAM: expected annual
-    loss as a share, and its class; risk_class: the worse of the two.
-    """
+    """Indices of a structure, the keys of the results; None where the return periods that they need are not known."""
 
     I_S: float | None
     f_a: float
@@ -45,14 +41,9 @@ class RiskIndices:
 
 
 def heritage_and_risk_indices(
-    a_g: float,
-    demand_a_g: float,
-    zeta: float,
-    use_class: str,
-    T_SLV: float | None = None,
-    T_R_SLV: float | None = None,
-    T_SLD: float | None = None,
-) -> RiskIndices:
+    a_g: float, demand_a_g: float, zeta: float, use_class: str, T_SLV: float | None = None,
+    T_R_SLV: float | None = None, T_SLD: float | None = None,
+) -> RiskIndices:  # fmt: skip
     """Return the indices from the capacity at SLV (a_g, demand on rock, g; ratio ζ of PGA) and return periods (years).
 
     T_SLV, T_SLD: of the capacities at SLV and SLD; T_R_SLV: of the demand at SLV.
@@ -94,12 +85,9 @@ def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
     SLV = min(_INITIAL_DAMAGE, 1.0 / T_SLV)
     SLD = min(_INITIAL_DAMAGE, max(1.0 / T_SLD, SLV))
     rates = {
-        "SLID": _INITIAL_DAMAGE,
-        "SLO": min(_INITIAL_DAMAGE, _SLO_OF_SLD * SLD),
-        "SLD": SLD,
-        "SLV": SLV,
+        "SLID": _INITIAL_DAMAGE, "SLO": min(_INITIAL_DAMAGE, _SLO_OF_SLD * SLD), "SLD": SLD, "SLV": SLV,
         "SLC": _SLC_OF_SLV * SLV,
-    }
+    }  # fmt: skip
     stretches = [(often, seldom, (_COST[often] + _COST[seldom]) / 2.0) for often, seldom in pairwise(rates)]
     pam = rates["SLC"] * _COST["SLR"] + sum((rates[a] - rates[b]) * cost for a, b, cost in stretches)
     parts = [
@@ -132,12 +120,9 @@ def required_zeta(zeta: float | None, use_class: str) -> dict[str, float | None]
     more = None if zeta is None else min(1.0, zeta + 0.1)
     enough = None if zeta is None else max(0.6, min(1.0, zeta))
     return {
-        "repair": None,
-        "improvement": {"I": None, "II": more, "III": more, "IV": enough}[use_class],
-        "improvement_school": enough if use_class == "III" else None,
-        "retrofit_use": 0.8,
-        "retrofit": 1.0,
-    }
+        "repair": None, "improvement": {"I": None, "II": more, "III": more, "IV": enough}[use_class],
+        "improvement_school": enough if use_class == "III" else None, "retrofit_use": 0.8, "retrofit": 1.0,
+    }  # fmt: skip
 
 
 def attained(zeta: float, required: Mapping[str, float | None]) -> dict[str, bool]:

@@ -24,12 +24,8 @@ _STRATIGRAPHY = {  # soil: (lower, first, slope, upper)
     "E": (1.0, 2.0, 1.1, 1.6),
 }
 _PERIOD_FACTOR = {
-    "A": (1.0, 0.0),
-    "B": (1.10, -0.20),
-    "C": (1.05, -0.33),
-    "D": (1.25, -0.50),
-    "E": (1.15, -0.40),
-}
+    "A": (1.0, 0.0), "B": (1.10, -0.20), "C": (1.05, -0.33), "D": (1.25, -0.50), "E": (1.15, -0.40),
+}  # fmt: skip
 _TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # Tab. 3.2.V
 _LONG_PERIOD = {"A": 4.5, "B": 5.0, "C": 6.0, "D": 6.0, "E": 6.0}  # T_E, s, Tab. 3.2.VII [k]
 _FRACTION = "a fraction of critical: 0.05 for 5 %"

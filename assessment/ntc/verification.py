@@ -101,14 +101,9 @@ class Solved:
 
 @dataclass(frozen=True)
 class Verification:
-    """The answer of one check of one limit state, named as in the results.
+    """The answer of one check of one limit state; its numbers are the keys of a check in the results (docs/results.md).
 
-    d_star_m, a_star_g: point of the capacity curve that counts; T_s: its period; a_g_g: capacity; demand_a_g_g: demand;
-    zeta_E: their ratio, with S on both sides, which is the index ζ_E at SLV only (§8.3); return_period_years: of the
-    capacity, where the site's hazard, or the return period of the demand, is known. governing: what gave a_g.
-    demand_a_star_g: of the linear check, what a_0* is compared with: a_g S/q at the ground, a_Z/q at height. reference:
-    of both a_g, "rock" (category A, without S) or, of a record's spectrum, "surface"; S, demand_S: from there to the
-    surface. Numbers are None where the capacity is not defined, and `notes` say why.
+    zeta_E is the index ζ_E at SLV only (§8.3). Numbers are None where the capacity is not defined, `notes` say why.
     """
 
     limit_state: str
@@ -228,7 +223,8 @@ def check_nonlinear(
         if limit_state == "SLV":
             with suppress(CapacityError):
                 solved = _first(solved, _solve_displacement(capacity, "SLC", spectrum, method))
-        active = _solve_activation(capacity, spectrum, method)
+        # where the curve is left: at a_y* and T_0, or at a_0* where it is rigid
+        active = (_solve_linear if capacity.T_0 is None else _solve_elastic)(capacity, spectrum, method)
         line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
                     LAW["2019"], a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
         steps = (*solved.steps, *active.steps, line)
@@ -267,13 +263,9 @@ def _demand(limit_state: str, spectrum: Spectrum, method: Method) -> tuple[float
 
 
 def _check(
-    limit_state: str,
-    solved: Solved,
-    capacity: CapacityCurve,
-    spectrum: Spectrum,
-    method: Method,
+    limit_state: str, solved: Solved, capacity: CapacityCurve, spectrum: Spectrum, method: Method,
     kind: CheckMethod,
-) -> Verification:
+) -> Verification:  # fmt: skip
     """Return the verification of a solution against the demand."""
     a_g, S = solved.a_g, solved.base.S
     demand, reference, S_demand = _demand(limit_state, spectrum, method)
@@ -314,20 +306,10 @@ def _solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) 
     )
 
 
-def _solve_activation(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
-    """Return where the capacity curve is left: at a_y* and T_0, or at a_0* where it is rigid."""
-    return (_solve_linear if capacity.T_0 is None else _solve_elastic)(capacity, spectrum, method)
-
-
 def _solve_acceleration(
-    a_star: float,
-    symbol: str,
-    d_star: float | None,
-    T: float,
-    spectrum: Spectrum,
-    method: Method,
+    a_star: float, symbol: str, d_star: float | None, T: float, spectrum: Spectrum, method: Method,
     q: float = 1.0,
-) -> Solved:
+) -> Solved:  # fmt: skip
     """Return where S_e(T) = q a* at 5 % damping, with the symbol that a* has in the steps."""
 
     def demand(s: Spectrum) -> float:

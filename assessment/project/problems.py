@@ -201,11 +201,9 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
 def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
     """Yield every problem between the tables of a project in `folder`, and of files that they name, in order."""
     valid = {
-        "control point": [each.name for each in project.control],
-        "support": [*project.supports],
-        "settlement": [*project.unstrengthened[1:]],
-        "state": [*project.states],
-    }
+        "control point": [each.name for each in project.control], "support": [*project.supports],
+        "settlement": [*project.unstrengthened[1:]], "state": [*project.states],
+    }  # fmt: skip
     for path, table in _tables(project, ()):
         for key, field in type(table).model_fields.items():
             value = getattr(table, key)

@@ -209,16 +209,13 @@ def progress_of(recorded: RunRecord, running: Holder | None) -> dict[str, Any]:
         "seconds_left": None if left is None else max(0.0, left),
         "stages": [
             {
-                "stage": each.name,
-                "done": each.taken + each.done,
-                "taken_over": each.taken,
-                "total": each.total,
-                "ended": each.ended,
+                "stage": each.name, "done": each.taken + each.done, "taken_over": each.taken,
+                "total": each.total, "ended": each.ended,
                 "failures": [{"title": title, "reasons": reasons} for title, reasons in each.faults],
             }
             for each in recorded.stages
         ],
-    }
+    }  # fmt: skip
 
 
 def _line(stage: Stage, running: bool) -> str:

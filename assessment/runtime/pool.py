@@ -231,7 +231,8 @@ class Cluster(Pool):
         try:
             remote = self._workers.submit(_outcome, program(), function, arguments)
         except Exception as error:  # a lost cluster shows as whatever its library meets
-            if self._client.status not in GONE and not _is_of_cluster(error):
+            of_cluster = type(error).__module__.startswith(("distributed", "asyncio", "concurrent"))
+            if self._client.status not in GONE and not of_cluster:
                 raise
             _fail(done, KilledError(LOST))
             return done
@@ -340,7 +341,3 @@ def _hand_over(ended: Future[Any], done: Future[Any]) -> None:
 def _fail(done: Future[Any], error: BaseException) -> None:
     with suppress(InvalidStateError):  # it had failed before
         done.set_exception(error)
-
-
-def _is_of_cluster(error: BaseException) -> bool:
-    return type(error).__module__.startswith(("distributed", "asyncio", "concurrent"))

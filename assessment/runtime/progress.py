@@ -82,6 +82,10 @@ class Stage:
         """Analyses that are not finished."""
         return self.total - self.taken - self.done
 
+    def doing(self, now: float) -> str:
+        """Return the stage and the analysis that it is at, as a text."""
+        return f"{self.name}: {clock(now - self.since)} on {self.under_way}" if self.under_way else self.name
+
     def left(self, now: float) -> float | None:
         """Return the time that the stage still takes, negative where it is late; None where nothing is done yet."""
         if self.reached <= 0.0:
@@ -141,12 +145,10 @@ class Bars(Show):
         # on a narrow terminal titles are cut, not times
         rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
         columns = (
-            TextColumn("{task.description}", markup=False, table_column=rest),
-            BarColumn(bar_width=10),
-            TextColumn("{task.fields[count]}", markup=False),
-            TimeElapsedColumn(),
+            TextColumn("{task.description}", markup=False, table_column=rest), BarColumn(bar_width=10),
+            TextColumn("{task.fields[count]}", markup=False), TimeElapsedColumn(),
             TextColumn("left {task.fields[left]}", markup=False),
-        )
+        )  # fmt: skip
         self.progress = Progress(*columns, console=console, transient=True, expand=True)
         self.stages: list[Stage] = []
 
@@ -156,7 +158,7 @@ class Bars(Show):
         count = f"{stage.taken + stage.done}/{stage.total}"
         if event == "begin":
             left = _Now(lambda: stage.time_left(time.perf_counter(), "-:--:--"))
-            doing: Any = _Now(lambda: _doing(stage))
+            doing: Any = _Now(lambda: stage.doing(time.perf_counter()))
             self.task = self.progress.add_task(doing, total=stage.work, count=count, left=left)
         elif event == "fault":
             lines = [f"✗ {fields['title']}: {reason}" for reason in fields["reasons"]]
@@ -169,11 +171,6 @@ class Bars(Show):
             self.progress.update(self.task, completed=stage.reached, count=count)
         for line in lines:
             self.progress.console.print(line, highlight=False, markup=False)
-
-
-def _doing(stage: Stage) -> str:
-    elapsed = clock(time.perf_counter() - stage.since)
-    return f"{stage.name}: {elapsed} on {stage.under_way}" if stage.under_way else stage.name
 
 
 @contextmanager

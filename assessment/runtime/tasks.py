@@ -137,14 +137,9 @@ class Workers:
     engine: Pool | None = None
 
     def each(
-        self,
-        stage: str,
-        function: Callable[[*Arguments], Result],
-        tasks: Sequence[tuple[*Arguments]],
-        titles: Sequence[str],
-        worthwhile: bool,
-        weights: Sequence[float] = (),
-    ) -> list[Result]:
+        self, stage: str, function: Callable[[*Arguments], Result], tasks: Sequence[tuple[*Arguments]],
+        titles: Sequence[str], worthwhile: bool, weights: Sequence[float] = (),
+    ) -> list[Result]:  # fmt: skip
         """Return function(*task) for every task, in their order; `weights`: about how long each takes, in any unit.
 
         A task with an argument `From` an earlier one begins when that is known. Results pass through JSON, computed and

@@ -151,12 +151,9 @@ def _geometry(project: Project, model: ProjectModel) -> parts.Geometry:
     faces = zip(described(a, a.contacts), a.joints.ends, strict=True)
     joints = [parts.Joint(**dict(face), ends_m=ends.tolist()) for face, ends in faces]
     found = parts.Geometry(
-        blocks=blocks,
-        controls=controls,
-        joints=joints,
-        joint_tolerance_m=a.joint_tolerance,
+        blocks=blocks, controls=controls, joints=joints, joint_tolerance_m=a.joint_tolerance,
         gravity_m_s2=GRAVITY,
-    )
+    )  # fmt: skip
     if model.cracks:
         found = found.replace(cracks_m=[line.tolist() for line in model.cracks])
     far = a.as_drawn([0.0, 0.0])

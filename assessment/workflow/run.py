@@ -132,13 +132,9 @@ def prepare(report: bool) -> None:
 
 
 def write(
-    results: Results,
-    folder: Path,
-    report: bool = True,
-    jobs: int = 1,
-    attachments: Sequence[Path] = (),
+    results: Results, folder: Path, report: bool = True, jobs: int = 1, attachments: Sequence[Path] = (),
     reached: Callable[[float], object] = lambda _: None,
-) -> list[str]:
+) -> list[str]:  # fmt: skip
     """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
 
     A judgement.md that was edited is kept. Return warnings. `jobs`: processes, 0: one per core; `attachments`: pictures
@@ -171,14 +167,9 @@ def write(
 
 
 def _make(
-    results: Results,
-    folder: Path,
-    new: Path,
-    report: bool,
-    jobs: int,
-    attachments: Sequence[Path],
+    results: Results, folder: Path, new: Path, report: bool, jobs: int, attachments: Sequence[Path],
     reached: Callable[[float], object],
-) -> list[str]:
+) -> list[str]:  # fmt: skip
     """Make everything in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement import NAME, judgement
     from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
@@ -263,14 +254,9 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
 
 
 def carry_out(
-    project: Project,
-    folder: Path,
-    jobs: int,
-    fresh: bool,
-    report: bool,
-    show: Show,
+    project: Project, folder: Path, jobs: int, fresh: bool, report: bool, show: Show,
     scheduler: str | None = None,
-) -> tuple[Outcome, list[str]]:
+) -> tuple[Outcome, list[str]]:  # fmt: skip
     """Carry out what the project asks for and write `folder`, unless an earlier run left the same; return warnings too.
 
     `jobs`: processes, 0: as many as help; `scheduler`: address of a Dask cluster instead; `fresh`: nothing stored is

@@ -60,15 +60,9 @@ FEW = 3  # warnings of a study that are repeated among those of the run
 
 
 def run(
-    project: Project,
-    model: ProjectModel,
-    jobs: int = 0,
-    store: Store | None = None,
-    fresh: bool = False,
-    show: Show = SILENCE,
-    meanwhile: Callable[[], object] | None = None,
-    scheduler: str | None = None,
-) -> Outcome:
+    project: Project, model: ProjectModel, jobs: int = 0, store: Store | None = None, fresh: bool = False,
+    show: Show = SILENCE, meanwhile: Callable[[], object] | None = None, scheduler: str | None = None,
+) -> Outcome:  # fmt: skip
     """Carry out every stage that the project asks for; for the other arguments see Workers.
 
     Raises ProjectError or ValueError for records and hazard that cannot be read, KilledError for a killed process,

@@ -402,10 +402,8 @@ class Assembly:
         arm = positions[block, :2] - pivot
         cos, sin = np.cos(rotation), np.sin(rotation)
         positions[block] = (
-            pivot[0] + cos * arm[0] - sin * arm[1],
-            pivot[1] + sin * arm[0] + cos * arm[1],
-            rotation,
-        )
+            pivot[0] + cos * arm[0] - sin * arm[1], pivot[1] + sin * arm[0] + cos * arm[1], rotation,
+        )  # fmt: skip
         return State(positions, np.zeros_like(positions))
 
     def starting(self, state: State | None) -> State:

@@ -213,7 +213,7 @@ def default_tolerance(outlines: Sequence[Block | Array]) -> float:
     `outlines`: blocks, or corners (n, 2) m of outlines.
     """
     rings = [each.polygon if isinstance(each, Block) else each for each in outlines]
-    return 1e-3 * float(np.median(np.concatenate([_lengths(ring) for ring in rings])))
+    return 1e-3 * float(np.median(np.concatenate([np.hypot(*(np.roll(v, -1, axis=0) - v).T) for v in rings])))
 
 
 def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
@@ -295,10 +295,6 @@ def _corners(v: Array, owner: Index) -> Mask:
     one, other = np.hypot(*before.T), np.hypot(*after.T)
     found: Mask = abs(turn) > 1e-9 * one * other + 2.0 * np.spacing(abs(v).max()) * (one + other)
     return found
-
-
-def _lengths(v: Array) -> Array:
-    return np.hypot(*(np.roll(v, -1, axis=0) - v).T)
 
 
 def _dot(p: Array, q: Array) -> Array:

@@ -172,17 +172,10 @@ def kinematic_contacts(
     faces[:drawn, MEET] = _meet(faces[:drawn], tolerance)
     unknown = np.full(len(blocks), np.nan)
     return Contacts(
-        a=blocks[:, 0],
-        b=blocks[:, 1],
-        faces=faces,
-        friction=friction,
-        bed=unknown,
-        shear=unknown,
-        strength=unknown,
-        segments=np.zeros(len(blocks), dtype=np.intp),
-        edges=np.zeros((len(blocks), 2), dtype=np.intp),
-        tolerance=tolerance,
-    )
+        a=blocks[:, 0], b=blocks[:, 1], faces=faces, friction=friction, bed=unknown, shear=unknown,
+        strength=unknown, segments=np.zeros(len(blocks), dtype=np.intp),
+        edges=np.zeros((len(blocks), 2), dtype=np.intp), tolerance=tolerance,
+    )  # fmt: skip
 
 
 def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, tolerance: float) -> Contacts:
@@ -226,17 +219,10 @@ def between(
     length = np.minimum(faces[:, A2], faces[:, B2]) - np.maximum(faces[:, A1], faces[:, B1])
     length = np.where(length > tolerance, length, shorter_face(faces))
     return Contacts(
-        a=a,
-        b=b,
-        faces=faces,
-        friction=np.minimum(mu[a], mu[b]),
-        bed=series[:, 0] * thin,
-        shear=series[:, 1] * thin * length,
-        strength=np.minimum(strength[a], strength[b]) * thin,
-        segments=np.maximum(wished[a], wished[b]),
-        edges=edges,
-        tolerance=tolerance,
-    )
+        a=a, b=b, faces=faces, friction=np.minimum(mu[a], mu[b]), bed=series[:, 0] * thin,
+        shear=series[:, 1] * thin * length, strength=np.minimum(strength[a], strength[b]) * thin,
+        segments=np.maximum(wished[a], wished[b]), edges=edges, tolerance=tolerance,
+    )  # fmt: skip
 
 
 def end_points(contacts: Contacts, positions: Array) -> Array:

@@ -95,12 +95,9 @@ def of_block(layer: Layer) -> dict[str, Any]:
 
 
 def read_drawing(
-    path: str | Path,
-    unit: str,
-    default: Layer,
-    layers: Mapping[str, Layer] = {},
+    path: str | Path, unit: str, default: Layer, layers: Mapping[str, Layer] = {},
     sagitta: float | None = None,
-) -> Drawing:
+) -> Drawing:  # fmt: skip
     """Read the blocks of a DXF drawing (text or binary, R12 and later); their vertices are in m.
 
     Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
@@ -130,13 +127,9 @@ def read_drawing(
 
 
 def survey_drawing(
-    path: str | Path,
-    unit: str,
-    default: Layer,
-    layers: Mapping[str, Layer] = {},
-    sagitta: float | None = None,
-    tolerance: float | None = None,
-) -> Drawing:
+    path: str | Path, unit: str, default: Layer, layers: Mapping[str, Layer] = {},
+    sagitta: float | None = None, tolerance: float | None = None,
+) -> Drawing:  # fmt: skip
     """Return what `read_drawing` does, and its faults in place of raising them; `blocks` are then those without.
 
     `tolerance` (m) of the joints, as of `Assembly`: beside it faults are small enough to be mended. Raises
@@ -163,14 +156,9 @@ class Sheet:
 
     @classmethod
     def of(
-        cls,
-        path: str | Path,
-        unit: str,
-        default: Layer,
-        layers: Mapping[str, Layer],
-        sagitta: float | None,
+        cls, path: str | Path, unit: str, default: Layer, layers: Mapping[str, Layer], sagitta: float | None,
         tolerance: float | None,
-    ) -> Sheet:
+    ) -> Sheet:  # fmt: skip
         """Open a drawing. Raises DrawingError where it cannot be read, ArgumentError for unit or sagitta."""
         require(unit in METRES, "unit", unit, '"mm", "cm" or "m"')
         require(sagitta is None or 0.0 < sagitta < np.inf, "sagitta", sagitta, "positive, in m, or None")

@@ -214,12 +214,9 @@ class Placed:
         if len(places) == 2:
             place = message("{first} and {second}", first=places[0], second=places[1])
         return message(
-            'layer "{name}", {kind} {handle} at {place}',
-            name=self.layer,
-            kind=self.entity.dxftype(),
-            handle=self.handle,
-            place=place,
-        )
+            'layer "{name}", {kind} {handle} at {place}', name=self.layer, kind=self.entity.dxftype(),
+            handle=self.handle, place=place,
+        )  # fmt: skip
 
     def cut(self, points: Array) -> tuple[Seen, str]:
         """Return how much clips show of an outline of points (n, 3), and the INSERT whose clip takes the most away."""
@@ -250,13 +247,9 @@ def placed_entities(document: Document, path: Path) -> list[Placed]:
     count = 0
 
     def place(
-        space: Iterable[Any],
-        to_model: Matrix44,
-        outer: str,
-        above: str,
-        hidden: bool,
+        space: Iterable[Any], to_model: Matrix44, outer: str, above: str, hidden: bool,
         clips: tuple[Clip, ...],
-    ) -> Iterator[Placed]:
+    ) -> Iterator[Placed]:  # fmt: skip
         nonlocal count
         for entity in space:
             own = entity.graphic_properties().get("layer", "0")

@@ -208,11 +208,9 @@ def find_gaps(
     pairs, first = np.unique(pair[stretches], axis=0, return_index=True)
     groups = np.split(stretches, first[1:]) if len(first) else []
     return Gaps(
-        pairs,
-        np.array([(apart[group].min(), apart[group].max()) for group in groups]).reshape(-1, 2),
-        middle[stretches[first]],
-        tuple(facing.ends[group] for group in groups),
-    )
+        pairs, np.array([(apart[group].min(), apart[group].max()) for group in groups]).reshape(-1, 2),
+        middle[stretches[first]], tuple(facing.ends[group] for group in groups),
+    )  # fmt: skip
 
 
 def _apart(blocks: Sequence[Block], polygons: Polygons, facing: Joints, reach: float) -> Array:

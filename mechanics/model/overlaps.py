@@ -119,13 +119,8 @@ def _copies(
 def _role(block: Block) -> tuple[object, ...]:
     """Return all that a block is, but for its place."""
     return (
-        block.material,
-        block.depth,
-        block.support,
-        block.vertical_load,
-        block.load_has_mass,
-        block.segments,
-    )
+        block.material, block.depth, block.support, block.vertical_load, block.load_has_mass, block.segments,
+    )  # fmt: skip
 
 
 def _overlap_faults(

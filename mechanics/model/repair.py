@@ -38,13 +38,9 @@ class Repair:
 
 
 def repair_drawing(
-    path: str | Path,
-    unit: str,
-    default: Layer,
-    layers: Mapping[str, Layer] = {},
-    sagitta: float | None = None,
-    tolerance: float | None = None,
-) -> Repair:
+    path: str | Path, unit: str, default: Layer, layers: Mapping[str, Layer] = {},
+    sagitta: float | None = None, tolerance: float | None = None,
+) -> Repair:  # fmt: skip
     """Return a drawing repaired where it is clear what was meant; the arguments are those of `survey_drawing`.
 
     With a reach of `NEAR` tolerances: an outline whose ends are less apart is closed; one that crosses itself by a

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
@@ -56,10 +56,7 @@ def solve(
         except ConvergenceError as error:  # ignored if an attempt finds a certified solution
             undecided = error
     if acceleration <= BALANCED:
-        from mechanics.solvers import qp_piqp
-
-        for attempt in _attempts(program) if qp_piqp.suits(program) else ():
-            answer = attempt()
+        for answer in _second_opinions(program):
             if answer is not None:
                 best = _better(program, best, Solution(*answer, certify(program, *answer)))
                 if best.certificate.worst(program.step) <= GOOD:
@@ -161,13 +158,13 @@ def _least_acceleration(gauss: Program, layout: Elimination) -> tuple[float, Arr
     raise ConvergenceError(message("the auxiliary program of least acceleration was not solved"))
 
 
-def _attempts(program: Program) -> Iterator[Callable[[], tuple[np.ndarray, float, np.ndarray] | None]]:
-    from mechanics.solvers import qp_piqp
+def _second_opinions(program: Program) -> Iterator[tuple[Array, float, Array] | None]:
+    """Yield forces, multiplier and displacements by PIQP, and by HiGHS where the program is linear."""
+    from mechanics.solvers import lp_highs, qp_piqp
 
-    yield lambda: qp_piqp.solve(program, 1e-9)
-    yield lambda: qp_piqp.solve(program, 1e-11, most_iterations=400)
-    if program.mass is None and not np.isfinite(program.law[:, BED]).any():
-        from mechanics.solvers import lp_highs
-
-        yield lambda: lp_highs.solve(program)
-        yield lambda: lp_highs.solve(program, "highs-ipm")
+    if qp_piqp.suits(program):
+        yield qp_piqp.solve(program, 1e-9)
+        yield qp_piqp.solve(program, 1e-11, most_iterations=400)
+        if program.mass is None and not np.isfinite(program.law[:, BED]).any():
+            yield lp_highs.solve(program)
+            yield lp_highs.solve(program, "highs-ipm")

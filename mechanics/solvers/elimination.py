@@ -207,22 +207,19 @@ def fronts(linked: Index, bounds: Index) -> Fronts:
             at = np.searchsorted(there, rows[begin:])
             targets.append(np.array([[k, begin, end, laid]]))
             place.append(3 * at)
-            together.append(3 * _to_the_end_of_each(_spans(at - np.arange(len(at)))))
+            spans = _spans(
+                at - np.arange(len(at))
+            )  # of every place in them the distance to the end of its span
+            together.append(3 * np.concatenate([np.arange(e - b, 0, -1) for _, b, e in spans]))
             laid += len(at)
         aim.append(len(targets) - 1)
     return Fronts(
-        first=3 * bounds.astype(np.intp),
-        base=base[:-1].astype(np.intp),
-        height=height.astype(np.intp),
-        start=np.cumsum([0, *count]).astype(np.intp),
-        below=3 * np.concatenate([NONE, *reached]),
-        aim=np.array(aim, np.intp),
-        targets=np.concatenate(targets).astype(np.intp),
-        place=np.concatenate(place).astype(np.intp),
-        together=np.concatenate(together).astype(np.intp),
-        size=int(base[-1]),
-        largest=int(((3 * count + OVERHANG - 1) * (3 * count + OVERHANG)).max(initial=0)),
-    )
+        first=3 * bounds.astype(np.intp), base=base[:-1].astype(np.intp), height=height.astype(np.intp),
+        start=np.cumsum([0, *count]).astype(np.intp), below=3 * np.concatenate([NONE, *reached]),
+        aim=np.array(aim, np.intp), targets=np.concatenate(targets).astype(np.intp),
+        place=np.concatenate(place).astype(np.intp), together=np.concatenate(together).astype(np.intp),
+        size=int(base[-1]), largest=int(((3 * count + OVERHANG - 1) * (3 * count + OVERHANG)).max(initial=0)),
+    )  # fmt: skip
 
 
 def _reached(linked: Index, bounds: Index) -> list[Index]:
@@ -248,8 +245,3 @@ def _spans(values: Index) -> list[tuple[int, int, int]]:
     """Return the value, the first place and the end of each run of equal values."""
     bounds = [0, *(1 + np.flatnonzero(np.diff(values))), len(values)]
     return [(int(values[i]), int(i), int(j)) for i, j in pairwise(bounds) if i < j]
-
-
-def _to_the_end_of_each(spans: list[tuple[int, int, int]]) -> Index:
-    """Return, for every place in the spans, the distance to the end of its span."""
-    return np.concatenate([np.arange(end - begin, 0, -1) for _, begin, end in spans])

@@ -161,24 +161,11 @@ def run(
     none = np.zeros(0)
     x, forces, gaps = start.displacement[order], start.forces.copy(), start.gaps.copy()
     count, alpha, force, gap, product = iterate(
-        layout.row,
-        p.places,
-        p.law,
-        p.load[order],
-        none if p.lateral is None else p.lateral[order],
-        p.work,
-        none if p.mass is None else p.mass[order],
-        np.zeros((0, CURVED)) if p.curved is None else p.curved,
-        x,
-        start.alpha,
-        forces,
-        gaps,
-        (p.weight, p.size, p.step, accepted, accepted),
-        (MOST_ITERATIONS, IDLE),
-        layout.work_space,
-        layout.packed,
-        np.arange(len(layout.row)),
-    )
+        layout.row, p.places, p.law, p.load[order], none if p.lateral is None else p.lateral[order], p.work,
+        none if p.mass is None else p.mass[order], np.zeros((0, CURVED)) if p.curved is None else p.curved, x,
+        start.alpha, forces, gaps, (p.weight, p.size, p.step, accepted, accepted), (MOST_ITERATIONS, IDLE),
+        layout.work_space, layout.packed, np.arange(len(layout.row)),
+    )  # fmt: skip
     good = max(force, product) <= accepted and abs(alpha) < LARGEST_MULTIPLIER
     outcome = IterationEnd(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
     return Iterate(forces, gaps, alpha, x[layout.back]), outcome
@@ -194,11 +181,9 @@ def solution(program: Program, iterate: Iterate) -> Solution:
     """Return the certified solution of an iterate."""
     forces = resultants(program, iterate)
     return Solution(
-        forces,
-        iterate.alpha,
-        iterate.displacement,
+        forces, iterate.alpha, iterate.displacement,
         certify(program, forces, iterate.alpha, iterate.displacement),
-    )
+    )  # fmt: skip
 
 
 def frozen(program: Program) -> Program:
@@ -219,19 +204,8 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     held = np.full(len(p.load), HOLDING * p.weight / p.step)
     held[2::3] *= p.size**2
     negative, lateral_work = inertia(
-        layout.row,
-        p.places,
-        p.law,
-        p.curved,
-        np.zeros(0) if p.lateral is None else p.lateral[order],
-        np.zeros(len(p.load)),
-        solution.forces,
-        solution.gaps.copy(),
-        p.step,
-        STIFFEST * p.step / p.weight,
-        held,
-        layout.work_space,
-        layout.packed,
-        np.arange(len(layout.row)),
-    )
+        layout.row, p.places, p.law, p.curved, np.zeros(0) if p.lateral is None else p.lateral[order],
+        np.zeros(len(p.load)), solution.forces, solution.gaps.copy(), p.step, STIFFEST * p.step / p.weight,
+        held, layout.work_space, layout.packed, np.arange(len(layout.row)),
+    )  # fmt: skip
     return negative == 0 or (negative == 1 and lateral_work < 0.0)

@@ -146,11 +146,8 @@ def nearest_mechanism(program: Program, free: Mask, began: Mask) -> tuple[Array,
         sparse.bmat([[rows_of[held], -sparse.identity(kept)], [load, None]], format="csc"),
         np.concatenate([-begun[held], [program.work / most]]) / size,
         sparse.hstack([g, sparse.csr_matrix((g.shape[0], kept))], format="csc"),
-        np.concatenate([-begun[at_least], begun[at_most]]) / size,
-        np.full(g.shape[0], np.inf),
-        None,
-        None,
-    )
+        np.concatenate([-begun[at_least], begun[at_most]]) / size, np.full(g.shape[0], np.inf), None, None,
+    )  # fmt: skip
     solver.solve()
     x = size * np.array(solver.result.x)[:m]
     if not np.isfinite(x).all():

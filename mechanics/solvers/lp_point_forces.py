@@ -87,12 +87,9 @@ def largest_multiplier(
     matrix = sparse.hstack([points.equilibrium(centroids, movable, size), lateral], format="csc")
     presses, shears = len(points.joint), len(points.a)
     result = linprog(
-        np.r_[np.zeros(presses + shears), -1.0],
-        A_ub=points.friction_bounds(),
-        b_ub=np.zeros(2 * int(np.isfinite(points.friction).sum())),
-        A_eq=matrix,
-        b_eq=-dead.ravel(),
+        np.r_[np.zeros(presses + shears), -1.0], A_ub=points.friction_bounds(),
+        b_ub=np.zeros(2 * int(np.isfinite(points.friction).sum())), A_eq=matrix, b_eq=-dead.ravel(),
         bounds=[(0.0, most) for most in points.most / weight] + [(None, None)] * shears + [(None, LARGEST)],
         method=METHOD,
-    )
+    )  # fmt: skip
     return float(result.x[-1]) if result.status == 0 else None

@@ -91,10 +91,8 @@ def other_mechanism(work: float, alpha: float) -> Message:
     """Return that virtual work gives another multiplier than the curve."""
     return message(
         "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
-        "slide or move by themselves there, and e*, Γ* are not those of a mechanism",
-        work=work,
-        alpha=alpha,
-    )
+        "slide or move by themselves there, and e*, Γ* are not those of a mechanism", work=work, alpha=alpha,
+    )  # fmt: skip
 
 
 def towards(direction: str, text: str) -> Message:
@@ -149,16 +147,11 @@ def _assessed(
     made = Capacity(
         sliding=own.law.sliding,
         mechanism=parts.Count(hinges=moving.hinges, sliding_joints=len(moving.sliding_joints)),
-        alpha_0=fit.alpha_0,
-        e_star=own.part.e_star,
-        gamma_star=own.part.gamma_star,
-        T_0_s=finite(capacity.T_0),
-        model=fit.model,
-        d_0_star_m=finite(capacity.d_0_star),
-        notes=list(fit.notes),
-        curve=curve_of(capacity),
+        alpha_0=fit.alpha_0, e_star=own.part.e_star, gamma_star=own.part.gamma_star,
+        T_0_s=finite(capacity.T_0), model=fit.model, d_0_star_m=finite(capacity.d_0_star),
+        notes=list(fit.notes), curve=curve_of(capacity),
         trace=lines((*own.part.steps(), *capacity.steps()[2:])),
-    ).with_checks(checks_of(capacity, checks))
+    ).with_checks(checks_of(capacity, checks))  # fmt: skip
     if curves.run is not None:
         made = made.replace(run=curves.run)
     if other is not None:
@@ -342,16 +335,14 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
     assert assessment is not None
     limit = assessment.local_displacement_limit_m
     return Method(
-        behaviour_factor=assessment.behaviour_factor,
-        circular=str(assessment.circular),
+        behaviour_factor=assessment.behaviour_factor, circular=str(assessment.circular),
         scaling="return_period" if assessment.method == "grid" else "shape",
         displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
-        hazard=hazard,
-        site_acceleration=site_acceleration(project),
+        hazard=hazard, site_acceleration=site_acceleration(project),
         return_periods=demand_return_periods(project),
         local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
         local_reason=assessment.local_displacement_reason,
-    )
+    )  # fmt: skip
 
 
 def with_loss(method: Method, loss: LocalLoss | None) -> Method:

@@ -150,11 +150,9 @@ def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, Joi
             message(
                 "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
                 "correct centres, rotations (anticlockwise positive) or the choice of blocks",
-                block=motion.pair[0],
-                other=motion.pair[1],
-                share=100.0 * motion.penetration,
+                block=motion.pair[0], other=motion.pair[1], share=100.0 * motion.penetration,
             )
-        )
+        )  # fmt: skip
     for tie, _ in works(model, positions, delta)[2]:
         if np.isinf(tie.yield_force):
             raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
@@ -173,15 +171,10 @@ def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, Joi
 
 
 def evaluate(
-    model: Assembly,
-    positions: Array,
-    chosen: Chosen,
-    confidence_factor: float,
-    demands: Mapping[str, Spectrum],
-    method: Method,
-    controls: Mapping[str, FollowedPoint] | None = None,
+    model: Assembly, positions: Array, chosen: Chosen, confidence_factor: float,
+    demands: Mapping[str, Spectrum], method: Method, controls: Mapping[str, FollowedPoint] | None = None,
     confidence_source: str = CONFIDENCE_FACTOR,
-) -> parts.GivenMechanism:
+) -> parts.GivenMechanism:  # fmt: skip
     """Return α0 of a chosen mechanism at `positions` (b, 3), its direction, its checks and their steps.
 
     `confidence_source`: the paragraph that F_C follows from. `controls`: control point of each direction. If it takes
@@ -202,12 +195,10 @@ def evaluate(
         notes.append(
             message(
                 "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
-                "as with a hinge set back from the edge",
-                block=motion.pair[0],
-                other=motion.pair[1],
+                "as with a hinge set back from the edge", block=motion.pair[0], other=motion.pair[1],
                 share=100.0 * motion.penetration,
             )
-        )
+        )  # fmt: skip
     if sliding:
         notes.append(
             message(
@@ -307,21 +298,16 @@ def compared(
         notes.append(
             message(
                 "alpha_0 is below that of the state, {alpha:.4g}: a hinge of the settlement closes from α = "
-                "{onset:.4g} on, before that is reached",
-                alpha=alpha_0,
-                onset=alpha_onset,
+                "{onset:.4g} on, before that is reached", alpha=alpha_0, onset=alpha_onset,
             )
-        )
+        )  # fmt: skip
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
 
 def assess_chosen(
-    project: Project,
-    models: Mapping[str, StateModel],
-    states: Mapping[str, StateResults],
-    demands: Demands,
+    project: Project, models: Mapping[str, StateModel], states: Mapping[str, StateResults], demands: Demands,
     warnings: list[Message],
-) -> list[parts.GivenMechanism]:
+) -> list[parts.GivenMechanism]:  # fmt: skip
     """Return the mechanisms that the user chose, each in its state's configuration; a refused one has its reason."""
     found = []
     factor = project.assessment.confidence_factor if project.assessment else 1.0

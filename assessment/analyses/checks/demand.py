@@ -143,15 +143,9 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum
         if ground is not None:
             steps = (*_hazard_steps(project.assessment, demands, name, spectrum), *ground.parameter_steps())
             part = part.replace(
-                F0=ground.F0,
-                Tc_star_s=ground.Tc_star,
-                soil=ground.soil,
-                topography=ground.topography,
-                T_B_s=ground.T_B,
-                T_C_s=ground.T_C,
-                T_D_s=ground.T_D,
-                trace=lines(steps),
-            )
+                F0=ground.F0, Tc_star_s=ground.Tc_star, soil=ground.soil, topography=ground.topography,
+                T_B_s=ground.T_B, T_C_s=ground.T_C, T_D_s=ground.T_D, trace=lines(steps),
+            )  # fmt: skip
         found[name] = part
     return found
 
@@ -161,18 +155,12 @@ def _ordinates(spectrum: Spectrum, damping: float) -> DemandSpectrum:
     damped, recorded = spectrum.with_damping(damping), isinstance(spectrum, RecordSpectrum)
     built: Literal["ground", "floor"] = "ground" if ground_of(spectrum) is spectrum else "floor"
     return DemandSpectrum(
-        kind="record" if recorded else built,
-        a_g_g=spectrum.ag,
-        S=spectrum.S,
-        pga_g=spectrum.ag * spectrum.S,
-        reference=SURFACE if recorded else ROCK,
-        T_s=PERIODS.tolist(),
-        S_e_g=spectrum.acceleration(PERIODS).tolist(),
-        S_De_m=spectrum.displacement(PERIODS).tolist(),
-        damping=damping,
-        damped_S_e_g=damped.acceleration(PERIODS).tolist(),
+        kind="record" if recorded else built, a_g_g=spectrum.ag, S=spectrum.S, pga_g=spectrum.ag * spectrum.S,
+        reference=SURFACE if recorded else ROCK, T_s=PERIODS.tolist(),
+        S_e_g=spectrum.acceleration(PERIODS).tolist(), S_De_m=spectrum.displacement(PERIODS).tolist(),
+        damping=damping, damped_S_e_g=damped.acceleration(PERIODS).tolist(),
         damped_S_De_m=damped.displacement(PERIODS).tolist(),
-    )
+    )  # fmt: skip
 
 
 def _hazard_steps(assessment: AssessmentTable, demands: Demands, name: str, spectrum: Spectrum) -> Trace:
@@ -217,19 +205,12 @@ def state_indices(
     T_SLV = check.return_period_years
     a_g, demanded = known(check.a_g_g), check.demand_a_g_g
     made = as_part(
-        Indices,
-        heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
-        direction=direction,
-        check=limit,
-        zeta_SLV=zeta,
-        zeta_SLC=collapse.ratio if collapse else None,
-        ratio_SLD=damage.ratio if damage else None,
-        T_SLV_years=T_SLV,
-        T_SLV_stated=check.return_period_stated,
-        T_R_SLV_years=T_R,
-        use_class=use_class,
+        Indices, heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
+        direction=direction, check=limit, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
+        ratio_SLD=damage.ratio if damage else None, T_SLV_years=T_SLV,
+        T_SLV_stated=check.return_period_stated, T_R_SLV_years=T_R, use_class=use_class,
         required_zeta=required_zeta(zeta, use_class),
-    )
+    )  # fmt: skip
     if before is None:
         return made
     zeta_before = before.indices.zeta_SLV if before.indices else None

@@ -276,11 +276,8 @@ def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message
             reason = message(
                 "virtual work on the mechanism gives α = {least:.3g} to {most:.3g}, the curve {lowest:.3g} to "
                 "{highest:.3g}: blocks slide or move by themselves there, and e*, Γ* are not those of a mechanism",
-                least=min(work),
-                most=max(work),
-                lowest=min(alpha),
-                highest=max(alpha),
-            )
+                least=min(work), most=max(work), lowest=min(alpha), highest=max(alpha),
+            )  # fmt: skip
         if runs == 1:
             yield refused(reason)
         else:

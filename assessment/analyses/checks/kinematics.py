@@ -83,10 +83,8 @@ def works(model: Assembly, positions: Array, delta: Array) -> tuple[float, float
     weight, seismic = _weights(model)
     longer = zip(model.ties, lengthenings(model, positions, delta).tolist(), strict=True)
     return (
-        float(weight @ delta[:, 1]),
-        float(seismic @ delta[:, 0]),
-        [(tie, e) for tie, e in longer if e > 0.0],
-    )
+        float(weight @ delta[:, 1]), float(seismic @ delta[:, 0]), [(tie, e) for tie, e in longer if e > 0.0],
+    )  # fmt: skip
 
 
 def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWork:

@@ -132,20 +132,13 @@ def elastic_push(path: Pushover) -> ElasticPush:
     with suppress(CapacityError):
         yields = yield_point((path.displacement, path.multiplier))
     found = ElasticPush(
-        alpha_u=float(path.multiplier[path.peak]),
-        d_u_m=float(path.displacement[path.peak]),
-        peak=path.peak,
-        alpha_y=yields[1] if yields else None,
-        d_y_m=yields[0] if yields else None,
-        end=path.end,
-        reached_zero=path.reached_zero,
-        lost=path.lost,
-        sliding=path.sliding,
-        curve=_curve(path),
+        alpha_u=float(path.multiplier[path.peak]), d_u_m=float(path.displacement[path.peak]), peak=path.peak,
+        alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None, end=path.end,
+        reached_zero=path.reached_zero, lost=path.lost, sliding=path.sliding, curve=_curve(path),
         rest_configuration=configuration(model, path.states[0]),
         peak_configuration=configuration(model, path.states[path.peak]),
         frames=pushover_frames(model, path, Met(model)),
-    )
+    )  # fmt: skip
     carried = [step.forces for step in path.steps]
     ties = along_path(model, carried, path.peak, carried[0])
     return found.replace(ties=ties) if ties else found
@@ -170,17 +163,12 @@ def _mechanism(
         e_star = mass_share(model, displacements)
         gamma_star = mechanism_participation(model, displacements, control_dx).gamma_star
     return Mechanism(
-        point=point,
-        alpha=alpha,
-        hinges=len(found.points),
-        e_star=e_star,
-        gamma_star=gamma_star,
-        displacements=displacements.tolist(),
-        control_displacement_x=control_dx,
+        point=point, alpha=alpha, hinges=len(found.points), e_star=e_star, gamma_star=gamma_star,
+        displacements=displacements.tolist(), control_displacement_x=control_dx,
         hinge_points_m=model.as_drawn(found.points).tolist(),
         sliding_joints=met.numbers(contacts, slides)[found.sliding].tolist(),
         moving_weight_kN=float(found.moving_weight),
-    )
+    )  # fmt: skip
 
 
 def _way_of_blocks(path: Pushover, mechanism: Mechanism) -> list[float] | None:
@@ -257,13 +245,9 @@ class Pushed:
 
 
 def push(
-    model: Assembly,
-    name: str,
-    state: State | None,
-    setting: PushSetting,
-    directions: tuple[Direction, ...],
+    model: Assembly, name: str, state: State | None, setting: PushSetting, directions: tuple[Direction, ...],
     controls: tuple[ControlTable, ...],
-) -> list[Found[Pushed]]:
+) -> list[Found[Pushed]]:  # fmt: skip
     """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
 
     A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
@@ -280,15 +264,9 @@ def push(
             followed = control, image
         else:
             follow = partial(
-                pushover,
-                model,
-                direction=direction,
-                contacts=behaviour,
-                increment=setting.increment,
-                state=state,
-                until=setting.until,
-                sliding=setting.sliding,
-            )
+                pushover, model, direction=direction, contacts=behaviour, increment=setting.increment,
+                state=state, until=setting.until, sliding=setting.sliding,
+            )  # fmt: skip
             followed = _path(title, control, follow, found)
         if followed is not None:
             try:
@@ -309,11 +287,9 @@ def push(
 def pushover_title(state: str, direction: Direction, behaviour: Behaviour) -> Message:
     """Return the beginning of the warnings of a pushover."""
     return message(
-        "{state}, pushover {direction}, {contacts} contacts",
-        state=state,
-        direction=direction,
+        "{state}, pushover {direction}, {contacts} contacts", state=state, direction=direction,
         contacts=behaviour,
-    )
+    )  # fmt: skip
 
 
 def _path(
@@ -332,11 +308,8 @@ def _path(
     other = ControlTable(name=f"({x:.4g}, {z:.4g}) m", point_m=(x, z))
     reason = message(
         'control point "{name}" takes no part: that of block {block} at {point} is followed, which goes farthest along '
-        "the push",
-        name=control.name,
-        block=path.block,
-        point=other.name,
-    )
+        "the push", name=control.name, block=path.block, point=other.name,
+    )  # fmt: skip
     found.warnings.append(headed(title, reason))
     return other, path
 
@@ -359,10 +332,8 @@ def add_curve(
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
         end = message(
             "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
-            displacement=float(path.displacement[-1]),
-            multiplier=float(path.multiplier[-1]),
-            reason=path.end,
-        )
+            displacement=float(path.displacement[-1]), multiplier=float(path.multiplier[-1]), reason=path.end,
+        )  # fmt: skip
         found.warnings.append(headed(title, end))
 
 
@@ -381,11 +352,9 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
     other = curve.other_law  # it may be the onset alone that differs
     if other is not None and abs(other.alpha_0 - curve.alpha_0) > DIFFERS * abs(curve.alpha_0):
         yield message(
-            "by {law} α0 is {other:.4g}, not {multiplier:.4g}",
-            law=FRICTION[other.sliding],
-            other=other.alpha_0,
-            multiplier=curve.alpha_0,
-        )
+            "by {law} α0 is {other:.4g}, not {multiplier:.4g}", law=FRICTION[other.sliding],
+            other=other.alpha_0, multiplier=curve.alpha_0,
+        )  # fmt: skip
     if curve.local_loss is not None:
         yield loss_sentence(curve.local_loss)
     if path.formed != path.peak:
@@ -426,11 +395,9 @@ def second_solver(
         if abs(difference) > AGREE:
             note = message(
                 "limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart (HiGHS) "
-                "{linear:.8g}: relative difference {difference:.2g}",
-                own=own,
-                linear=linear,
+                "{linear:.8g}: relative difference {difference:.2g}", own=own, linear=linear,
                 difference=difference,
-            )
+            )  # fmt: skip
             found.warnings.append(headed(title, note))
     found.value = SecondSolver(
         alpha_0=alpha_0, alpha_program=own, alpha_linear_program=linear, relative_difference=difference
@@ -462,12 +429,8 @@ def with_control(project: Project, model: Assembly) -> tuple[Project, list[Messa
         points.append(ControlTable(name=name, point_m=(float(x), float(z))))
         note = message(
             "no control point given: towards {direction} that of block {block} at ({x:.4g}, {z:.4g}) m is followed, "
-            "which goes farthest along the push",
-            direction=direction,
-            block=block,
-            x=float(x),
-            z=float(z),
-        )
+            "which goes farthest along the push", direction=direction, block=block, x=float(x), z=float(z),
+        )  # fmt: skip
         notes.append(note)
     changed: dict[str, object] = {"control": tuple(points)}
     if project.pushover:

@@ -45,15 +45,12 @@ def quality_row(state: str, stage: str, path: Pushdown | Pushover | None) -> Qua
     certificates, steps = (path.certificates, path.steps) if path is not None else ((), ())
     worst = reduce(Certificate.joined, certificates, Certificate(0.0, 0.0, 0.0, 0.0, 0.0))
     return QualityRow(
-        state=state,
-        stage=stage,
-        solves=sum(step.solves for step in steps) + len(certificates) - len(steps),
+        state=state, stage=stage, solves=sum(step.solves for step in steps) + len(certificates) - len(steps),
         worst_equilibrium_residual=worst.equilibrium,
         worst_penetration_m=max([worst.penetration, *(step.penetration for step in steps)]),
-        worst_complementarity=worst.complementarity,
-        worst_cone_violation=worst.cone,
+        worst_complementarity=worst.complementarity, worst_cone_violation=worst.cone,
         lifting=(path.lifting or None) if path is not None else None,
-    )
+    )  # fmt: skip
 
 
 def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
@@ -166,11 +163,9 @@ def local_loss(
 def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
     drawn = model.contacts
     return LocalLoss(
-        displacement_m=float(displacement),
-        joint=joint,
-        blocks=[int(drawn.a[joint]), int(drawn.b[joint])],
+        displacement_m=float(displacement), joint=joint, blocks=[int(drawn.a[joint]), int(drawn.b[joint])],
         overlap_m=float(overlap[0, joint]),
-    )
+    )  # fmt: skip
 
 
 def loss_sentence(loss: LocalLoss) -> Message:
@@ -178,10 +173,8 @@ def loss_sentence(loss: LocalLoss) -> Message:
     first, second = loss.blocks
     return message(
         "the faces of blocks {first} and {second} slide off each other at d = {displacement:.4g} m",
-        first=first,
-        second=second,
-        displacement=loss.displacement_m,
-    )
+        first=first, second=second, displacement=loss.displacement_m,
+    )  # fmt: skip
 
 
 BACK = 1e-6  # of a block's size: supports nearer to where they were are there again
@@ -196,13 +189,9 @@ class Settled:
 
 
 def settle(
-    model: Assembly,
-    settlement: SettlementTable,
-    behaviour: Behaviour,
-    sliding: Sliding,
-    control: ControlTable | None,
-    start: State | None = None,
-) -> Found[Settled]:
+    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding,
+    control: ControlTable | None, start: State | None = None,
+) -> Found[Settled]:  # fmt: skip
     """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
     found = Found[Settled]()
@@ -214,15 +203,9 @@ def settle(
     increment, reached, path = whole / settlement.increments, None, None
     try:
         path = pushdown(
-            model,
-            settlement.support,
-            *moves,
-            increment,
-            behaviour,
-            settlement.to_collapse,
-            sliding,
+            model, settlement.support, *moves, increment, behaviour, settlement.to_collapse, sliding,
             state=start,
-        )
+        )  # fmt: skip
         reached = path.final
     except CollapseError as collapse:
         found.failures.append(headed(title, collapse.message))
@@ -268,12 +251,9 @@ def not_back(model: Assembly, reached: State, where: Message, before: State) -> 
         return message("the supports are again where they were {where}, and so are the blocks", where=where)
     return message(
         "the supports are again where they were {where}; the blocks stay away by up to {distance:.3g} m (block "
-        "{block}, turned by {turn:.3g} rad)",
-        where=where,
-        distance=float(distance[block]),
-        block=block,
+        "{block}, turned by {turn:.3g} rad)", where=where, distance=float(distance[block]), block=block,
         turn=float(moved[block, 2]),
-    )
+    )  # fmt: skip
 
 
 def path_title(state: str, behaviour: Behaviour) -> Message:
@@ -293,19 +273,12 @@ def _pushdown_path(
         moved_to = [model.point_displacement(point, block, state.positions) for state in path.states]
         along = [(each - moved_to[0]).tolist() for each in moved_to]
     found = PushdownPath(
-        sliding=path.sliding,
-        movement_m=path.movement.tolist(),
-        reaction_x_kN=path.reaction[:, 0].tolist(),
-        reaction_z_kN=path.reaction[:, 1].tolist(),
-        ultimate_movement_m=path.ultimate,
-        local_loss=lost,
-        applied_movement_m=whole,
-        end=path.end,
-        configuration=configuration(model, path.final),
+        sliding=path.sliding, movement_m=path.movement.tolist(), reaction_x_kN=path.reaction[:, 0].tolist(),
+        reaction_z_kN=path.reaction[:, 1].tolist(), ultimate_movement_m=path.ultimate, local_loss=lost,
+        applied_movement_m=whole, end=path.end, configuration=configuration(model, path.final),
         ultimate_configuration=configuration(model, path.states[-1]) if falls else None,
-        control_displacement_m=along,
-        frames=pushdown_frames(model, path, whole),
-    )
+        control_displacement_m=along, frames=pushdown_frames(model, path, whole),
+    )  # fmt: skip
     asked = int(np.argmin(abs(path.movement - whole)))
     carried = [step.forces for step in path.steps]
     if not carried or not model.ties:

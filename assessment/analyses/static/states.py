@@ -215,12 +215,9 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
 
 
 def _pushed(
-    pushing: Iterable[Pushing],
-    begun: Mapping[Request, Beginning],
-    workers: Workers,
-    prefix: str,
+    pushing: Iterable[Pushing], begun: Mapping[Request, Beginning], workers: Workers, prefix: str,
     points: Mapping[Pushing, ControlTable] | None = None,
-) -> dict[tuple[Request, Direction], Found[Pushed]]:
+) -> dict[tuple[Request, Direction], Found[Pushed]]:  # fmt: skip
     """Return the curves of requests by direction; `points`: where not that of the project is followed."""
     tasks, arguments = list(pushing), []
     for request, together in tasks:

@@ -57,14 +57,9 @@ def pointed_arch(
 
 
 def buttressed_arch(
-    span_m: Span = 0.54,
-    rise_m: Rise = 0.24,
-    thickness_m: Thickness = 0.055,
-    voussoirs: Voussoirs = 21,
-    pier_width_m: PierWidth = 0.15,
-    pier_height_m: PierHeight = 0.55,
-    blocks_per_pier: PierBlocks = 5,
-) -> Made:
+    span_m: Span = 0.54, rise_m: Rise = 0.24, thickness_m: Thickness = 0.055, voussoirs: Voussoirs = 21,
+    pier_width_m: PierWidth = 0.15, pier_height_m: PierHeight = 0.55, blocks_per_pier: PierBlocks = 5,
+) -> Made:  # fmt: skip
     """Return a voussoir arch on two piers, stacks of blocks on a base: the paper's model, 1:10, by default."""
     ring = Ring(span_m, rise_m, thickness_m, voussoirs, springing=pier_height_m)
     inner, outer = 0.5 * span_m, 0.5 * span_m + pier_width_m
@@ -146,11 +141,9 @@ def barrel_vault(
         for k in range(1, int(number.max()) + 1)
     }
     layout = tidied(
-        **two_bases(base_below(inner, outer, inner)),
-        MURI=mirrored(wall[:-1]) + wall[:-1],
-        IMPOSTE=mirrored(wall[-1:]) + wall[-1:],
-        **layers,
-    )
+        **two_bases(base_below(inner, outer, inner)), MURI=mirrored(wall[:-1]) + wall[:-1],
+        IMPOSTE=mirrored(wall[-1:]) + wall[-1:], **layers,
+    )  # fmt: skip
     areas = {"IMPOSTE": beside} | {f"VOLTA_{own:02d}": area for own, area in zip(number, above, strict=True)}
     loads = {name: {"vertical_load_kN": round(fill_kN_m3 * float(area), 6)} for name, area in areas.items()}
     control = {"C1": (-outer, wall_height_m), "C2": (outer, wall_height_m)}

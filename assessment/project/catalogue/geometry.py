@@ -216,15 +216,10 @@ TWO_SUPPORTS = {"BASE_SINISTRA": {"support": "sinistro"}, "BASE_DESTRA": {"suppo
 
 
 def project(
-    title: str,
-    depth: float,
-    stone: tuple[float, float, float],
-    layers: Mapping[str, Any],
-    control: Mapping[str, tuple[float, float]],
-    increment: float,
-    settlements: Sequence[Mapping[str, Any]] = (),
-    **tables: Any,
-) -> dict[str, Any]:
+    title: str, depth: float, stone: tuple[float, float, float], layers: Mapping[str, Any],
+    control: Mapping[str, tuple[float, float]], increment: float,
+    settlements: Sequence[Mapping[str, Any]] = (), **tables: Any,
+) -> dict[str, Any]:  # fmt: skip
     """Return a project file; `stone`: kN/m³, tangent of friction, kN/m³ of joints; `increment` (m) of the pushover.
 
     `control`: points (m) by name, of two each followed where it goes ahead; `tables`: others, [assessment] adds.
@@ -260,8 +255,6 @@ def outward(movement: float, increment: float = 0.0) -> dict[str, Any]:
 def sinking(movement: float) -> dict[str, Any]:
     """Return [[settlements]] of the right support by a `movement` (m), downward."""
     return {
-        "name": f"appoggio destro {1e3 * movement:.4g} mm",
-        "support": "destro",
-        "displacement_m": [0.0, -movement],
-        "increment_m": round(movement / 10.0, 7),
-    }
+        "name": f"appoggio destro {1e3 * movement:.4g} mm", "support": "destro",
+        "displacement_m": [0.0, -movement], "increment_m": round(movement / 10.0, 7),
+    }  # fmt: skip

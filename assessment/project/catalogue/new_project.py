@@ -22,19 +22,11 @@ UNITS = {"_kN_m3": "kN/m³", "_kN": "kN", "_deg": "°", "_m": "m"}  # by the end
 LARGEST = {NUMBER: 100, "m": 1e3, "kN": 1e6, "kN/m³": 1e3, "°": 89.0}
 LEAST = 1e-3  # m, of a dimension that is not 0 by default
 TEMPLATES: dict[str, Callable[..., Made]] = {
-    "block": walls.block,
-    "wall": walls.wall,
-    "wall-with-openings": walls.wall_with_openings,
-    "facade": walls.facade,
-    "tympanum": walls.tympanum,
-    "bell-gable": walls.bell_gable,
-    "arch": arches.arch,
-    "pointed-arch": arches.pointed_arch,
-    "buttressed-arch": arches.buttressed_arch,
-    "arcade": arches.arcade,
-    "barrel-vault": arches.barrel_vault,
-    "triumphal-arch": arches.triumphal_arch,
-}
+    "block": walls.block, "wall": walls.wall, "wall-with-openings": walls.wall_with_openings,
+    "facade": walls.facade, "tympanum": walls.tympanum, "bell-gable": walls.bell_gable, "arch": arches.arch,
+    "pointed-arch": arches.pointed_arch, "buttressed-arch": arches.buttressed_arch, "arcade": arches.arcade,
+    "barrel-vault": arches.barrel_vault, "triumphal-arch": arches.triumphal_arch,
+}  # fmt: skip
 
 
 class Option(NamedTuple):

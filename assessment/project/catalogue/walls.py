@@ -148,69 +148,58 @@ def facade(
         raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof_span_m:g}")
     top = storeys * storey_height_m
     levels = np.linspace(0.0, top, storeys * per_storey + 1)
-    step, t, b = float(levels[1]), thickness_m, bearing_m
+    step, t, b, thrusts = float(levels[1]), thickness_m, bearing_m, roof_rise_m > 0.0
     floors = levels[per_storey:-1:per_storey]
+    room, steps, inner = _cracked(levels, crack_deg)
     # the top course holds the roof's bearing, and with it the thrust, behind an upstand
     low, high = top - step, top + step
     notched = np.array([(0, low), (t, low), (t, high), (b, high), (b, top), (0, top)])
     masonry = [rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
-    lean = np.tan(np.radians(crack_deg))
-    room = -top * lean - 1.5  # of the inner walls, which are a support
-    apart = -CRACK
-    steps = apart - levels[1:] * lean if crack_deg else np.full(len(levels) - 1, room + 0.5)
-    inner = [(room, top), (room, 0.0), (steps[0], 0.0)]
-    for x, after, z in zip(steps[:-1], steps[1:], levels[1:-1], strict=True):
-        inner += [(x, z), (after, z)]
-    inner.append((steps[-1], top))
-    layers: dict[str, list[Array]] = {"FACCIATA": masonry}
-    if crack_deg:
-        layers["CUNEO"] = [rectangle(x, apart, z, z + step) for x, z in zip(steps, levels, strict=False)]
-    if len(floors):
-        layers["SOLAI"] = [rectangle(0.0, b, z, z + step) for z in floors]
-    thrusts = roof_rise_m > 0.0
     ridge, high = 0.5 * b - roof_span_m, top + roof_rise_m
-    if thrusts:
-        rafter = [(0, top), (b, top), (b, top + RAFTER), (ridge, high + RAFTER), (ridge, high)]
-        layers["PUNTONI"] = [np.array(rafter)]
-    else:
-        layers["TETTO"] = [rectangle(0.0, b, top, top + step)]
-    supports = {"BASE": [rectangle(room, 1.5 * t, -0.5, 0.0)], "MURI": [np.array(inner)]}
-    if thrusts:
-        supports["COLMO"] = [rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)]
-    loads: dict[str, dict[str, Any]] = {
-        "SOLAI": {"vertical_load_kN": floor_load_kN},
-        "TETTO": {"vertical_load_kN": roof_load_kN},
-        "PUNTONI": {"unit_weight_kN_m3": 5.0, "friction": 0.0, "vertical_load_kN": roof_load_kN},
-        "CUNEO": {"depth_m": side_wall_m},
-        "BASE": {"support": "base"},
-        "MURI": {"support": "muri", "depth_m": side_wall_m},
-        "COLMO": {"support": "colmo"},
+    rafter = [(0, top), (b, top), (b, top + RAFTER), (ridge, high + RAFTER), (ridge, high)]
+    wedge = [rectangle(x, -CRACK, z, z + step) for x, z in zip(steps, levels, strict=False)]
+    # layer: its blocks, and what it has of its own
+    roof = {"vertical_load_kN": roof_load_kN}
+    parts: dict[str, tuple[list[Array], dict[str, Any]]] = {
+        "BASE": ([rectangle(room, 1.5 * t, -0.5, 0.0)], {"support": "base"}),
+        "MURI": ([inner], {"support": "muri", "depth_m": side_wall_m}),
+        "COLMO": ([rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)] * thrusts, {"support": "colmo"}),
+        "FACCIATA": (masonry, {}),
+        "CUNEO": (wedge if crack_deg else [], {"depth_m": side_wall_m}),
+        "SOLAI": ([rectangle(0.0, b, z, z + step) for z in floors], {"vertical_load_kN": floor_load_kN}),
+        "PUNTONI": ([np.array(rafter)] * thrusts, {"unit_weight_kN_m3": 5.0, "friction": 0.0} | roof),
+        "TETTO": ([rectangle(0.0, b, top, top + step)] * (not thrusts), roof),
     }
-    layout = tidied(**supports, **layers)
-    turning = [name for name in layers if name != "CUNEO"]
-    names = {"ribaltamento semplice": turning, "ribaltamento composto": [*turning, "CUNEO"]}
+    parts = {name: part for name, part in parts.items() if part[0]}
     tables: dict[str, Any] = {}
     if crack_deg and not thrusts:  # a rafter turns by itself
-        edge = [t, 0.0]
-        tables["mechanism"] = [{"name": name, "about_m": edge, "layers": own} for name, own in names.items()]
+        turning = [name for name in parts if name not in {"BASE", "MURI", "CUNEO"}]
+        names = {"ribaltamento semplice": turning, "ribaltamento composto": [*turning, "CUNEO"]}
+        tables["mechanism"] = [{"name": n, "about_m": [t, 0.0], "layers": own} for n, own in names.items()]
     if tie_kN:
-        tables["tie"] = [
-            {
-                "name": f"catena {k}",
-                "from_m": [0.5 * t, round(z - 0.5 * step, 9)],
-                "to_m": [round(room + 0.25, 9), round(z - 0.5 * step, 9)],
-                "yield_force_kN": tie_kN,
-                "stiffness_kN_m": round(TIE * tie_kN / (0.5 * t - room - 0.25), 3),
-                "states": ["con catene"],
-            }
-            for k, z in enumerate((*floors.tolist(), top), 1)
-        ]
+        far = room + 0.25
+        ends = {k: round(z - 0.5 * step, 9) for k, z in enumerate((*floors.tolist(), top), 1)}
+        tables["tie"] = [{
+            "name": f"catena {k}", "from_m": [0.5 * t, z], "to_m": [round(far, 9), z], "yield_force_kN": tie_kN,
+            "stiffness_kN_m": round(TIE * tie_kN / (0.5 * t - far), 3), "states": ["con catene"],
+        } for k, z in ends.items()]  # fmt: skip
         tables["strengthening"] = [{"name": "con catene", "of": "original"}]
     title, stone, control = "Facciata, ribaltamento fuori piano", (18.0, 0.6, 5e5), {"in alto": (t, top)}
-    own = {name: loads[name] for name in layout if name in loads}
+    own = {name: own for name, (_, own) in parts.items() if own}
     content = project(title, 1.0, stone, own, control, round(0.01 * t, 6), **tables)
     content["pushover"]["directions"] = ["+x"]
-    return layout, content
+    return tidied(**{name: blocks for name, (blocks, _) in parts.items()}), content
+
+
+def _cracked(levels: Array, crack_deg: float) -> tuple[float, Array, Array]:
+    """Return where side walls end (m), where each of their courses is cracked (k,), and the outline (n, 2) beyond."""
+    lean = np.tan(np.radians(crack_deg))
+    room = -levels[-1] * lean - 1.5  # of the inner walls, which are a support
+    steps = -CRACK - levels[1:] * lean if crack_deg else np.full(len(levels) - 1, room + 0.5)
+    inner = [(room, levels[-1]), (room, 0.0), (steps[0], 0.0)]
+    for x, after, z in zip(steps[:-1], steps[1:], levels[1:-1], strict=True):
+        inner += [(x, z), (after, z)]
+    return float(room), steps, np.array([*inner, (steps[-1], levels[-1])])
 
 
 def tympanum(

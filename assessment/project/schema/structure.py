@@ -245,10 +245,8 @@ class TieTable(ProjectTable):
     to_m: kinds.Pair = entry("x and z, m, of the other end, in or on another block")
     yield_force_kN: kinds.Yield = entry(
         "force, kN, at which it lengthens without bearing more: of bar, anchorage or masonry under the "
-        "plate, the least; inf (default): none",
-        math.inf,
-        json_schema_extra=kinds.without_default,
-    )
+        "plate, the least; inf (default): none", math.inf, json_schema_extra=kinds.without_default,
+    )  # fmt: skip
     stiffness_kN_m: kinds.BarStiffness | None = absent(
         "stiffness E A / L of the whole tie, kN/m; absent: rigid"
     )

@@ -78,14 +78,10 @@ def layer_of(project: Project, table: LayerTable | None) -> Layer:
     if table is None:
         return Layer(material, project.geometry.depth_m)
     return Layer(
-        material,
-        table.depth_m or project.geometry.depth_m,
-        table.support,
+        material, table.depth_m or project.geometry.depth_m, table.support,
         table.vertical_load_kN + psi_2(table.use_category, table.psi_2) * table.variable_load_kN,
-        table.load_has_mass,
-        table.segments_per_joint,
-        table.ignore,
-    )
+        table.load_has_mass, table.segments_per_joint, table.ignore,
+    )  # fmt: skip
 
 
 def table_of(project: Project, layer: str, region: str) -> LayerTable:

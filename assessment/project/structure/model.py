@@ -228,12 +228,9 @@ def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], f
     """Return a project's drawing, its unit, the layers and the sagitta: what `read_drawing` is called with."""
     geometry = project.geometry
     return (
-        project.path(geometry.drawing),
-        geometry.unit,
-        layer_of(project, None),
-        {name: layer_of(project, table) for name, table in project.layers.items()},
-        geometry.sagitta_m,
-    )
+        project.path(geometry.drawing), geometry.unit, layer_of(project, None),
+        {name: layer_of(project, table) for name, table in project.layers.items()}, geometry.sagitta_m,
+    )  # fmt: skip
 
 
 def with_repaired_drawing(project: Project) -> tuple[Project, tuple[str, ...]]:

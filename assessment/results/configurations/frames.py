@@ -181,12 +181,9 @@ def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Frames:
 
 
 def frames(
-    model: Assembly,
-    states: Sequence[State],
-    carried: Sequence[Carried | None],
-    wanted: Iterable[int],
+    model: Assembly, states: Sequence[State], carried: Sequence[Carried | None], wanted: Iterable[int],
     met: Met,
-) -> Frames:
+) -> Frames:  # fmt: skip
     """Describe some points of a path (see `_pictured`): first, last and `wanted` ones, others evenly between them."""
     kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
     at = [states[k].positions for k in kept]

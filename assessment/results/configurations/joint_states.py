@@ -109,13 +109,9 @@ def faces_of(results: Results, met: Sequence[Face] = ()) -> Faces:
         middle=np.array([joint.middle_m for joint in joints], dtype=float).reshape(-1, 2, 2),
     )
     contacts = kinematic_contacts(
-        lines,
-        np.array([joint.blocks for joint in joints], dtype=np.intp).reshape(-1, 2),
-        centroids,
-        _limits([joint.friction for joint in joints]),
-        geometry.joint_tolerance_m,
-        len(geometry.joints),
-    )
+        lines, np.array([joint.blocks for joint in joints], dtype=np.intp).reshape(-1, 2), centroids,
+        _limits([joint.friction for joint in joints]), geometry.joint_tolerance_m, len(geometry.joints),
+    )  # fmt: skip
     depth = np.array([joint.depth_m for joint in joints], dtype=float)
     strength = _limits([joint.compressive_strength_kN_m2 for joint in joints])
     return Faces(contacts, centroids, depth, strength, len(geometry.joints))
@@ -256,11 +252,9 @@ def states_of(faces: Faces, weight: float, situation: Situation) -> JointStates:
     contact, pressure = pressed(carried / faces.depth, near, overlap, faces.strength)
     uncrushed = pressed(carried / faces.depth, near, overlap, np.full(len(contacts), np.inf))[1]
     conditions = {
-        "idle": idle,
-        "sliding": abs(T) > contacts.friction * np.maximum(FRICTION * N, 1e-99),
-        "edge": abs(share - 0.5) > 0.5 - EDGE,
-        "partial": abs(share - 0.5) > 1.0 / 6.0,
-    }
+        "idle": idle, "sliding": abs(T) > contacts.friction * np.maximum(FRICTION * N, 1e-99),
+        "edge": abs(share - 0.5) > 0.5 - EDGE, "partial": abs(share - 0.5) > 1.0 / 6.0,
+    }  # fmt: skip
     condition = np.select(list(conditions.values()), list(conditions), "whole").tolist()
     point = ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
     force, eccentricity = N[:, None] * n + T[:, None] * t, np.where(idle, np.nan, (share - 0.5) * overlap)

@@ -228,11 +228,9 @@ class ComparisonRow(Part):
     direction: Direction | None = key("direction of the push; null: no pushover", "Direzione|Direction")
     limit_state: str | None = key("farthest one checked, of the static capacity", "Stato limite|Limit state")
     static_pga_g: float | None = key(
-        "capacity of the state as PGA at the surface, S a_g, with F_C",
-        "PGA statica|PGA, static",
-        null="not_determined",
-        ground="surface",
-    )
+        "capacity of the state as PGA at the surface, S a_g, with F_C", "PGA statica|PGA, static",
+        null="not_determined", ground="surface",
+    )  # fmt: skip
     static_reduction: float | None = key(
         "1 − PGA(settled)/PGA(original) of it", "Riduzione statica|Reduction, static", change=True
     )
@@ -244,10 +242,8 @@ class ComparisonRow(Part):
     dynamic_reference: str | None = optional("of the dynamic capacity: surface")
     static_surface_pga_g: float | None = optional(
         "static capacity with F_C = 1, as the dynamic one has none",
-        "PGA statica, F_C = 1|PGA static, F_C = 1",
-        null="not_determined",
-        ground="surface",
-    )
+        "PGA statica, F_C = 1|PGA static, F_C = 1", null="not_determined", ground="surface",
+    )  # fmt: skip
     dynamic_to_static: float | None = optional("dynamic one over that", "Dinamica / statica|Dynamic / static")
 
 

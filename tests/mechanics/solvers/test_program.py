@@ -330,7 +330,7 @@ def test_not_converged_is_told_from_infeasible(monkeypatch):
     program, layout = static_step(running_bond(3, 3), "rigid")
     monkeypatch.setattr(interior, "run", failing)
     monkeypatch.setattr(solvers, "imbalance", lambda *_: 0.0)
-    monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None, lambda: None]))
+    monkeypatch.setattr(solvers, "_second_opinions", lambda _: iter([None, None]))
     with pytest.raises(ConvergenceError, match="equilibrium exists"):
         solve(program, layout)
 
@@ -345,7 +345,7 @@ def test_what_balances_the_loads_decides_where_the_auxiliary_program_does_not(mo
     monkeypatch.setattr(interior, "run", failing)
     monkeypatch.setattr(solvers, "imbalance", undecided)
     assert solve(program, layout)[0].alpha == pytest.approx(good.alpha, abs=1e-7)
-    monkeypatch.setattr(solvers, "_attempts", lambda _: iter([lambda: None]))
+    monkeypatch.setattr(solvers, "_second_opinions", lambda _: iter([None]))
     with pytest.raises(ConvergenceError, match="least acceleration"):
         solve(program, layout)
 
