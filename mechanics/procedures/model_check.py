@@ -1,13 +1,13 @@
 """What the model says of every configuration, checked on positions and forces alone, whatever solver found them.
 
-    where a joint presses, its faces touch       N > 0  ⇒  gap ≤ 0
+    where a joint presses, its faces touch       N > 0  ⇒  gap ≤ 0 at the centre of pressure
     friction holds no more than it can           |T| ≤ μN
     blocks do not lie in each other              gap ≥ 0
 
-The gap is that of the nearer end of an overlap, beyond what an elastic bed yields under the forces. What slides does
-not lift: a joint that sliding had lifted would press across a gap. Nearer than LIMIT.closed counts as touching, here as
-in limit analysis. Ties have no faces, and faces of finite strength are not where they were drawn once they have
-crushed.
+The gap is that beyond what an elastic bed yields under the forces; of motions, whose forces are those of a step, that
+of the nearer end. What slides does not lift: a joint that sliding had lifted would press across a gap. Nearer than
+LIMIT.closed counts as touching, here as in limit analysis. Ties have no faces, and faces of finite strength are not
+where they were drawn once they have crushed.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ def departure(step: Equilibrium) -> Message | None:
     A point that a law with dilation has found lifts where it slides.
     """
     system, half = step.system, abs(step.places[:, H])
-    gaps = end_gaps(step.places)
+    gaps, ends = end_gaps(step.places), end_forces(step.forces, half)
     if not system.rigid:
-        gaps = gaps - bed_gaps(end_forces(step.forces, half), half, system.law)
-    nearer = gaps.min(axis=1)
+        gaps = gaps - bed_gaps(ends, half, system.law)
+    ends = np.maximum(ends, 0.0)
+    centre = (ends * gaps).sum(axis=1) / np.maximum(ends.sum(axis=1), 1e-300)
     overlaps = step.places[:, H] > system.no_overlap
     lifts = step.lifting or system.dilation > 0.0
-    return _worst(
-        system, step.forces, np.where(overlaps & (not lifts), nearer, 0.0), np.where(overlaps, nearer, 0.0)
-    )
+    apart, inside = np.where(overlaps & (not lifts), centre, 0.0), np.where(overlaps, gaps.min(axis=1), 0.0)
+    return _worst(system, step.forces, apart, inside)
 
 
 def sound(found: Equilibrium) -> Equilibrium:

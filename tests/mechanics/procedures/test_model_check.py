@@ -15,7 +15,7 @@ from mechanics.procedures.model_check import check_path, departure, departure_in
 from mechanics.steps.static_step import Equilibrium
 from mechanics.steps.static_system import Behaviour, static_system
 from tests.support.random_masonry import random_masonry
-from tests.support.structures import arch_on_piers, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, running_bond
 
 SHAKEN = 0.5 * np.sin(0.1 * np.arange(60))
 
@@ -48,6 +48,24 @@ def test_blocks_moved_off_or_into_each_other_are_told(point: Equilibrium, lift: 
     moved = np.zeros_like(point.state.positions)
     moved[model.movable, 1] = lift * model.size
     assert wrong in str(departure(placed(point, moved)))
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_a_force_at_the_end_that_has_opened_is_told(contacts: Behaviour) -> None:
+    """A block that has turned on one edge, and is said to press on the other: its nearer end does touch."""
+    step = pushover(block_on_base(), None, "+x", contacts, 0.02).steps[-1]
+    assert departure(step) is None
+    forces = step.forces * [1.0, -1.0, 1.0]
+    assert "across a gap" in str(departure(replace(step, forces=forces)))
+
+
+def test_no_shear_without_a_force_that_presses() -> None:
+    """Infinite friction bears any T under N > 0, and none in a joint that bears nothing."""
+    step = pushover(block_on_base(friction=np.inf), None, "+x", "rigid", 0.02).steps[1]
+    shear = np.array([0.0, 0.0, 5.0 * step.system.model.weight])
+    assert departure(replace(step, forces=step.forces + shear)) is None
+    told = departure(replace(step, forces=np.array([[0.0, 0.0, 0.1]])))
+    assert "exceeds μN" in str(told)
 
 
 def test_friction_beyond_its_bound_is_told(point: Equilibrium) -> None:
