@@ -219,7 +219,8 @@ def _least(
 
     none, chance = LIMIT.idle * program.weight, np.random.default_rng(0)
     if central is None or iterate is None:
-        begun = _of_other_frictions(program, layout, chance)
+        others = (_of_other_frictions(program, layout, chance) for _ in range(LIMIT.tries // LIMIT.turn))
+        begun = next((other for other in others if other is not None), None)
         if begun is None:
             return None
         displacement, flowing = begun

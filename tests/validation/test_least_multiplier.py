@@ -23,6 +23,7 @@ def test_no_flow_has_a_lesser_multiplier(seed):
         (small_wall(47), 0.42420),
         (small_wall(60), 0.31017),
         (random_masonry(46), 0.44172),
+        (random_masonry(226), 0.48884),  # no central flow: 0.5261 with a dilation
     ],
 )
 def test_the_search_leaves_a_local_least_multiplier(model, least):
