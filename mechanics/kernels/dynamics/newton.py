@@ -35,6 +35,7 @@ looped = compiler("contract", "reassoc", allocates=False)
 STICKING = 1e-8  # compliance, per step and weight, that bounds the stiffness of joints that stick
 STUCK = 1e-6  # of the step: a slip of a joint that sticks that is none
 BEYOND = 1e-9  # of the weight: a force beyond the bound of friction that is not
+PRESSES = 1e-8  # of the weight: a force of faces that do more than touch
 NEWTON = 30  # iterations for the force of a joint that slides on a spring
 MOST = 12  # iterations
 FEW, MANY = (
@@ -103,7 +104,7 @@ def _evaluate(
         if mu == np.inf:
             apart = s[SLIDES] != 0.0
             _stick(law[k], p[H], u, phi, v, least, s)
-            s[SLIDES] = 0.0 if s[N] > 0.0 else 1.0
+            s[SLIDES] = 0.0 if s[N] > PRESSES * weight else 1.0
             changed += apart != (s[SLIDES] != 0.0)
             if s[SLIDES] != 0.0:
                 s[T], s[SLIP], s[MISS], s[DVV] = 0.0, v, 0.0, 0.0

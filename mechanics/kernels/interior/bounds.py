@@ -12,12 +12,13 @@ import numpy as np
 
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.joint import PHI, H, U
-from mechanics.kernels.law import DILATION, FRICTION, STEEP
+from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.types import Array
 
 compiled = compiler("contract", "reassoc", allocates=False)
 
 TOUCHES = 1e-6  # of the step: a gap that is none
+CLOSED = 0.01  # of what a bed closes: a gap of faces that press
 NEAR, GROWS = 0.5, 10.0  # share of its bound at which T raises it, and by how much
 
 
@@ -35,14 +36,16 @@ def begin(places: Array, law: Array, f: Array, step: float) -> bool:
 
 
 @compiled
-def grow(law: Array, given: Array, f: Array, y: Array, unit: float) -> None:
+def grow(places: Array, law: Array, given: Array, f: Array, y: Array, unit: float) -> None:
     """Raise the bounds near which T is, where the friction that is `given` (j, LAW) has none; products stay.
 
-    `unit`: step per weight. A joint presses whose force is larger than its gap, both scaled.
+    `unit`: step per weight. A joint presses whose gap is small beside what N closes its bed by, of rigid ones beside a
+    step per weight: of faces that only touch gap and force vanish alike.
     """
     for j in range(len(law)):
         mu, n, t = law[j, FRICTION], f[j, 0] + f[j, 1], f[j, 2]
-        presses = min(y[j, 0], y[j, 1]) < unit * n
+        give = unit if law[j, BED] == np.inf else 0.5 / (places[j, H] * law[j, BED])
+        presses = min(y[j, 0], y[j, 1]) < CLOSED * give * n
         if given[j, FRICTION] < np.inf or mu == np.inf or not presses or abs(t) < NEAR * mu * n:
             continue
         law[j, FRICTION] = GROWS * mu

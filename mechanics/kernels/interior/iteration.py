@@ -235,6 +235,6 @@ def iterate(
             reach_f = reach_g = min(reach_f, reach_g)
         advance(joints, known, reach_f, reach_g, f, y)
         if bounded:
-            grow(law, given, f, y, unit)
+            grow(places, law, given, f, y, unit)
         x += reach_g * dx
         alpha += reach_f * dalpha
