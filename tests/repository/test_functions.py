@@ -59,6 +59,16 @@ def test_a_function_of_many_arguments_says_why():
     assert found == []
 
 
+def test_a_class_name_means_one_thing():
+    places: dict[str, list[str]] = {}
+    for folder in ("assessment", "mechanics"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ClassDef):
+                    places.setdefault(node.name, []).append(f"{path.relative_to(ROOT)}:{node.lineno}")
+    assert {name: where for name, where in places.items() if len(where) > 1} == {}
+
+
 def _raised(node: ast.AST) -> Iterator[str]:
     """Names of what is raised in a function: not what a handler of its own catches, nor what is raised again."""
     for inner in ast.iter_child_nodes(node):

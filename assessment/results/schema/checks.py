@@ -8,7 +8,7 @@ from typing import Literal, Self
 from assessment.ntc.tables import CHECKS
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
-from assessment.results.schema.static import OtherLaw, Participation, Run, Sliding
+from assessment.results.schema.static import MassShares, OtherLaw, Run, Sliding
 
 Direction = Literal["+x", "-x"]
 
@@ -20,7 +20,7 @@ class OscillatorCurve(Part):
     a_star_g: list[float] = key("acceleration a*, divided by the confidence factor")
 
 
-class Check(Participation):
+class Check(MassShares):
     """A check of a limit state."""
 
     method: Literal["linear", "elastic", "nonlinear"] = key("which check")
@@ -116,7 +116,7 @@ class VerticalCheck(Part):
     trace: list[Line] = key("its calculation")
 
 
-class Capacity(_Checked, Participation):
+class Capacity(_Checked, MassShares):
     """`capacity.+x`, `.-x`: the capacity in a direction and its checks, each where its limit state was asked for."""
 
     run: Run | None = optional("which run it is of; missing: not told")
@@ -195,7 +195,7 @@ class GivenMacroBlock(Part):
     blocks: list[int] = key("numbers of its blocks")
 
 
-class GivenMechanism(_Checked, Participation):
+class GivenMechanism(_Checked, MassShares):
     """`mechanisms[]`: a mechanism of the project file; one that is refused has nothing but the reason."""
 
     name: str = key("name in the project file")

@@ -71,7 +71,7 @@ class LocalLoss(Part):
     overlap_m: float = key("how far its faces overlap where the path starts")
 
 
-class Path(Part):
+class StaticPath(Part):
     """What every static path has."""
 
     sliding: Sliding = key("whether what slides lifts (associative) or not (coulomb)")
@@ -80,7 +80,7 @@ class Path(Part):
     ties: list[TieTension] | None = optional("tension of the ties of the state; missing: no tie")
 
 
-class PushdownPath(Path):
+class PushdownPath(StaticPath):
     """`pushdown.rigid`, `.elastic`: a support moves as the settlement asks, and on to collapse where asked for."""
 
     movement_m: list[float] = key("largest component of the movement along the path")
@@ -111,7 +111,7 @@ class Curve(Part):
     multiplier: list[float] = key("horizontal forces per seismic weight, α", "Moltiplicatore α|Multiplier α")
 
 
-class Push(Path):
+class Push(StaticPath):
     """What a pushover has with joints of either behaviour."""
 
     reached_zero: bool = key("whether the curve falls to α = 0")
@@ -119,14 +119,14 @@ class Push(Path):
     members: list[Curve] | None = optional("curves of the other members of the ensemble")
 
 
-class Participation(Part):
+class MassShares(Part):
     """Shares of a mechanism in the motion; missing or null: not defined."""
 
     e_star: float | None = optional("share of the mass that takes part, e*", "e*")
     gamma_star: float | None = optional("participation factor Γ* of the control point", "Γ*")
 
 
-class Mechanism(Participation):
+class Mechanism(MassShares):
     """`mechanism`: virtual displacements at the activation (where α_0 is reached)."""
 
     point: int = key("which point of the curve")
@@ -244,7 +244,7 @@ class Strengthening(Part):
     layers: list[str] = key("layers whose joints are changed")
 
 
-class Moved(Part):
+class RigidMovement(Part):
     """A rigid movement of a support."""
 
     support: str = key("name of the support that moves", "Appoggio|Support")
@@ -252,7 +252,7 @@ class Moved(Part):
     rotation_rad: float = key("about the centroid of the support, anticlockwise", "Rotazione|Rotation")
 
 
-class Settlement(Moved):
+class Settlement(RigidMovement):
     """`settlement`: the movement that leads to the state."""
 
     increment_m: float = key("increment of the largest component")

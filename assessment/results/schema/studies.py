@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from assessment.results.schema.checks import Borne, Direction
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
-from assessment.results.schema.static import Moved
+from assessment.results.schema.static import RigidMovement
 
 
 class ConvergenceRow(Part):
@@ -162,7 +162,7 @@ class Explanation(Part):
     configuration: Configuration | None = key("of the blocks after the movement; null: none")
 
 
-class ReadySettlement(Moved):
+class ReadySettlement(RigidMovement):
     """`settlements[]`: a support's movement as [[settlements]] of the project file has it."""
 
     name: str = key("name of the state")
