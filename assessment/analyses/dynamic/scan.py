@@ -133,13 +133,13 @@ def scan_levels(
             break
         place = min(place + stride, end) if fell is False else max(place - stride, end)
         stride = min(2 * stride, FARTHEST)
-    for ask in iter(lambda: next(_missing(lattice), None), None):
-        lattice.run(ask)
+    _run_missing(lattice)
     if reach.members > 1 and (fallen := lattice.those(True)):
         low = min(fallen)
         half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
         for half in half_way[: reach.members - 1]:
             lattice.run(half)
+        _run_missing(lattice)
     known: bool | None = True
     while known is not None and (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
         known = lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
@@ -188,17 +188,17 @@ class _Lattice:
         return max(below, default=0.0), low
 
 
-def _missing(lattice: _Lattice) -> Iterator[int]:
-    """Yield the places that have still to be run, the next one first."""
-    low = min(map(int, lattice.those(True)), default=lattice.top + 1)
-    for place in range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1):
-        if place not in lattice.tried:
-            yield place
-    if low <= lattice.top:
-        high = max(map(int, lattice.those(False)), default=low - 1)
-        for place in range(low + 1, min(high + CERTAIN, lattice.top) + 1):
-            if place not in lattice.tried:
-                yield place
+def _run_missing(lattice: _Lattice) -> None:
+    """Run the places that have still to be run, the next ones by what the last has shown."""
+    while True:
+        low = math.ceil(min(lattice.those(True), default=lattice.top + 1))
+        high = math.floor(max(lattice.those(False), default=low - 1))
+        below = range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1)
+        above = range(low + 1, min(max(high, low - 1) + CERTAIN, lattice.top) + 1)
+        place = next((each for each in (*below, *above) if each not in lattice.tried), None)
+        if place is None:
+            return
+        lattice.run(place)
 
 
 @dataclass

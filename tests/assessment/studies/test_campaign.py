@@ -51,8 +51,12 @@ class Levels:
 
     def __init__(self, before, after, bands=False):
         self.scans, self.combinations = Scans(None, None), []
-        self.before, self.after = (SimpleNamespace(settlement="s", share=share, movement=0.02 * share,
-                                                   static=0.5 - 0.1 * share) for share in (0.0, 1.0))  # fmt: skip
+        self.before, self.after = (
+            SimpleNamespace(
+                settlement="s", share=share, movement=0.02 * share, static=0.5 - 0.1 * share, d_0=None
+            )
+            for share in (0.0, 1.0)
+        )
         for state, levels in ((self.before, before), (self.after, after)):
             for record, level in levels.items():
                 shaking = SimpleNamespace(start=None, motion=SimpleNamespace(name=record))
@@ -98,7 +102,7 @@ def test_a_loss_is_the_same_whatever_other_states_the_analysis_has():
     before = {"a": 0.2, "b": 0.4, "c": 0.8}
     levels = Levels(before, {"a": 0.1, "b": 0.36, "c": 0.6}, bands=True)
     alone = levels.loss()
-    other = SimpleNamespace(settlement="s", share=0.5, movement=0.01, static=0.45)
+    other = SimpleNamespace(settlement="s", share=0.5, movement=0.01, static=0.45, d_0=None)
     more = Levels({"a": 0.15, "b": 0.3, "c": 0.5}, {})
     levels.scans.found |= {f"{key} more": scan for key, scan in more.scans.found.items()}
     for each in more.combinations:

@@ -117,6 +117,13 @@ def test_the_lowest_bracket_is_halved_to_the_width_asked_for():
     assert 0.0 < seen.lowest - below <= 0.002
 
 
+def test_a_collapse_half_way_between_levels_is_scanned_below_as_any_other():
+    levels = [0.3 * RATIO**place for place in (8.4, 8.6, 9.9)]
+    trial = Trial((levels[0], levels[1]), (levels[2], 99.0))
+    seen = trial.seen(members=5)
+    assert levels[0] < seen.lowest < levels[1] and min(trial.tried) <= DOWN * seen.lowest
+
+
 def test_a_level_that_cannot_be_completed_counts_as_neither_and_the_scan_goes_on():
     """Of a falling wall one motion of many was refused, and the whole scan was lost."""
     whole = Trial((0.5, 99.0))
