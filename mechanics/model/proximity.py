@@ -162,12 +162,12 @@ def _met(
     faces[:, B2] = faces[:, B1] + outlines.length[f]
     faces[:, MEET] = drawn.tolerance
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
-    # what touches within the tolerance as drawn does so without a gap; corners, which no stone has sharper, must
-    # overlap by it
+    # what touches within the tolerance as drawn does so without a gap, a wider one is a gap; blocks that are drawn into
+    # each other by it do so at most twice as far; corners, which no stone has sharper, must overlap by it
     centroid = np.array([block.centroid for block in outlines.blocks])
     places = found.places(np.column_stack([centroid, np.zeros(len(centroid))]))
     gap, overlap = end_gaps(places).min(axis=1), 2.0 * places[:, H]
-    touch = (abs(gap) <= 2.0 * drawn.tolerance) & (overlap > -2.0 * drawn.tolerance)
+    touch = (gap <= drawn.tolerance) & (gap >= -2.0 * drawn.tolerance) & (overlap > -2.0 * drawn.tolerance)
     faces[touch, PX] += gap[touch] * ta[touch, 1]
     faces[touch, PZ] -= gap[touch] * ta[touch, 0]
     faces[:, A1] += drawn.tolerance

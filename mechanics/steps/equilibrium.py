@@ -82,14 +82,18 @@ class ClosedProgram:
 
 
 def closed_program(
-    model: Assembly, state: State, sliding: Sliding = "associative", tolerance: float = LIMIT.closed
+    model: Assembly, state: State, sliding: Sliding = "associative", tolerance: float | None = None
 ) -> ClosedProgram:
     """Return the rigid program under gravity over the joints closed in a state.
 
-    An end of a joint is closed if its gap is zero within the tolerance, a share of the block size. If the joint is
-    known to carry, the gap of its nearer end is subtracted first: sliding has lifted that joint. A joint of finite
-    strength that has turned on its edge has crushed there: its faces meet at the end of what has.
+    An end of a joint is closed if its gap is zero within the tolerance, a share of the block size: None, that of the
+    drawing as drawn, LIMIT.closed in another state. If the joint is known to carry, the gap of its nearer end is
+    subtracted first: sliding has lifted that joint. A joint of finite strength that has turned on its edge has crushed
+    there: its faces meet at the end of what has.
     """
+    if tolerance is None:
+        drawn = model.joint_tolerance / model.size if state is model.initial else np.inf
+        tolerance = min(drawn, LIMIT.closed)
     step = LIMIT.onset * model.size
     system = static_system(model, "rigid", sliding).around(state.positions, step)
     places = system.places(state.positions, state)
@@ -130,11 +134,13 @@ def closed_program(
 def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProgram:
     """Return the program of a state (default: as drawn); raise UnstableError where gravity alone cannot be carried.
 
-    Joints are closed within LIMIT.closed as drawn or placed by hand. A state whose forces are known is exact: the least
-    tolerance counts with which it stands, for a wider one closes its cracks.
+    Joints are closed within the tolerance of the drawing as drawn, and within LIMIT.closed as placed by hand. A state
+    whose forces are known is exact: the least tolerance counts with which it stands, for a wider one closes its cracks.
     """
     state = state or model.initial
-    tolerance = LIMIT.closed if state.carrying is None else LIMIT.exact
+    if state.carrying is None:
+        return _standing(model, state, None)
+    tolerance = LIMIT.exact
     while tolerance < 0.5 * LIMIT.closed:
         try:
             return _standing(model, state, tolerance)
@@ -143,7 +149,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProg
     return _standing(model, state, LIMIT.closed)
 
 
-def _standing(model: Assembly, state: State, tolerance: float) -> ClosedProgram:
+def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedProgram:
     """Return the program over the joints closed within a tolerance; raise UnstableError where it cannot stand."""
     closed = closed_program(model, state, tolerance=tolerance)
     # the last equilibrium of a path balances within the accuracy of the path, a share of the whole weight on any block
