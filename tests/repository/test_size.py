@@ -30,7 +30,7 @@ LINES = {
     "mechanics/procedures": 3482,
     "mechanics/records": 1086,
     "mechanics/solvers": 1094,
-    "mechanics/steps": 1919,
+    "mechanics/steps": 1925,
 }
 
 
