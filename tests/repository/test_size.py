@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 797,
     "assessment/ntc": 2314,
     "assessment/project": 4814,
-    "assessment/report": 6284,
+    "assessment/report": 6277,
     "assessment/results": 3323,
     "assessment/runtime": 1689,
     "assessment/studies": 2494,

@@ -20,7 +20,7 @@ from assessment.report.tables.equilibrium import balance
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
-from assessment.report.text.language import Words, check_name, merged, plain_text, written
+from assessment.report.text.language import Words, check_name, merged, plain_text
 from assessment.results.configurations.hand_check import hand_checks, rigid_push
 from assessment.results.schema import Results, present
 from assessment.results.summary import determined_indices
@@ -65,8 +65,7 @@ def _linear(results: Results, words: Words) -> Iterator[Markup]:
     both = [(r["SLV"], r["SLV linear"], name, way) for r, name, way in ratios_of if made <= r.keys()]
     if both:
         full, linear, name, direction = min(both)
-        ratios = {"linear": words.ratio(linear), "full": words.ratio(full)}
-        yield words("judgement.linear", state=name, direction=direction, **ratios)
+        yield words("judgement.linear", state=name, direction=direction, linear=linear, full=full)
 
 
 def _chosen(results: Results, words: Words) -> Iterator[Markup]:
@@ -80,7 +79,7 @@ def _chosen(results: Results, words: Words) -> Iterator[Markup]:
     if made:
         ratio, given, limit = min(made, key=itemgetter(0))
         place = {"mechanism": given.name, "state": given.state, "limit": check_name(limit, words)}
-        yield words("judgement.chosen", **place, ratio=words.ratio(ratio))
+        yield words("judgement.chosen", **place, ratio=ratio)
 
 
 def _interventions(results: Results, words: Words) -> Iterator[Markup]:
@@ -89,12 +88,13 @@ def _interventions(results: Results, words: Words) -> Iterator[Markup]:
         told = []
         for kind, reached in (found.attained or {}).items():
             if kind != "improvement_school" or used_as(results, SCHOOL):
-                least = words.ratio(found.required_zeta[kind] or 0.0)
-                key = f"judgement.{'attained' if reached else 'not_attained'}"
+                key, least = (
+                    f"judgement.{'attained' if reached else 'not_attained'}",
+                    found.required_zeta[kind],
+                )
                 told.append(words(key, kind=words(f"judgement.of_{kind}"), least=least))
         if told:
-            before = written("zeta_before", found.zeta_before, words)
-            zetas = {"zeta": words.ratio(found.zeta_SLV), "before": before}
+            zetas = {"zeta": found.zeta_SLV, "before": found.zeta_before}
             yield words("judgement.interventions", state=state, told=Markup("; ").join(told), **zetas)
 
 

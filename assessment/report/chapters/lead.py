@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from markupsafe import Markup
 
@@ -85,14 +84,13 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     def where(each: SummaryRow) -> str:
         return f"{limit}, {direction_name(each.direction or '')}"
 
-    ratios = {"before": check.zeta_E / (1.0 + check.gain), "after": check.zeta_E}
-    said: dict[str, Any] = {key: words.ratio(value) for key, value in ratios.items()}
-    said |= {"gain": check.gain, "where": where(row), "least": ""}
+    numbers = {"before": check.zeta_E / (1.0 + check.gain), "after": check.zeta_E, "gain": check.gain}
+    said = {"state": name, "where": where(row), "outcome": _outcome(results, name, words), "least": ""}
     least = known(summary.least_row(results, name))
     if least is not row:
-        value = words.ratio(known(known(summary.index_of(least, limit)).zeta_E))
-        said["least"] = words("synthesis.strengthened_least", least=value, where=where(least))
-    return words("synthesis.strengthened", state=name, outcome=_outcome(results, name, words), **said)
+        ratio = known(summary.index_of(least, limit)).zeta_E
+        said["least"] = words("synthesis.strengthened_least", least=ratio, where=where(least))
+    return words("synthesis.strengthened", **said, **numbers)
 
 
 def _open(results: Results, words: Words) -> Iterator[Markup]:

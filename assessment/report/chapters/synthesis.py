@@ -38,7 +38,7 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         yield from (_ratio(row, limit, words) for limit in limits)
         if changed:
             loss = row.checks[first].loss if first and row.state != ORIGINAL else None
-            yield dash if loss is None else words.per_cent(-loss)
+            yield dash if loss is None else written("reduction", -loss, words)
         for name in listed:
             value = getattr(row, name)
             yield dash if value is None else written(name, value, words)
@@ -99,7 +99,7 @@ def _friction(results: Results, words: Words) -> Markup:
     mu = "–".join(words.number(each, 2) for each in sorted({min(found), max(found)})) if found else "∞"
     law, limit = "coulomb" if coulomb(results.echo) else "associative", index_limit(results)
     others = [
-        words("synthesis.other_at", zeta=words.ratio(ratio), state=row.state, direction=row.direction or "")
+        words("synthesis.other_at", zeta=ratio, state=row.state, direction=row.direction or "")
         for row in results.summary.rows
         if row.other_law and limit and (ratio := (row.other_law.zeta_E or {}).get(limit)) is not None
     ]
@@ -136,10 +136,8 @@ def _range(results: Results, words: Words) -> Markup:
     row = least_row(results, least.state) if least else None
     check = row.checks.get(least.limit_state) if row and least else None
     if check and check.zeta_E_range:
-        ends = zip(("used", "low", "high"), (check.zeta_E, *check.zeta_E_range), strict=True)
-        open_ = words.plain("value.not_determined")
-        found = {name: open_ if end is None else words.ratio(end) for name, end in ends}
-        return words("synthesis.range", **found)
+        low, high = check.zeta_E_range
+        return words("synthesis.range", used=check.zeta_E, low=low, high=high)
     return words("synthesis.no_range" if (results.echo.scatter or 1) == 1 else "synthesis.one_path")
 
 

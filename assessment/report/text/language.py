@@ -92,13 +92,14 @@ class Words:
 
         A text is a number that is written already; what is less than a micrometre is rounding.
         """
-        found = QUANTITIES.get(quantity)
-        text = self.show(value) if value is None or isinstance(value, str) else ""
+        found, text = QUANTITIES.get(quantity), self.show(value)
+        if found and value is None:
+            return self.plain(f"value.{found.null or 'not_reached'}")
         if found and isinstance(value, int | float):
             less = found.shown == "mm" and 0.0 < abs(value) < NOTHING_M
             text = f"< {self.comma('0.001')}" if less else number(found, value, self)
         unit = self.name("unit", found.printed_unit if found else quantity)
-        return f"{text or self.show(value)}{NO_BREAK}{unit}" if unit and value is not None else text
+        return f"{text}{NO_BREAK}{unit}" if unit else text
 
     def name(self, table: str, name: str, default: str | None = None) -> str:
         """Return what a name of the program is called in a table of the strings; where it has none, the default or it.
@@ -134,11 +135,6 @@ class Words:
         if abs(value) >= 10.0 or value == 0.0:
             return self.number(value)
         return self.rounded(value, ratio_decimals(value, 2 - min(0, math.floor(math.log10(abs(value))) + 1)))
-
-    def per_cent(self, share: float) -> str:
-        """Write a share in per cent, without the sign: two digits, and one decimal at most."""
-        value = 100.0 * share
-        return self.number(value, 2) if abs(value) >= 0.995 else self.rounded(value, 1)
 
     def rounded(self, value: float, decimals: int) -> str:
         """Write a number with so many decimals; what they do not tell from nothing is 0."""
@@ -333,8 +329,9 @@ def number(found: Quantity, value: float, words: Words, significant: int = 3) ->
     """Write a number of a quantity in the unit of reports, without it."""
     if found.ratio:
         return words.ratio(value)
-    if found.change:
-        return words.per_cent(value)
+    if found.change:  # two digits, and one decimal at most
+        share = found.factor * value
+        return words.number(share, 2) if abs(share) >= 0.995 else words.rounded(share, 1)
     if found.decimals is not None:
         return words.rounded(found.factor * value, found.decimals)
     if found.shown == "mm" and abs(value) < NOTHING_M:

@@ -16,7 +16,7 @@ from assessment.report.tables import mechanisms as mechanism_tables
 from assessment.report.tables import structure
 from assessment.report.tables import studies as study_tables
 from assessment.report.tables.equilibrium import balance, hand_check
-from assessment.report.text.language import NO_BREAK, check_name, direction_name, words_of
+from assessment.report.text.language import NO_BREAK, check_name, direction_name, words_of, written
 from assessment.results.schema.part import QUANTITIES
 from assessment.results.table import reference_of
 from tests.support.results_example import results_example
@@ -80,7 +80,7 @@ WORDS_OF: dict[str, Callable[[Any], str]] = {
     "mechanism": str,
     "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
 }
-show, ratio, per_cent = WORDS.show, WORDS.ratio, WORDS.per_cent
+show, ratio = WORDS.show, WORDS.ratio
 ratio_of = WORDS.ratio
 
 
@@ -208,7 +208,7 @@ def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:
         if quantity == "a_g_g":
             assert said["limit"] == row["limit_state"]
         if "reduction" in said:
-            assert said["reduction"] == per_cent(row["reduction"])
+            assert said["reduction"] == written("reduction", row["reduction"], WORDS)
 
     return check
 

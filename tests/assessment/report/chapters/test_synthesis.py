@@ -12,7 +12,7 @@ from assessment.report.chapters.lead import lead
 from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanisms
-from assessment.report.text.language import Words, direction_name, plain_text
+from assessment.report.text.language import Words, direction_name, plain_text, written
 from assessment.results.schema import SummaryCheck
 from assessment.results.schema.static import Strengthening
 from assessment.results.summary import index_limit, worst_settled
@@ -74,7 +74,9 @@ def sentence_agrees(results):
     assert where == limit and known[way] == min(known.values()) and value == WORDS.ratio(known[way])
     if before is not None:
         was = borne(results, "original", way, limit)
-        assert before == WORDS.ratio(was) and share == WORDS.per_cent(abs(1.0 - known[way] / was))
+        assert before == WORDS.ratio(was) and share == written(
+            "reduction", abs(1.0 - known[way] / was), WORDS
+        )
     assert ("Not verified" in said) == any(
         ratio < 1.0
         for name in ("SLV", "SLC")
