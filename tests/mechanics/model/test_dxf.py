@@ -132,6 +132,16 @@ def test_bulge_against_the_circular_segment(bulge, sagitta, tmp_path):
     assert -1e-12 <= math.copysign(1.0, bulge) * missing <= radius * theta * allowed
 
 
+def test_vertices_are_on_the_arc(tmp_path):
+    document, space = drawing(unit="m")
+    outline(space, [(-1, 0, 1), (1, 0, 1)])
+    result = read(document, tmp_path, "m", sagitta=1e-3)
+    (circle,) = result.blocks
+    assert np.hypot(*circle.polygon.T) == pytest.approx(1.0)
+    assert result.sagitta == pytest.approx(1.0 - math.cos(math.pi / len(circle.polygon)))
+    assert result.sagitta <= 1e-3 < 1.0 - math.cos(math.pi / (len(circle.polygon) - 2))
+
+
 def test_sagitta_is_kept_where_an_insert_stretches_the_arc(tmp_path):
     document, space = drawing(unit="m")
     outline(document.blocks.new("DRUM"), [(-1, 0, 1), (1, 0, 1)])
