@@ -257,16 +257,15 @@ def keys_at(path: KeyPath, language: str = "en") -> dict[str, str]:
             if language != "it":
                 return {key: field.description or "" for key, field in fields}
             words, name = _italian(), plain.__name__
-            return {key: words.get(f"{name}.{key}", words.get(key, ["", ""]))[1] for key, _ in fields}
+            return {key: words.get(f"{name}.{key}", words.get(key, "")) for key, _ in fields}
     return {}
 
 
 @cache
-def _italian() -> dict[str, list[str]]:
-    """Return label and meaning of every key in Italian, by KEY or TABLE.KEY."""
+def _italian() -> dict[str, str]:
+    """Return the meaning of every key in Italian, by KEY or TABLE.KEY; in front of it there may be a label."""
     content = tomllib.loads((files("templates") / "app_it.toml").read_text("utf-8"))
-    words: dict[str, list[str]] = content["keys"]
-    return words
+    return {key: told if isinstance(told, str) else told[1] for key, told in content["keys"].items()}
 
 
 def named_at(path: KeyPath) -> str | None:

@@ -232,6 +232,7 @@ def test_the_demand_is_that_of_the_project(outcomes):
     """T_R of class III: V_R = 75 years; floor and record stand in the place of the ground's spectrum."""
     table = outcomes["site table, bilinear"]["spectra"]["SLV"]
     assert table["return_period_years"] == pytest.approx(711.842, rel=1e-5)
+    assert table["pga_g"] == pytest.approx(table["S"] * table["a_g_g"]) and table["S"] > 1.0
     assert [outcomes[name]["spectra"]["SLC"]["kind"] for name in ("floor", "record", "2009")] == [
         "floor",
         "record",
