@@ -113,7 +113,7 @@ def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
     moved = list(np.diff([state.positions for state in path.states], axis=0))
     moved = [*(moved[:1] or [path.mechanism]), *moved]
     moved[path.formed] = path.mechanism
-    if ties := along_path(model, carried, path.formed, None, determined(model, moved)):
+    if ties := along_path(model, path, carried, path.formed, None, determined(model, moved)):
         found = found.replace(ties=ties)
     # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
     slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
@@ -140,7 +140,7 @@ def elastic_push(path: Pushover) -> ElasticPush:
         frames=pushover_frames(model, path, Met(model)),
     )  # fmt: skip
     carried = [step.forces for step in path.steps]
-    ties = along_path(model, carried, path.peak, carried[0])
+    ties = along_path(model, path, carried, path.peak, carried[0])
     return found.replace(ties=ties) if ties else found
 
 

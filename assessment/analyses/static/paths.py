@@ -284,7 +284,7 @@ def _pushdown_path(
     if not carried or not model.ties:
         return found
     if behaviour == "elastic":
-        return found.replace(ties=along_path(model, carried, asked, carried[0]))
+        return found.replace(ties=along_path(model, path, carried, asked, carried[0]))
     moved = list(np.diff([state.positions for state in path.states], axis=0))
     known = determined(model, [*(moved[:1] or [np.zeros_like(path.states[0].positions)]), *moved])
-    return found.replace(ties=along_path(model, carried, asked, None, known))
+    return found.replace(ties=along_path(model, path, carried, asked, None, known))

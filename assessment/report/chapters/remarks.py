@@ -251,12 +251,12 @@ def indices(results: Results, words: Words) -> Sentences:
 
 def yielding(results: Results, words: Words) -> Sentences:
     """Yield which ties yield on the way to the activation of a mechanism, or at it."""
-    found: dict[str, dict[str, None]] = {}
+    found: dict[str, dict[str, float]] = {}
     for where, each in structure.tensions(results):
         if each.yields and "direction" in where:
-            found.setdefault(each.tie, {})[words.at(*where.values())] = None
+            found.setdefault(each.tie, {})[words.at(*where.values())] = each.lengthening_m
     for tie, places in found.items():
-        yield words("text.tie_yields", tie=tie, where="; ".join(places))
+        yield words("text.tie_yields", tie=tie, where="; ".join(places), most=max(places.values()))
 
 
 def nearly_yielding(results: Results, words: Words) -> Sentences:

@@ -122,7 +122,7 @@ def tensions(results: Results) -> Iterator[tuple[Row, TieTension]]:
                 yield where, each
 
 
-@table("tie_tensions", "tie state direction contacts rest_kN peak_kN greatest_kN yields")
+@table("tie_tensions", "tie state direction contacts rest_kN peak_kN greatest_kN yields lengthening_m")
 def tie_tensions(results: Results) -> Found:
     """List the tension of every tie along every path: movements of supports, and pushes by direction."""
     by_state = list(results.states)

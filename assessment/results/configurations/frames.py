@@ -40,12 +40,17 @@ def tensions(model: Assembly, forces: Array) -> Array:
 
 
 def along_path(
-    model: Assembly, carried: Sequence[Array | None], peak: int, rest: Array | None, known: Mask | None = None
+    model: Assembly,
+    path: Pushdown | Pushover,
+    carried: Sequence[Array | None],
+    peak: int,
+    rest: Array | None,
+    known: Mask | None = None,
 ) -> list[TieTension] | None:
     """Return the tension of each tie along a path, None where there is no tie.
 
-    `carried`: forces (j, 3) at each point, None: not known; `peak`: which point; `rest`: forces where the path starts;
-    `known` (k, t): at which points the tension of a tie is determined, default at all.
+    `carried`: forces (j, 3) at each point of the `path`, None: not known; `peak`: which point; `rest`: forces where the
+    path starts; `known` (k, t): at which points the tension of a tie is determined, default at all.
     """
     if not model.ties:
         return None
@@ -57,13 +62,22 @@ def along_path(
         pulled[~known] = np.nan
     greatest = np.fmax.reduce(pulled, axis=0)
     at_rest = np.full(len(model.ties), np.nan) if rest is None else tensions(model, rest)
+    begun, ended = (path.states[at].lengthened for at in (0, -1))
+    longer = (0.0 if ended is None else ended) - (np.zeros(len(model.ties)) if begun is None else begun)
     found = []
-    for tie, *three, yields in zip(
-        model.ties, at_rest, pulled[peak], greatest, yielding(model, greatest), strict=True
+    for tie, *three, yields, more in zip(
+        model.ties, at_rest, pulled[peak], greatest, yielding(model, greatest), longer, strict=True
     ):
         start, top, most = (finite(float(force)) for force in three)
         found.append(
-            TieTension(tie=tie.name, rest_kN=start, peak_kN=top, greatest_kN=most, yields=bool(yields))
+            TieTension(
+                tie=tie.name,
+                rest_kN=start,
+                peak_kN=top,
+                greatest_kN=most,
+                yields=bool(yields),
+                lengthening_m=float(more),
+            )
         )
     return found
 

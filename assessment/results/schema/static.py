@@ -41,6 +41,7 @@ class TieTension(TiePull):
         "A α_0, α_u|At α_0, α_u",
         null="none",
     )
+    lengthening_m: float = key("by how much it yields along the path", "Allungamento|Lengthening", shown="mm")
 
 
 class Pictured(Part):

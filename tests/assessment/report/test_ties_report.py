@@ -21,7 +21,7 @@ from mechanics.pictures import TIE
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.judgement.claims import hold
 from tests.support.pictured import pages_of
-from tests.support.tied_project import overturning, strengthening, tie
+from tests.support.tied_project import HEIGHT, overturning, strengthening, tie
 
 TEXT = (
     block()
@@ -58,6 +58,7 @@ SAID = {
         "nella configurazione del disegno, in quiete sotto i pesi (stato “originale”), sono messe in opera, tese e "
         "senza allentamento, le catene: chain; sono modificati i giunti dei layer: BASE.",
         "La catena “chain” raggiunge il tiro di snervamento (strengthened, +x, giunti rigidi",
+        "e si allunga, fino alla fine della curva, di 99,2",
         "Stati a confronto, ciascuno nella direzione più debole",
         "L’intervento “strengthened” porta ζ<sub>E</sub> da ",
         "Primo capochiave x; z [m]",
@@ -72,6 +73,15 @@ SAID = {
         "The states compared, each in its weakest direction",
     ),
 }  # fmt: skip
+
+
+def test_a_tie_that_yields_lengthens_as_much_as_its_anchors_move_apart(results):
+    path = results.states["strengthened"].pushover["+x"].rigid
+    x, z, turn = path.final_configuration[1]
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    head = np.array([x, 0.5 * HEIGHT + z]) + rotation @ (-0.29, 4.0 - 0.5 * HEIGHT)
+    apart = np.hypot(head[0] + 0.29, head[1] + 0.1)
+    assert path.ties[0].lengthening_m == pytest.approx(apart - 4.1, abs=1e-6)
 
 
 @pytest.mark.parametrize("language", SAID)
