@@ -52,12 +52,13 @@ class PushoverTolerances:
     """Tolerances of a capacity curve.
 
     `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
-    `largest`: increments that a block may move in a step in which the control point moves less, and that this may go
-    back: farther, a part falls. As shares of the largest multiplier: `zero`, a multiplier that counts as zero (found
-    with at most `chords` chords, within `jump` of a step: else it jumps); `flat`, a change that does not count;
-    `closing`, to which the peak behind a joint that closes is located. `wedged`: multiplier beyond which the load only
-    wedges the blocks, times that of limit analysis where this is above 1; `farther`: share of an increment beyond α = 0
-    from which a structure is left to itself; `points`: most points of a curve.
+    `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
+    largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords, within `jump` of a
+    step: else it jumps); `flat`, a change that does not count; `closing`, to which the peak behind a joint that closes
+    is located. `back`: share of its displacement, an increment at least, by which the control point goes back where a
+    part falls; `wedged`: multiplier beyond which the load only wedges the blocks, times that of limit analysis where
+    this is above 1; `farther`: share of an increment beyond α = 0 from which a structure is left to itself; `points`:
+    most points of a curve.
     """
 
     still: float = 1e-3
@@ -67,6 +68,7 @@ class PushoverTolerances:
     jump: float = 1e-6
     flat: float = 1e-3
     closing: float = 2e-4
+    back: float = 0.5
     wedged: float = 10.0
     farther: float = 0.1
     points: int = 5000
@@ -327,7 +329,7 @@ class _Curve:
             self._lean()
             return
         gone_back = self.displacement[-1] - self.along(step.state.positions)
-        if gone_back > self.tolerances.largest * self.push.increment:
+        if gone_back > max(self.tolerances.back * self.displacement[-1], self.push.increment):
             raise RunawayError(message("a part falls, and the control point goes back"))
         if jumped and self.along(step.state.positions) <= max(
             (then for then, _ in self.crossed), default=-np.inf
