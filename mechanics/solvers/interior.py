@@ -80,7 +80,7 @@ class Iterate:
     def warm(self, program: Program, distance: float) -> Iterate:
         """Return the iterate with a least distance from the bounds, per weight and step, for a next solution.
 
-        What the forces of elastic ends gain changes their beds; the gaps take it up: at an end that opens it is much.
+        A force that is raised closes the bed of its end, and its gap y takes that up: y + ∂W*/∂N stays as it was.
         """
         p = program
         least = 0.5 * distance * p.weight

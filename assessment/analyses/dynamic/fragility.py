@@ -275,8 +275,8 @@ def fit_stripes(levels: Array, collapsed: Mask, weights: Array) -> Lognormal:
     Without a maximum the limit of ever larger likelihoods counts, where it is a distribution. Collapses parted by a
     level, all above and none below: β = 0, and the geometric mean of the two levels around, of which no other median in
     between is less likely. All above and none below a level at which some collapse: β → 0, and the median → this level.
-    Without collapse the median is ∞; where none stands, 0. Where the collapses do not grow with the level, or there is
-    one level of which a share collapses, neither is told.
+    Without collapse the median is ∞; where none stands, 0. Median and β are NaN where the collapses do not grow with
+    the level, and where a share collapses at one level and no other was run.
     """
     x, total = np.log(levels), weights.sum(axis=1)
     fell = weights @ collapsed.astype(float)

@@ -24,7 +24,7 @@ from mechanics import (
 from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
-from mechanics.program import Program, Solution, certify
+from mechanics.program import Program, Solution, bed_gaps, certify
 from mechanics.solvers import imbalance, interior, lp_highs, qp_piqp, solve
 from mechanics.steps.equilibrium import check_self_weight, closed_program, rest
 from mechanics.steps.geometry_iteration import find_equilibrium
@@ -420,3 +420,25 @@ def test_compression_of_an_elastic_joint_under_gravity():
     assert moved == pytest.approx(18.0 / 1e5, rel=1e-6)
     assert step.places[0, PHI] == pytest.approx(0.0, abs=1e-12)
     assert step.penetration < 1e-12
+
+
+def test_a_raised_force_of_an_elastic_end_does_not_change_what_its_gap_misses():
+    """Where a bed opens, a little force at its open end closes it by much: the gap beside it grows by as much."""
+    stone = Material(18.0, 0.7, 1e6)
+    base = Block(rectangle(-1, -1, 2, 0), 1.0, stone, support="base")
+    model = Assembly([base, Block(rectangle(0, 0, 1, 1), 1.0, stone)])
+    system = static_system(model, "elastic")
+    program, _ = posed(StepProblem(system, model.initial, model.dead_load, 1e-3))
+    forces = program.weight * np.array([[1e-6, 1.0, 0.0]])
+    near = interior.Iterate(forces, np.full((1, 4), 1e-4), 0.0, np.zeros(3))
+    begun = near.warm(program, 1e-3)
+    assert begun.forces[0, 0] > 100.0 * forces[0, 0]
+    before, after = (
+        each.gaps[:, :2] + bed_gaps(each.forces[:, :2], program.places[:, H], program.law)
+        for each in (near, begun)
+    )
+    assert before[0, 0] == pytest.approx(after[0, 0], rel=1e-9)
+    assert begun.gaps[0, 0] > 2.0 * near.gaps[0, 0]
+    assert begun.gaps[0, 1] == pytest.approx(
+        1e-3 * program.step
+    )  # the other end yields less: its gap is the least
