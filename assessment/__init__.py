@@ -1,7 +1,5 @@
 """Standards, projects and reports on top of `mechanics`."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What an analysis found and what is to be told of it; the accuracy that a project asks for, and its increments."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field

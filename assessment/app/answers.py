@@ -1,7 +1,5 @@
 """What the page may ask: a table of pure functions of the session and of what the page has sent."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Mapping
 from functools import cache, partial

@@ -1,7 +1,5 @@
 """What the page draws, as plain numbers: the model with its faults, records and spectra. Computed in the worker."""
 
-from __future__ import annotations
-
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path

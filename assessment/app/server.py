@@ -3,8 +3,6 @@
 Only this machine, only who has the token, only from the page's own address.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import secrets

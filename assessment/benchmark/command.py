@@ -1,7 +1,5 @@
 """`assesto benchmark`: measures, and writes tables (CSV) and a summary."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

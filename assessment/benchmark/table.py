@@ -1,7 +1,5 @@
 """What was measured: rows of fields, as CSV and as a Markdown table."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

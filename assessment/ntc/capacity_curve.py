@@ -3,8 +3,6 @@
 Circolare 7/2019, C8.7.1.2; Portioli et al., §7.1.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt

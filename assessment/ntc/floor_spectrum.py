@@ -6,8 +6,6 @@ spectrum follows the ground acceleration up to the capacity: S_S, T_D and, with 
 a_g, so the method must be declared (ζ_E).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import exp, log, sqrt

@@ -3,8 +3,6 @@
 Limit states of NTC 2018; the return period of the action that a structure bears.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

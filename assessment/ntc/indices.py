@@ -4,8 +4,6 @@ D.P.C.M. 9/2/2011 (heritage): I_S, f_a, acceptable nominal life. D.M. 58/2017, A
 NTC 2018, §8.4: what interventions must reach. None of it is compared with the texts [k].
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Elastic response spectra: of NTC 2018 (§3.2.3.2) and of a recorded ground motion, with one interface."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import sqrt

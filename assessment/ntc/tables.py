@@ -3,8 +3,6 @@
 A run in which nothing has changed reads a project, and needs no arrays for that.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2; Circolare 617/2009, C8A.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace

@@ -9,19 +9,17 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from assessment.project.project import Project
+from assessment.project.schema import HistoryTable, MotionTable
 from assessment.runtime.errors import ProjectError
 from mechanics.faults import visible
 from mechanics.messages import Message, headed, message
 from mechanics.records import SAME_TIME, Record, read_record
 from mechanics.types import Array
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from assessment.project.schema import HistoryTable, MotionTable
 
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
 COARSEST = 0.05  # s: frequencies above 10 Hz, which records have, would be lost

@@ -3,25 +3,20 @@
 None is refused. What is to be typed is a text: it has a decimal point in every language.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assessment.ntc.hazard import Hazard, hazard_range
 from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
 from assessment.ntc.tables import return_period
+from assessment.project.project import Project
+from assessment.project.schema import LayerTable, MaterialTable, SettlementTable, TieTable
+from mechanics import Assembly
 from mechanics.messages import Message, headed, layer_key, linked, message
 from mechanics.types import GRAVITY
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from assessment.project.schema import LayerTable, MaterialTable, SettlementTable, TieTable
-    from mechanics import Assembly
 
 STEEPEST = 1.5  # friction of stone on stone is 0.4 to 0.8
 ANGLES = (5.0, 90.0)  # degrees: what is a tangent in their place

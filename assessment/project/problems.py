@@ -3,8 +3,6 @@
 Every message is one line `FILE: KEY: what is wrong; what to do`. List entries are counted from 1.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping

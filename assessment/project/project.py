@@ -3,8 +3,6 @@
 Wrong keys, types and ranges are all told at once; where there are none, all that does not fit together is.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import re

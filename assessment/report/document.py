@@ -1,7 +1,5 @@
 """The calculation report, as NTC 2018 ch. 10 asks: one template to HTML, PDF and Word, from results alone."""
 
-from __future__ import annotations
-
 import base64
 import io
 import itertools

@@ -1,7 +1,5 @@
 """The file results.json: written by its schema, each message as its sentence, and read only where it agrees with it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from math import isfinite

@@ -1,7 +1,5 @@
 """What is read off results: what was asked for, each state in each direction, what an identification found."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable
 from typing import Any

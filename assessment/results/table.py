@@ -1,7 +1,5 @@
 """What every table of results is made of, and the columns that are in no class of rows."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache

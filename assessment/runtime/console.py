@@ -1,7 +1,5 @@
 """The process of a command: what it prints never ends it, Ctrl-C does within a second, garbage is collected rarely."""
 
-from __future__ import annotations
-
 import atexit
 import codecs
 import errno

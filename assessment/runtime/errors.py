@@ -1,7 +1,5 @@
 """The errors that end a command with one message, and the remedies that messages propose."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable
 from opcode import opmap

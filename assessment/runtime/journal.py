@@ -1,7 +1,5 @@
 """The lock of an output folder, and the journal of its run, which `assesto status` and the app read."""
 
-from __future__ import annotations
-
 import json
 import os
 import platform

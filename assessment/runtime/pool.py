@@ -1,7 +1,5 @@
 """Processes that compute side by side, here, or on the workers of a running Dask cluster; they end with the run."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import platform

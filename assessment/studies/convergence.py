@@ -9,23 +9,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from assessment.analyses.checks.capacity import assess, capacities
+from assessment.analyses.checks.demand import Demands
 from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order, refined
-from assessment.analyses.static.states import curves
+from assessment.analyses.static.states import StateResult, curves
+from assessment.project.project import Project
+from assessment.project.structure.model import StateModel
+from assessment.results.schema.checks import Capacity
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.table import cells
 from assessment.studies.variants import capacities_of
 from mechanics.messages import Message, headed, linked, message
-
-if TYPE_CHECKING:
-    from assessment.analyses.checks.demand import Demands
-    from assessment.analyses.static.states import StateResult
-    from assessment.project.project import Project
-    from assessment.project.structure.model import StateModel
-    from assessment.results.schema.checks import Capacity
-    from mechanics.model import Direction
+from mechanics.model import Direction
 
 Measured = Mapping[str, float | None]
 SAFETY = 1.25  # on estimated errors, which are as often too small as too large (Roache's grid convergence index, 1994)

@@ -4,8 +4,6 @@ A point of a sweep is a scenario of its own: the structure as drawn settles by a
 and is pushed over. A sensitivity varies one property in all blocks at once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import product

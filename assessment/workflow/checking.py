@@ -1,12 +1,9 @@
 """What a run reads before anything is analysed: model, records, demand, and the results that need no analysis."""
 
-from __future__ import annotations
-
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +16,8 @@ from assessment.ntc.tables import psi_2
 from assessment.project import motions as base
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project, load_project, spelt
-from assessment.project.schema import ORIGINAL
+from assessment.project.schema import ORIGINAL, StatesTable
+from assessment.project.schema.motions import SensitivityTable
 from assessment.project.structure.masonry import table_of
 from assessment.project.structure.model import ProjectModel, build_model
 from assessment.results.configurations.joint_states import described
@@ -32,15 +30,11 @@ from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
 from assessment.runtime.cache import installed
 from assessment.runtime.pool import cores
+from mechanics import Assembly
 from mechanics.faults import visible
 from mechanics.messages import Message, headed
 from mechanics.records import Record
 from mechanics.types import GRAVITY
-
-if TYPE_CHECKING:
-    from assessment.project.schema import StatesTable
-    from assessment.project.schema.motions import SensitivityTable
-    from mechanics import Assembly
 
 PACKAGES = (
     "numpy", "scipy", "piqp", "ezdxf", "shapely", "pandas", "matplotlib", "jinja2", "weasyprint", "pydantic",

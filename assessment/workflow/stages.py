@@ -1,11 +1,9 @@
 """Which stages a project needs, in what order, and what they leave behind."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,13 +23,19 @@ from assessment.analyses.found import Found, joined, quality_of, refined
 from assessment.analyses.static.lateral import second_solver
 from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
+from assessment.project.structure.model import ProjectModel, StateModel
 from assessment.results.schema import Results, StateResults
+from assessment.results.schema.checks import Direction
+from assessment.results.schema.dynamic import Campaign
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known, present
-from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.schema.static import Pushovers
+from assessment.results.schema.studies import ConvergenceRow, Identification, Scenarios, Sensitivity
 from assessment.results.summary import summary_of, without
 from assessment.results.table import comparison, strengthened
+from assessment.runtime.cache import Store
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies.campaign import summary as searches
@@ -41,18 +45,8 @@ from assessment.studies.convergence import Converged, converge
 from assessment.studies.identification.stage import identification
 from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Checked, read_inputs
+from mechanics import Assembly
 from mechanics.messages import Message, message
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from assessment.project.structure.model import ProjectModel, StateModel
-    from assessment.results.schema.checks import Direction
-    from assessment.results.schema.dynamic import Campaign
-    from assessment.results.schema.static import Pushovers
-    from assessment.results.schema.studies import Identification, Scenarios, Sensitivity
-    from assessment.runtime.cache import Store
-    from mechanics import Assembly
-
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s, of the spectra of motions
 Ensembles = Mapping[str, Sequence[Run]]

@@ -1,7 +1,5 @@
 """Capacity and checks of every state, computed from its pushover curves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from contextlib import suppress

@@ -4,17 +4,14 @@ Macro-blocks rotate about given points: δ_x = −θ (z − z_C), δ_z = θ (x �
 against friction, contact forces do no work, and α0 = Σ W δ_z/Σ P δ_x is an upper bound of the true multiplier.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from assessment.analyses.checks.capacity import checks_of, curve_of, method_of
-from assessment.analyses.checks.demand import confidence_source
+from assessment.analyses.checks.demand import Demands, confidence_source
 from assessment.analyses.checks.kinematics import (
     Closed,
     KinematicsError,
@@ -28,26 +25,22 @@ from assessment.analyses.checks.kinematics import (
 from assessment.analyses.found import lines
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
+from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
+from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
-from assessment.project.structure.masonry import chosen_mechanisms
+from assessment.project.structure.masonry import Chosen, chosen_mechanisms
+from assessment.project.structure.model import StateModel
 from assessment.results.configurations.joint_states import Met
+from assessment.results.schema import StateResults
 from assessment.results.schema import checks as parts
 from assessment.results.schema.part import finite, known
+from mechanics import Assembly
 from mechanics.messages import Message, SaidError, message
 from mechanics.model import Contacts, H, end_gaps, end_points, relative_motion
 from mechanics.steps import LIMIT, static_system
 from mechanics.types import Index, Mask
-
-if TYPE_CHECKING:
-    from assessment.analyses.checks.demand import Demands
-    from assessment.ntc.spectrum import Spectrum
-    from assessment.project.project import Project
-    from assessment.project.structure.masonry import Chosen
-    from assessment.project.structure.model import StateModel
-    from assessment.results.schema import StateResults
-    from mechanics import Assembly
 
 Array = NDArray[np.float64]
 

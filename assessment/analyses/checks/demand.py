@@ -1,7 +1,5 @@
 """The seismic demand on a project, at the ground, at height or of a record; indices of safety and risk of a state."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple

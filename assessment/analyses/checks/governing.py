@@ -5,8 +5,6 @@ over again, with other increments and with corners moved by a ten-millionth of t
 agrees with the state itself, nothing scatters and no other member is run. Ranges stand beside the governing run.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

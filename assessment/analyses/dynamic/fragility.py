@@ -9,8 +9,6 @@ Everywhere `weights` (s, n) counts how often each of n observations is in each o
 g, or in the unit of another measure.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from assessment.analyses.dynamic.fragility import RecordLevel, over_records
+from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import QUOTED
+from assessment.project.motions import BaseMotion
+from assessment.project.project import Project
+from assessment.project.schema import CampaignTable
 from assessment.results.schema.dynamic import CampaignSpectrum, MeasureFit
 from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import GRAVITY, Array
-
-if TYPE_CHECKING:
-    from assessment.ntc.spectrum import Spectrum
-    from assessment.project.motions import BaseMotion
-    from assessment.project.project import Project
-    from assessment.project.schema import CampaignTable
 
 DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k]
 DAMPING = 0.05  # of spectra and of Sa(T)

@@ -16,17 +16,14 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from assessment.analyses.dynamic.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.dynamic.time_history import Setting, respond, thinned
+from assessment.project.motions import BaseMotion
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
 from mechanics import Assembly, ConvergenceError, State
 from mechanics.messages import Message, message
 from mechanics.progress import stretch
-
-if TYPE_CHECKING:
-    from assessment.project.motions import BaseMotion
 
 SPACING = 1.05  # the largest ratio of levels
 DOWN = 0.7  # of the lowest collapse: down to there every level is run

@@ -1,7 +1,5 @@
 """One motion: the response to a record, the free motion after it, its numbers, and the state that it begins from."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

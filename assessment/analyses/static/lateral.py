@@ -1,7 +1,5 @@
 """A state pushed over by lateral loads, direction by direction: curves, mechanisms, α0 by a second solver."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress

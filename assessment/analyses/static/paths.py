@@ -3,8 +3,6 @@
 A local loss (C8.7.1.2) is a joint that carries and whose faces part.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from assessment.analyses.found import Found, joined
 from assessment.analyses.static.lateral import Pushed, PushSetting, push, pushover_title
@@ -19,22 +19,18 @@ from assessment.analyses.static.paths import (
     rest_as_drawn,
     settle,
 )
-from assessment.project.schema import ControlTable
+from assessment.project.project import Project
+from assessment.project.schema import ControlTable, SettlementTable
+from assessment.project.structure.model import StateModel
+from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration, known
-from assessment.results.schema.static import Pushovers, Run
+from assessment.results.schema.static import PushdownPath, Pushovers, Run
 from assessment.runtime.tasks import Workers, large
+from mechanics import Assembly, State
 from mechanics.messages import Message, headed, message
+from mechanics.model import Behaviour, Direction
 from mechanics.procedures import Mirror
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from assessment.project.schema import SettlementTable
-    from assessment.project.structure.model import StateModel
-    from assessment.results.schema.model import QualityRow
-    from assessment.results.schema.static import PushdownPath
-    from mechanics import Assembly, State
-    from mechanics.model import Behaviour, Direction
-    from mechanics.steps import Sliding
+from mechanics.steps import Sliding
 
 PAST_PEAK = 0.25  # of the peak of an elastic curve
 

@@ -1,7 +1,5 @@
 """What is not computed because a scene does not need it: the answer with and without the skip, and what it saves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import partial

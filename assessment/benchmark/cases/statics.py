@@ -1,7 +1,5 @@
 """Statics: run time against error of increments, beds and solvers; and where curves that slide end."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Limit analysis of ever larger running-bond walls, each in a process of its own."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

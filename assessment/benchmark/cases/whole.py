@@ -1,7 +1,5 @@
 """Whole analyses: the static chain of a template, and commands from the shell and back."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Templates of arches, vaults and arcades: masonry and project file as a function of dimensions."""
 
-from __future__ import annotations
-
 from itertools import chain, pairwise
 from typing import Annotated, Any
 

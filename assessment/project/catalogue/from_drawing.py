@@ -1,7 +1,5 @@
 """A project from one's own drawing: unit, supports and layers that are no masonry are proposed, the rest is named."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

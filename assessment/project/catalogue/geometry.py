@@ -3,8 +3,6 @@
 z = 0 is at the foot of the masonry. Rings have chords between radial joints: neighbours share their edges exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

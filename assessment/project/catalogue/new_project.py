@@ -1,7 +1,5 @@
 """A new project folder: from a template, a function of its dimensions, or from an example."""
 
-from __future__ import annotations
-
 import inspect
 import shutil
 from collections.abc import Callable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Templates of walls, façades and gables: masonry and project file as a function of dimensions."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any
 
 import numpy as np

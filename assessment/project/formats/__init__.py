@@ -1,7 +1,5 @@
 """The two forms of a project file, TOML and spreadsheet: written with explanations, one turned into the other."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A project's content as TOML text: read, changed, and written with the meaning beside each key."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Collection, Iterator, Mapping

@@ -6,8 +6,6 @@ entries of a list within a single table have rows of their own, `hypotheses.1.NA
 -0.020". An empty cell is an absent key; a missing sheet, or one whose row ACTIVE says no, an absent table.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

@@ -1,10 +1,8 @@
 """The blocks of a project's drawing: bonds cut, and what the regions of the project say of blocks put on them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -14,16 +12,13 @@ from shapely.ops import unary_union
 
 from assessment.ntc.tables import psi_2
 from assessment.project.catalogue.geometry import courses, fitted, rectangle, running_bond, tidied
-from assessment.project.schema import BondTable, LayerTable
+from assessment.project.project import Project
+from assessment.project.schema import BondTable, LayerTable, MechanismTable
 from assessment.runtime.errors import ProjectError, nearest
 from mechanics import ArgumentError, Assembly, Block, Material
 from mechanics.messages import layer_key
 from mechanics.model import Drawing, Layer, V, end_gaps, of_block
 from mechanics.types import Array
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from assessment.project.schema import MechanismTable
 
 MOST_BLOCKS = 10_000  # that a bond makes of one outline
 TOUCHING = 1e-6  # of an outline's size: an opening may end at its edge

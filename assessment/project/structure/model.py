@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from assessment.project.plausibility import implausible
+from assessment.project.project import Project
+from assessment.project.schema import StrengtheningTable, TieTable
 from assessment.project.structure.masonry import (
     MATERIAL,
     as_built,
@@ -25,10 +27,6 @@ from mechanics.faults import Fault, FaultyDrawingError
 from mechanics.messages import Message, headed, layer_key, message
 from mechanics.model import Layer, default_tolerance, repair_drawing, survey_drawing, survey_layout
 from mechanics.types import Array
-
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-    from assessment.project.schema import StrengtheningTable, TieTable
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,6 @@ A formula is printed once for all the columns that follow it. What it is worked 
 in the tables of the seismic action and of the capacity curve, under the name that it has in the formula.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The tables that the report prints, as cells of text in its language and units; the CSV files have them whole."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping

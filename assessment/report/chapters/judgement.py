@@ -1,7 +1,5 @@
 """A judgement drafted in plain words from the numbers (NTC 2018, §10.2), in a file that the engineer edits."""
 
-from __future__ import annotations
-
 import codecs
 import hashlib
 import re

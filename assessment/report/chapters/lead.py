@@ -1,7 +1,5 @@
 """The answer in sentences, with which report, page and terminal begin: from `summary` alone, and quick to load."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from markupsafe import Markup

@@ -3,8 +3,6 @@
 The template calls each by its name: `said.onsets`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

@@ -1,7 +1,5 @@
 """The first page: the answer in sentences, the table of what was found, and what it rests on, from `summary` alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from markupsafe import Markup

@@ -1,7 +1,5 @@
 """Curves: pushdown of a state, pushovers by direction, demand spectra, capacity and demand in spectral coordinates."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

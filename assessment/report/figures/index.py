@@ -1,7 +1,5 @@
 """Which figures a set of results has, in the order of the report, and writing them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field

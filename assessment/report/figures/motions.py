@@ -1,7 +1,5 @@
 """Figures of motions: records, control displacements, deformed shapes, IDA curves, fragility, campaigns."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import cycle

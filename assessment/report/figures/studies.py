@@ -1,7 +1,5 @@
 """Capacity against settlement, and the tornado of the sensitivity."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

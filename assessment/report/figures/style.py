@@ -1,7 +1,5 @@
 """One style for every figure, sheets drawn to scale on A4, and SVG files that are the same at every run."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

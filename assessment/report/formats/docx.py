@@ -4,8 +4,6 @@ Nothing is worded here: headings, paragraphs, lists, tables and figures are thos
 Every look is a named style of `templates/docx_styles.xml`.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import re

@@ -1,7 +1,5 @@
 """WeasyPrint, which makes the PDF: it needs Pango, a library of the system that pip does not bring."""
 
-from __future__ import annotations
-
 import io
 import platform
 from contextlib import redirect_stdout

@@ -1,7 +1,5 @@
 """What the interactive page steps through: the paths of the results with their frames, as data of its script."""
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The tables of the report and of the CSV files: one CSV each."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

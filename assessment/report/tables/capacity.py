@@ -1,7 +1,5 @@
 """Tables of the assessment: curves, checks, spectra, chosen mechanisms, every step of the calculation, indices."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from assessment.ntc.tables import CHECKS, LINEAR

@@ -1,7 +1,5 @@
 """Cracks of settled states: joints that a movement opened or made slide, beside those that were surveyed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Annotated

@@ -1,7 +1,5 @@
 """The tables of motions: time histories, the incremental analysis, campaigns and their fragility."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from assessment.report.tables.rows import Curves, Found, curves, table, without

@@ -1,7 +1,5 @@
 """Tables by which equilibrium is checked: reactions of the supports and their balance, joints, the hand check."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

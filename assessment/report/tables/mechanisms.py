@@ -1,7 +1,5 @@
 """Tables of mechanisms, of the analysis, by two programs and chosen; what is read off curves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

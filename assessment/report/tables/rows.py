@@ -1,7 +1,5 @@
 """One table from a list of fields: its rows are parts of the results, behind where they are."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, is_dataclass
 from functools import wraps

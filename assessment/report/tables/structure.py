@@ -1,7 +1,5 @@
 """Tables of the structure: blocks, layers, loads, movements of supports, ties, and joints that are pressed most."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass

@@ -1,7 +1,5 @@
 """The tables of studies: scenarios, sensitivity, ranges of what scatters, discretisation errors, identification."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated

@@ -3,8 +3,6 @@
 The PDF takes the files; the page and each figure carry the letters that they use.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 import io

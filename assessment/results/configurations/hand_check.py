@@ -1,7 +1,5 @@
 """The hand check: a mechanism as a few rigid macro-blocks, and its multiplier by virtual work from their figures."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """What the joints of a state carry, and how: resultants, where they cross, contact, pressure, opening and slip."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any

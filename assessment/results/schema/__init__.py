@@ -1,7 +1,5 @@
 """results.json: every key with its type, unit and meaning; held against it where made, and when read."""
 
-from __future__ import annotations
-
 from typing import Any, Final, Literal
 
 from assessment.results.schema.checks import *

@@ -1,7 +1,5 @@
 """Capacity and checks to NTC 2018, indices of safety and risk, and the level of knowledge behind F_C."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Literal, Self
 

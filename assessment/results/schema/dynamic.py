@@ -1,7 +1,5 @@
 """Time histories, incremental dynamic analysis and the motions behind them; campaigns by movement of a support."""
 
-from __future__ import annotations
-
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
 from assessment.results.schema.static import Pictured, TiePull
 

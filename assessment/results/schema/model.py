@@ -1,7 +1,5 @@
 """The model as read: its size, its blocks and joints, and what the run was made with."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from assessment.results.schema.part import Part, Point, Sentence, key, optional

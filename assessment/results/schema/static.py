@@ -1,7 +1,5 @@
 """Pushdown and pushover of a state."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from assessment.results.schema.model import Face

@@ -1,7 +1,5 @@
 """Convergence, scenarios and sensitivity; identification of the support movement that explains what was measured."""
 
-from __future__ import annotations
-
 from assessment.results.schema.checks import Borne, Direction
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
 from assessment.results.schema.static import RigidMovement

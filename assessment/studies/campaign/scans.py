@@ -6,26 +6,22 @@ import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from assessment.analyses.dynamic.fragility import Observed, observed
 from assessment.analyses.dynamic.histories import scatter_of
 from assessment.analyses.dynamic.scan import EXPECTED, SPACING, Reach, Scan, scan
-from assessment.analyses.dynamic.time_history import WORTHWHILE, quality_row
+from assessment.analyses.dynamic.time_history import WORTHWHILE, Shaking, quality_row
 from assessment.analyses.found import LEVELS, accuracy_of
+from assessment.project.project import Project
 from assessment.project.schema import MotionTable
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.runtime.cache import fingerprint
-from assessment.runtime.tasks import From
+from assessment.runtime.tasks import From, Workers
+from assessment.studies.variants import Study
+from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import Mirror
-
-if TYPE_CHECKING:
-    from assessment.analyses.dynamic.time_history import Shaking
-    from assessment.project.project import Project
-    from assessment.runtime.tasks import Workers
-    from assessment.studies.variants import Study
-    from mechanics import Assembly
 
 LOOKS, LOOKED_TO = 2, 0.05  # without an accuracy: halvings of the time step, and by how much levels may move
 SCALED = 3.0  # factor on a record beyond which its level is no longer that of such an earthquake

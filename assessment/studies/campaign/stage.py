@@ -1,7 +1,5 @@
 """A campaign: every record of every sign from every share of a movement at rest, and what it sums up to."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ Predictions jump and have kinks where hinges move to other joints: a difference 
 and no slope. Standard errors rest on slopes that two steps on one side of the fit agree on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product

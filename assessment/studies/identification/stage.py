@@ -1,7 +1,5 @@
 """The identification of a project: every hypothesis searched and fitted, compared with the others, and told."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections import defaultdict

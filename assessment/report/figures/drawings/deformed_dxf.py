@@ -1,7 +1,5 @@
 """The deformed shapes as a DXF drawing, each on a layer of its own."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The drawing of the model, to scale, in black and white; of a drawing that is no assembly its outlines and faults."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any

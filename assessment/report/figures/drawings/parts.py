@@ -1,7 +1,5 @@
 """What drawings of the structure are made of: blocks, earlier outlines, ties, arrows, numbers; in black and white."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
