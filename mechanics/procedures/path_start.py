@@ -125,8 +125,9 @@ def _pushed_from_rest(
 
     `forces` (j, 3): N, P and T of the drawn joints at rest; `rate` (b, 3) and `limit`: mechanism and multiplier by the
     associative law. A state whose joints slide has many multipliers: that of a first short step from the forces at
-    rest counts. None if no joint slides in it: both laws have one multiplier. Raises
-    UnstableError where the forces do not hold the structure, ConvergenceError where no such step is found.
+    rest counts, or that of the rest itself, 0, where the step would have to be held back. None if no joint slides in
+    it: both laws have one multiplier. Raises UnstableError where the forces do not hold the structure,
+    ConvergenceError where no such step is found.
     """
     size, lateral = LIMIT.onset * model.size, model.lateral_load(direction)
     system = static_system(model, "rigid", "coulomb").around(state.positions, size)
@@ -138,14 +139,15 @@ def _pushed_from_rest(
     length, first = _first_after(rest, rate, lateral, system)
     if not slides(first, length):
         return None
+    onset = rest if first.alpha < 0.0 else replace(first, state=rest.state)
     return PathStart(
         rest.state,
-        first.lifting,
-        replace(first, state=rest.state),
-        first.alpha,
-        first.forces,
-        first.contacts,
-        first.certificate,
+        onset.lifting,
+        onset,
+        onset.alpha,
+        onset.forces,
+        onset.contacts,
+        onset.certificate,
         (first.state.positions - rest.state.positions) * float(abs(rate[:, :2]).max()) / length,
         START.settled,
         limit,
