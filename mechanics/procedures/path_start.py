@@ -81,8 +81,7 @@ def mechanism_start(
     limit = limit_analysis(model, direction, state, sliding if forces is None else "associative")
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     if state is not None and forces is not None:
-        pushed = _pushed_from_rest(model, direction, state, forces, rate, limit.alpha)
-        if pushed is not None:
+        if pushed := _pushed_from_rest(model, direction, state, forces, rate, limit.alpha):
             return pushed
     share = 1.0 if state is None else START.settled
     yields = bool(np.isfinite(limit.contacts.strength[limit.contacts.ties]).any())
@@ -124,10 +123,9 @@ def _pushed_from_rest(
     """Return the start of a rigid curve by Coulomb's law: what follows a rest under gravity at once.
 
     `forces` (j, 3): N, P and T of the drawn joints at rest; `rate` (b, 3) and `limit`: mechanism and multiplier by the
-    associative law. A state whose joints slide has many multipliers: that of a first short step from the forces at
-    rest counts, or that of the rest itself, 0, where the step would have to be held back. None if no joint slides in
-    it: both laws have one multiplier. Raises UnstableError where the forces do not hold the structure,
-    ConvergenceError where no such step is found.
+    associative law. Of many multipliers that of a first short step from the forces at rest counts, or that of the rest,
+    0, where the step would have to be held back. None if no joint slides: both laws have one multiplier. Raises
+    UnstableError if the forces do not hold the structure, ConvergenceError if no such step is found.
     """
     size, lateral = LIMIT.onset * model.size, model.lateral_load(direction)
     system = static_system(model, "rigid", "coulomb").around(state.positions, size)
