@@ -80,12 +80,10 @@ def mechanism_start(
     forces = state.forces if state is not None and sliding == "coulomb" else None
     limit = limit_analysis(model, direction, state, sliding if forces is None else "associative")
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
-    begins = (
-        state and forces is not None and _pushed_from_rest(model, direction, state, forces, rate, limit.alpha)
-    )
-    if begins:
-        return begins
-    share = 1.0 if state is None else START.settled
+    if state is not None and forces is not None:
+        pushed = _pushed_from_rest(model, direction, state, forces, rate, limit.alpha)
+        if pushed is not None:
+            return pushed
     yields = bool(np.isfinite(limit.contacts.strength[limit.contacts.ties]).any())
     flow = limit.sliding == "coulomb" and not (limit.dilation or yields)
     return PathStart(
@@ -97,7 +95,7 @@ def mechanism_start(
         limit.contacts,
         limit.certificate,
         rate,
-        share,
+        1.0 if state is None else START.settled,
         limit.alpha,
     )
 
