@@ -211,9 +211,6 @@ def capacity_curve(
     activation, F_C = activation or Activation(fit.alpha_0, e_star, fit.source), confidence_factor
     for name, share in (("e_star", e_star), ("activation.e_star", activation.e_star)):
         require(is_between(share, 0.0, 1.0 + 1e-9, "(]"), name, share, "above 0 and at most 1")
-    require(
-        is_between(activation.alpha, 0.0, np.inf, "[)"), "activation.alpha", activation.alpha, "0 or more"
-    )
     require(is_between(gamma_star, 0.0, np.inf), "gamma_star", gamma_star, "positive")
     require(is_between(F_C, 1.0, np.inf, "[)"), "confidence_factor", F_C, "1 or more (1.35, 1.20, 1)")
     return CapacityCurve(fit, e_star, gamma_star, confidence_factor, confidence_source, activation)
