@@ -32,14 +32,13 @@ class Found(Generic[Value]):
     scatters: bool = False
 
 
-def as_part(kind: type[Kind], found: object, **more: Any) -> Kind:
-    """Return a part of the results: whatever its keys are called in `found` too, and `more`; null: not finite.
+def as_part(kind: type[Kind], *found: object, **more: Any) -> Kind:
+    """Return a part of the results: whatever its keys are called in what was `found` too, and `more`; null: not finite.
 
     A `trace` becomes the lines of its steps.
     """
-    values = {
-        name: getattr(found, name) for name in kind.model_fields if name not in more and hasattr(found, name)
-    }
+    names = kind.model_fields.keys() - more.keys()
+    values = {name: getattr(each, name) for each in found for name in names if hasattr(each, name)}
     for name, value in values.items():
         if isinstance(value, float):
             values[name] = finite(value)

@@ -22,7 +22,7 @@ from assessment.analyses.checks.kinematics import (
     virtual_work,
     works,
 )
-from assessment.analyses.found import lines
+from assessment.analyses.found import as_part, lines
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.spectrum import Spectrum
@@ -212,34 +212,23 @@ def evaluate(
     checks = verify(capacity, demands, method)
     if capacity.d_0_star is None:  # the finite motion is not known
         checks = {name: check for name, check in checks.items() if check.method == "linear"}
-    return parts.GivenMechanism(
-        name=chosen.name,
-        state=chosen.state,
-        direction=direction,
-        alpha_0=work.alpha_0,
-        e_star=work.e_star,
-        gamma_star=capacity.gamma_star,
-        control_m=model.as_drawn(control.point).tolist(),
-        a_0_star_g=capacity.a_0_star,
-        d_0_m=finite(capacity.fit.d_0),
-        d_0_star_m=finite(capacity.d_0_star),
-        curve=curve_of(capacity) if capacity.fit.d_0 is not None else None,
-        moving_weight_kN=work.moving,
-        macro_blocks=[
-            parts.GivenMacroBlock(
-                about_m=model.as_drawn(part.about).tolist(),
-                rotation=part.rotation,
-                blocks=part.blocks.tolist(),
-            )
-            for part in chosen.parts
-        ],
-        displacements=(delta / abs(delta[:, :2]).max()).tolist(),
-        penetration=motion.penetration,
-        sliding_joints=sliding,
-        met=met.joints,
-        notes=[*notes],
-        trace=lines(steps),
-    ).with_checks(checks_of(capacity, checks))
+    turned = [
+        as_part(
+            parts.GivenMacroBlock,
+            part,
+            about_m=model.as_drawn(part.about).tolist(),
+            blocks=part.blocks.tolist(),
+        )
+        for part in chosen.parts
+    ]
+    return as_part(
+        parts.GivenMechanism, chosen, work, motion, direction=direction, gamma_star=capacity.gamma_star,
+        control_m=model.as_drawn(control.point).tolist(), a_0_star_g=capacity.a_0_star,
+        d_0_m=finite(capacity.fit.d_0), d_0_star_m=finite(capacity.d_0_star),
+        curve=curve_of(capacity) if capacity.fit.d_0 is not None else None, moving_weight_kN=work.moving,
+        macro_blocks=turned, displacements=(delta / abs(delta[:, :2]).max()).tolist(),
+        sliding_joints=sliding, met=met.joints, notes=[*notes], trace=lines(steps),
+    ).with_checks(checks_of(capacity, checks))  # fmt: skip
 
 
 def followed(

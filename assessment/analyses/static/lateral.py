@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from assessment.analyses.found import Found
+from assessment.analyses.found import Found, as_part
 from assessment.analyses.static.paths import (
     configuration,
     crossings,
@@ -84,24 +84,15 @@ def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
         pulled, longer = tensions(model, path.forces), lengthenings(model, at.positions, delta)
         lateral = float((model.lateral_load(direction) * delta)[model.movable].sum())
         by_work += float(np.where(yielding(model, pulled), pulled, 0.0) @ longer) / lateral
-    found = RigidPush(
-        alpha_0=float(path.multiplier[path.peak]),
-        alpha_onset=float(path.multiplier[0]),
+    found = as_part(
+        RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
         # if equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
         d_0_m=float(path.displacement[-1]) if path.reached_zero or path.lost else None,
-        reached_zero=path.reached_zero,
-        lost=path.lost,
-        end=path.end,
-        sliding=path.sliding,
         local_loss=local_loss(model, path.states, path.displacement, path.forces, path.lost),
-        curve=_curve(path),
-        d_star_m=_way_of_blocks(path, mechanism),
-        mechanism=mechanism,
-        virtual_work_alpha=finite(by_work),
-        mechanism_configuration=configuration(model, at),
-        final_configuration=configuration(model, path.states[-1]),
-        frames=pushover_frames(model, path, met),
-    )
+        curve=_curve(path), d_star_m=_way_of_blocks(path, mechanism), mechanism=mechanism,
+        virtual_work_alpha=finite(by_work), mechanism_configuration=configuration(model, at),
+        final_configuration=configuration(model, path.states[-1]), frames=pushover_frames(model, path, met),
+    )  # fmt: skip
     if path.formed:
         first = limit_in(model, direction, path.states[0], path.sliding)
         onset = _mechanism(control, met, 0, float(path.multiplier[0]), path.states[0], first)
@@ -129,10 +120,10 @@ def elastic_push(path: Pushover) -> ElasticPush:
     yields = None  # where the control point does not advance as the load grows
     with suppress(CapacityError):
         yields = yield_point((path.displacement, path.multiplier))
-    found = ElasticPush(
-        alpha_u=float(path.multiplier[path.peak]), d_u_m=float(path.displacement[path.peak]), peak=path.peak,
-        alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None, end=path.end,
-        reached_zero=path.reached_zero, lost=path.lost, sliding=path.sliding, curve=_curve(path),
+    found = as_part(
+        ElasticPush, path, alpha_u=float(path.multiplier[path.peak]),
+        d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
+        alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
         rest_configuration=configuration(model, path.states[0]),
         peak_configuration=configuration(model, path.states[path.peak]),
         frames=pushover_frames(model, path, Met(model)),

@@ -13,54 +13,12 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import Field
 
 from assessment.project.schema import values as kinds
-from assessment.project.schema.assessment import AssessmentTable, KnowledgeTable, MechanismTable, SiteTable
-from assessment.project.schema.motions import (
-    CampaignTable,
-    HistoryTable,
-    IdentificationTable,
-    IncrementalTable,
-    MeasurementTable,
-    MotionTable,
-    SensitivityTable,
-    StatesTable,
-)
-from assessment.project.schema.structure import (
-    BondTable,
-    ContactsTable,
-    ControlTable,
-    GeometryTable,
-    LayerTable,
-    MaterialTable,
-    PushoverTable,
-    RegionTable,
-    SettlementTable,
-    StrengtheningTable,
-    TieTable,
-)
-from assessment.project.schema.values import (
-    DISTINCT,
-    MOST_ENTRIES,
-    MOST_LAYERS,
-    ORIGINAL,
-    TABLES,
-    Behaviour,
-    Contradiction,
-    Direction,
-    FileName,
-    KeyPath,
-    NameOf,
-    ProjectTable,
-    absent,
-    entry,
-    key_of,
-)
+from assessment.project.schema.assessment import *
+from assessment.project.schema.motions import *
+from assessment.project.schema.structure import *
+from assessment.project.schema.values import *
+from assessment.project.schema.values import ORIGINAL, Contradiction, FileName, NameOf, absent, entry, key_of
 
-__all__ = [
-    "ORIGINAL", "AssessmentTable", "Behaviour", "BondTable", "CampaignTable", "ControlTable", "Direction",
-    "HistoryTable", "KeyPath", "KnowledgeTable", "LayerTable", "MaterialTable", "MeasurementTable",
-    "MechanismTable", "MotionTable", "ProjectContent", "ProjectTable", "PushoverTable", "RegionTable",
-    "SettlementTable", "SiteTable", "StatesTable", "StrengtheningTable", "TieTable",
-]  # fmt: skip
 Form = Literal["single", "list", "named"]
 """Of a table in the file: [name], [[name]] for each entry of a list, or [name.NAME] for each named entry."""
 

@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from assessment.report.figures.style import chart, key, state_style
-from assessment.report.tables.studies import ROUNDING, Bar, bars
+from assessment.report.tables.studies import ROUNDING, bars
 from assessment.report.text.language import Words, label, scale
 from assessment.results.schema import Results, known
 from assessment.results.table import compared, reference_of
@@ -74,13 +73,14 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     for axes, (state, own) in zip(panels, of_state.items(), strict=True):
         base = known(own[0].a_g_base_g)
         for place, bar in enumerate(own):
-            if bar.swing_g == 0.0:  # a property that does not change the capacity, with its factors
-                low, high = (words.comma(format(factor, "g")) for factor in (bar.low_factor, bar.high_factor))
-                said = words.plain("figure.no_swing", low=low, high=high)
-                axes.annotate(said, (base, place), (4, 0), **BESIDE)
-                continue
-            for side in ("low", "high"):
-                _draw_bar(axes, place, bar, side, base, words)
+            for side, above in (("low", 0.2), ("high", -0.2)):
+                factor, end = bar.ends()[side]
+                moved = base if end is None else end
+                axes.barh(place + above, moved - base, left=base, height=0.36, **BARS[side])
+                text = f"×{words.comma(f'{factor:g}')}" + (f": {words.show(None)}" if end is None else "")
+                right = moved > base or (moved == base and side == "high")
+                said = {"ha": "left" if right else "right", **BESIDE}
+                axes.annotate(text, (moved, place + above), (3 if right else -3, 0), **said)
         axes.axvline(base, color="0.0", linewidth=0.9)
         axes.set_yticks(range(len(own)), [words.plain(f"value.{bar.property}") for bar in own])
         axes.set_ylim(-0.7, len(own) - 0.3)
@@ -107,24 +107,6 @@ def _capacity(results: Results, words: Words, name: str, limit: str | None) -> s
 def varied(results: Results) -> list[str]:
     """Return the states whose tornado can be drawn: the capacity that the bars start from is known."""
     return list(dict.fromkeys(bar.state for bar in bars(results) if bar.a_g_base_g is not None))
-
-
-def _draw_bar(axes: Axes, place: int, bar: Bar, side: str, base: float, words: Words) -> None:
-    """Draw one half of a bar with its factor at the end, where there is room if the half has no length."""
-    at, other_side = bar.ends()[side], bar.ends()["high" if side == "low" else "low"]
-    end = at[1]  # nothing but rounding is no difference
-    moved, other_moved = (
-        base if value is None or abs(value - base) <= ROUNDING * base else value
-        for value in (end, other_side[1])
-    )
-    both = (moved - base) * (other_moved - base) > 0.0  # to one side: one half above the other
-    height = place + ((0.2 if side == "low" else -0.2) if both else 0.0)
-    axes.barh(height, moved - base, left=base, height=0.36 if both else 0.6, **BARS[side])
-    rightward = moved - base or base - other_moved or (1.0 if side == "high" else -1.0)
-    factor = f"×{words.comma(format(at[0], 'g'))}"
-    text, right = factor if end is not None else f"{factor}: {words.show(None)}", rightward > 0.0
-    side_of: dict[str, Any] = {"ha": "left" if right else "right", **BESIDE}
-    axes.annotate(text, (moved, height), (3 if right else -3, 0), **side_of)
 
 
 def _ultimate(results: Results, name: str) -> float | None:

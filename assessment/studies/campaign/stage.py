@@ -18,7 +18,7 @@ from assessment.analyses.dynamic.record_set import (
 )
 from assessment.analyses.dynamic.scan import Reach
 from assessment.analyses.dynamic.time_history import Setting, Shaking, Start, ultimates, why_not_reached
-from assessment.analyses.found import finest
+from assessment.analyses.found import as_part, finest
 from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
 from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
@@ -60,21 +60,21 @@ from mechanics.procedures import whole_movement
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """A share of a movement: its largest component (m), assembly, state at rest or why there is none, static capacity.
+    """A share of a movement: its largest component, assembly, state at rest or why there is none, static capacity.
 
-    `static`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction; `ultimate` and
-    `d_0` (m): control displacements at which the static capacity vanishes in both directions, and in the first. None:
+    `static_capacity`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction;
+    `ultimate` and `d_0_m` (m): control displacements at which it vanishes in both directions, and in the first. None:
     not known.
     """
 
     settlement: str
     share: float
-    movement: float
+    movement_m: float
     model: Assembly
     start: Start
-    static: float | None
+    static_capacity: float | None
     ultimate: float | None
-    d_0: float | None
+    d_0_m: float | None
 
     @property
     def title(self) -> Message:
@@ -232,36 +232,24 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
     }
     fits = {state: fragility_of(state, own, scans, table, measures) for state, own in by_state.items()}
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
-    found = Campaign(
-        measure=table.measure,
-        period_s=table.period_s,
-        method=table.method,
-        levels_g=list(table.levels_g or ()),
-        tolerance=table.tolerance,
-        contacts=table.contacts,
-        members=project.scatter,
+    found = as_part(
+        Campaign, table, levels_g=list(table.levels_g or ()), members=project.scatter,
         symmetric=any(each.run_sign != each.sign for each in asked),
         static_quantity=quantity(project) if project.pushover else None,
         records=[
             CampaignRecord(
-                record=motion.name,
-                record_pga_g=motion.pga,
+                record=motion.name, record_pga_g=motion.pga, scale=motion.scale,
                 pgv_m_s=motion.pga * measures.over_pga[motion.name]["PGV"],
-                scale=motion.scale,
-                duration_s=motion.record.duration,
-                time_step_s=motion.record.time_step,
+                duration_s=motion.record.duration, time_step_s=motion.record.time_step,
                 **({"sa_g": each * motion.pga} if table.period_s else {}),
             )
             for motion, each in zip(records, ratio, strict=True)
         ],
-        spectrum=spectrum,
-        combinations=rows,
-        computed=len({each.key for each in asked if each.starts}),
-        failures=list(study.failures),
+        spectrum=spectrum, combinations=rows, computed=len({each.key for each in asked if each.starts}),
         fragility=list(fits.values()),
         loss=[loss_of(state, unmoved.get(state.settlement), asked, scans, fits) for state in moved],
-        warnings=list(study.warnings),
-    )
+        failures=list(study.failures), warnings=list(study.warnings),
+    )  # fmt: skip
     study.findings += [message("campaign: {text}", text=text) for text in _findings(found)]
     return found
 
@@ -274,14 +262,8 @@ def _rows(
     first: dict[str, Asked] = {}
     for each in asked:
         scan, seen = scans.of(each), observed_in(scans.of(each))
-        row = CampaignCombination(
-            record=each.record,
-            settlement=each.state.settlement,
-            share=each.state.share,
-            sign=each.sign,
-            pga_collapse_range=None if seen.lowest is None else [seen.capacity, seen.certain],
-            **numbers(scan),
-        )
+        span = None if seen.lowest is None else [seen.capacity, seen.certain]
+        row = as_part(CampaignCombination, each, each.state, pga_collapse_range=span, **numbers(scan))
         if table.period_s:
             row = row.replace(sa_collapse_g=None if seen.capacity is None else each.ratio * seen.capacity)
         if scan.stripes and scan.reason is None:
@@ -293,7 +275,7 @@ def _rows(
         if origin is each:
             scans.tell(each, "campaign", study)
         elif each.starts:
-            same = SameAs(settlement=origin.state.settlement, share=origin.state.share, sign=origin.sign)
+            same = as_part(SameAs, origin, origin.state)
             row = row.replace(same_as=same, runs=0, points=[], counts=None)
         rows.append(row)
     return rows

@@ -79,19 +79,12 @@ def fragility_of(
     numbers = fitted(fit)
     if table.levels_g:
         numbers |= {"beta_record": None, "beta_ensemble": None}
-    return CampaignFragility(
-        settlement=state.settlement,
-        share=state.share,
-        movement_m=state.movement,
-        combinations=len(own),
-        failed=len(own) - len(known),
-        withstood=sum(row.lowest_collapse_g is None for _, row in known),
-        beta=fit.beta if fit else None,
+    return as_part(
+        CampaignFragility, state, combinations=len(own), failed=len(own) - len(known),
+        withstood=sum(row.lowest_collapse_g is None for _, row in known), beta=fit.beta if fit else None,
         measures=measures.fits(levels) if fit and not table.levels_g else [],
-        rule=rule.rule if rule else None,
-        pga_collapse_g=rule.pga if rule and rule.rule else None,
-        **numbers,
-    )
+        rule=rule.rule if rule else None, pga_collapse_g=rule.pga if rule and rule.rule else None, **numbers,
+    )  # fmt: skip
 
 
 def fitted(fit: Dispersion | None) -> dict[str, Any]:
@@ -167,16 +160,8 @@ def loss_of(
         loss = paired_loss(list(zip(before, own, strict=True)), scans)
         if state is base:
             loss = loss.replace(dynamic_range=[0.0, 0.0])
-    return as_part(
-        CampaignLoss,
-        loss,
-        settlement=state.settlement,
-        share=state.share,
-        movement_m=state.movement,
-        static=reduction(base.static, state.static) if base else None,
-        static_capacity=state.static,
-        d_0_m=state.d_0,
-    )
+    static = reduction(base.static_capacity, state.static_capacity) if base else None
+    return as_part(CampaignLoss, loss, state, static=static)
 
 
 def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> Loss:
@@ -313,14 +298,10 @@ def summarise(
         for sign in DIRECTIONS
     }
     found = Incremental(
-        records=list(records),
-        mean_pga_collapse_g=standard.mean,
-        lowest_pga_collapse_g=standard.lowest,
-        rule=standard.rule,
-        pga_collapse_g=standard.pga,
+        records=list(records), mean_pga_collapse_g=standard.mean, lowest_pga_collapse_g=standard.lowest,
+        rule=standard.rule, pga_collapse_g=standard.pga, fragility=_fragility(signs, measures),
         directions={DIRECTIONS[sign]: pga for sign, pga in by_sign.items()},
-        fragility=_fragility(signs, measures),
-    )
+    )  # fmt: skip
     ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
     if not ends:
         return found

@@ -49,6 +49,7 @@ MEASURED: dict[str, Any] = pictures.HINGE | {"marker": "D", "markersize": 4.0, "
 MOVED: dict[str, Any] = {"facecolor": pictures.MOVING, "edgecolor": pictures.INK, "linewidth": 0.5}
 WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5}
 NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE}
+BESIDE = (10.0, 0.0)  # points, of a number from its mark
 FRAME = {"facecolor": "1.0", "edgecolor": pictures.INK, "linewidth": 0.4, "pad": 1.4}
 BOXED: dict[str, Any] = {"fontsize": 7.0, "fontweight": "bold", "bbox": FRAME}
 
@@ -222,13 +223,12 @@ class MechanismView:
         owner = np.array([self.start.nearest(point) for point in self.hinges], dtype=np.intp)
         hinges = self._carried(np.asarray(self.hinges, dtype=float).reshape(-1, 2), owner)
         axes.plot(*hinges.T, **pictures.HINGE)
-        least, wanted = LIGHT * sum(each.weight for each in self.macro_blocks), []
+        least = LIGHT * sum(each.weight for each in self.macro_blocks)
         for number, whole in enumerate(self.macro_blocks, 1):
             if whole.weight >= least:
                 away = np.hypot(*(self.start.centroids[list(whole.members)] - whole.centroid).T)
-                nearest = np.array(whole.members)[np.argsort(away, kind="stable")]
-                wanted.append((str(number), list(self.swept.centroids[nearest])))
-        parts.write_numbers(page, axes, wanted, hinges, **BOXED)
+                nearest = whole.members[int(away.argmin())]
+                parts.write_number(axes, str(number), self.swept.centroids[nearest], **BOXED)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return pictures.field(points, owner, self.start.centroids, self.velocity)
@@ -246,21 +246,21 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     pictures.fill_roles(axes, shape)
     found = cracks_of(results, state)
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
-    ends = {}
-    for crack in found:  # the face of the second block
+    for place, crack in enumerate(found):  # the face of the second block
         face, owner = np.asarray(results.geometry.joints[crack.joint].ends_m), np.full(2, crack.block_b)
-        ends[crack.joint] = pictures.place(face, owner, drawn.centroids, moved)
-        axes.plot(*ends[crack.joint].T, **CRACK)
-    marks: list[Array] = []
+        ends = pictures.place(face, owner, drawn.centroids, moved)
+        axes.plot(*ends.T, **CRACK)
+        if place < most:  # numbered beyond its end that is farther out
+            inner, outer = sorted(ends, key=lambda end: float(np.hypot(*(end - middle))))
+            out = (outer - inner) / max(float(np.hypot(*(outer - inner))), 1e-12)
+            parts.write_number(axes, f"G{crack.joint}", outer + page.paper(3.0) * out, **NUMBER)
     for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
         size = min(LARGEST_PT, ROOM * 1000.0 * outline_area(ring) ** 0.5 / page.scale)
         if size >= SMALLEST_PT:
             dark = results.geometry.blocks[number].support is not None
             style: dict[str, Any] = {"fontsize": size, "color": "1.0" if dark else "0.25"}
-            axes.annotate(str(number), tuple(centroid.tolist()), ha="center", va="center", **style)
-            marks.append(centroid)
+            parts.write_number(axes, str(number), centroid, **style)
     handles = [key(words.plain("figure.crack"), **CRACK)] if found else []
-    wanted = []
     for each in surveyed(results, state):
         line = np.asarray(each.line, dtype=float)
         at = pictures.place(line, np.array([drawn.nearest(point) for point in line]), drawn.centroids, moved)
@@ -269,10 +269,7 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
         axes.plot(*at.T, **look)
         if label not in [handle.get_label() for handle in handles]:
             handles.append(key(label, **look))
-        marks += list(at)
-        wanted.append((each.mark, [at[len(at) // 2]]))
-    wanted += [(f"G{crack.joint}", _beside(page, ends[crack.joint], middle)) for crack in found[:most]]
-    parts.write_numbers(page, axes, wanted, marks, **NUMBER)
+        parts.write_number(axes, each.mark, at[len(at) // 2], BESIDE, **NUMBER)
     page.legend(handles, words)
     return page.figure
 
@@ -292,8 +289,8 @@ def draw_identification(results: Results, words: Words) -> Figure:
     pictures.ghost(axes, drawn)
     pictures.fill_roles(axes, shape)
     axes.plot(*marked.T, **MEASURED)
-    wanted = [(str(number), [point]) for number, point in enumerate(marked, 1)]
-    parts.write_numbers(page, axes, wanted, marked, **NUMBER)
+    for number, point in enumerate(marked, 1):
+        parts.write_number(axes, str(number), point, BESIDE, **NUMBER)
     mark = key(words.plain("figure.measurement"), **MEASURED)
     page.legend([parts.ghost_handle(words.plain("figure.original_outline")), mark], words)
     return page.figure
@@ -301,13 +298,6 @@ def draw_identification(results: Results, words: Words) -> Figure:
 
 def _times(times: float, words: Words) -> str:
     return words.plain("figure.magnified" if times > 1.0 else "figure.true_scale", times=f"{times:g}")
-
-
-def _beside(page: Panels, face: Array, middle: Array) -> list[Array]:
-    """Return places for a number: beyond the end of the joint that is farther out, then beyond the other one."""
-    along = (face[1] - face[0]) / max(float(np.hypot(*(face[1] - face[0]))), 1e-12)
-    ends = sorted(((face[1], along), (face[0], -along)), key=lambda end: -float(np.hypot(*(end[0] - middle))))
-    return [end + page.paper(distance) * out for distance in (3.0, 5.0) for end, out in ends]
 
 
 UNIT_MM = 10.0  # on paper, of a round force

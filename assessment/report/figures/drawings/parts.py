@@ -1,7 +1,7 @@
 """What drawings of the structure are made of: blocks, earlier outlines, ties, arrows, numbers; in black and white."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,6 @@ from mechanics.types import Array
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
 PLATE_MM = 2.4  # length of the plate at an end of a tie
 PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
-LETTER_MM, LINE_MM = 1.9, 3.4  # room of a number: for each digit, and its height
-RINGS_MM = (3.5, 7.0, 10.5)  # about a place that is taken: where a number may stand
 
 
 def ghost_handle(label: str) -> Line2D:
@@ -77,21 +75,9 @@ def moved_ends(results: Results, state: str, configuration: Any, times: float = 
         yield ends + times * (place(ends, np.array(tie.blocks), drawn.centroids, at) - ends)
 
 
-def write_numbers(
-    page: Panels,
-    axes: Axes,
-    wanted: Iterable[tuple[str, Sequence[Array]]],
-    marks: Iterable[Array],
-    **style: Any,
+def write_number(
+    axes: Axes, text: str, at: Array, away: tuple[float, float] = (0.0, 0.0), **style: Any
 ) -> None:
-    """Write each number at the first of its places (2,) m, or around them, that no mark and no number has yet."""
-    taken = list(marks)
-    turns = 0.25 * np.pi * np.arange(8)
-    ways = page.paper(1.0) * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    for text, places in wanted:
-        room = page.paper(1.0) * np.array([LETTER_MM * len(text), LINE_MM])
-        spots = [*places, *(at + ring * way for at in places for ring in RINGS_MM for way in ways)]
-        free = (at for at in spots if not any((abs(at - other) < room).all() for other in taken))
-        x, z = next(free, spots[0])
-        taken.append(np.array([x, z]))
-        axes.annotate(text, (x, z), ha="center", va="center", annotation_clip=False, **style)
+    """Write a number at a place (2,) m, or so many points away from it."""
+    place: Any = {"textcoords": "offset points", "ha": "center", "va": "center", "annotation_clip": False}
+    axes.annotate(text, (at[0], at[1]), away, **place, **style)
