@@ -22,7 +22,7 @@ from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, SHEAR, SLID,
 from mechanics.model.contacts import forces_on_blocks, relative_motion
 from mechanics.types import Array, Index
 
-LARGEST_MULTIPLIER = 1e4  # a load with a larger multiplier has no mechanism
+LARGEST_MULTIPLIER, BOUNDED = 1e4, 0.99e4  # no mechanism has one beyond; no solution one between
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +162,7 @@ def certify(program: Program, forces: Array, alpha: float, displacement: Array) 
     if p.lateral is not None:
         work = (float(p.lateral @ displacement) - p.work) / (p.weight * p.step)
         # a load that only wedges the blocks holds α at its bound and does less than the given work
-        work = max(work, 0.0) if alpha > 0.99 * LARGEST_MULTIPLIER else abs(work)
+        work = max(work, 0.0) if alpha > BOUNDED else abs(work)
     idle = abs(np.maximum(margin, 0.0) * gaps).sum() + abs(sin * n * abs(slip) + cos * t * slip).sum()
     # an open joint bears no T either, but by the associative law, whose cone is closed
     coulomb = infinite & (law[:, DILATION] < 1.0)

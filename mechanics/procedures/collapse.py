@@ -11,10 +11,10 @@ from mechanics.kernels.joint import H, U
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly
 from mechanics.model.contacts import Contacts
+from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Mask
 
 TURNED = 1.0  # rad from the drawing: a block that has turned so far does not come back
-GRID = 1e-9  # of the block size, of overlays
 THROUGH = 0.01  # of a block's area: an overlap that is none
 
 
@@ -106,7 +106,9 @@ def passing_through(model: Assembly, x: Array) -> tuple[Message, ...]:
     first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     first, second = first[first < second], second[first < second]
     # on a grid: in plain numbers the overlay of blocks that only touch may be a whole block
-    common = shapely.area(shapely.intersection(shapes[first], shapes[second], grid_size=GRID * model.size))
+    common = shapely.area(
+        shapely.intersection(shapes[first], shapes[second], grid_size=STEP.no_overlap * model.size)
+    )
     share = common / np.minimum(shapely.area(shapes[first]), shapely.area(shapes[second]))
     if share.max(initial=0.0) <= THROUGH:
         return ()

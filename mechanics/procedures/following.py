@@ -16,12 +16,12 @@ from mechanics.errors import (
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.pushdown import PUSHDOWN, whole_movement
-from mechanics.procedures.step_control import Bisection, reach
+from mechanics.procedures.step_control import PATH, Bisection, reach
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, static_system
-from mechanics.steps.tolerances import REST
+from mechanics.steps.tolerances import REST, STEP
 from mechanics.types import Array
 
 STRAIGHT = 0.999  # cosine between two steps, up to which the rate of the first predicts the second
@@ -74,7 +74,7 @@ class Following:
         while self.advance():
             pass
         step = self.equilibrium
-        if self.stopped is None and (lift := lifted(step, self.model.weight)) > REST.lifted * self.model.size:
+        if self.stopped is None and (lift := lifted(step)) > REST.lifted * self.model.size:
             problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
             try:
                 self.equilibrium = motion_to_rest(problem, step.state.positions)
@@ -97,7 +97,7 @@ class Following:
         # its largest component, or the arc of the support's farthest corner
         arc = whole_movement(self.model, self.support, (0.0, 0.0), float(way[2]))
         length = max(float(abs(way[:2]).max()), arc)
-        if self.stopped is not None or length <= PUSHDOWN.least * self.model.size:
+        if self.stopped is not None or length <= STEP.rounding * self.model.size:
             return False
         by = min(self._steps.length, length)
         at = self.reached + by / length * way
@@ -114,7 +114,7 @@ class Following:
                 self._stop(error)
             return self.stopped is None
         self._steps.longer(jumped)
-        if by > 0.05 * self.increment:  # the rate of a shorter step is mostly rounding
+        if by > PATH.shortest(self.increment):  # the rate of a shorter step is mostly rounding
             rate = (found.state.positions - last.state.positions) / by
             self._rate = np.zeros_like(rate) if jumped else rate
         self._direction = way / np.linalg.norm(way)

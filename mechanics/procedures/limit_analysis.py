@@ -28,7 +28,7 @@ from mechanics.kernels.law import FRICTION, STEEP
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points
-from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, Solution, certify
+from mechanics.program import BOUNDED, LARGEST_MULTIPLIER, Certificate, Program, Solution, certify
 from mechanics.solvers import GOOD, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate, with_dilation
@@ -148,7 +148,7 @@ def _limit(
         closed = again
     else:
         raise ConvergenceError(message("the hinges that crush do not settle where their forces have them"))
-    if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
+    if abs(found.alpha) > BOUNDED:
         raise NoEquilibriumError(
             message(
                 "{direction}: no mechanism, the load only wedges the blocks (α > {bound:g})",

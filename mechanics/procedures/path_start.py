@@ -249,7 +249,7 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") 
     system = static_system(model, "elastic", sliding).around(begun.positions, rest_size(model, "elastic"))
     try:
         step = rest(system, begun)
-        if lifted(step, model.weight) > REST.lifted * model.size:
+        if lifted(step) > REST.lifted * model.size:
             problem = StepProblem(system, step.state, model.dead_load, rest_size(model, "elastic"))
             step = motion_to_rest(problem, step.state.positions)
     except NoEquilibriumError as fall:

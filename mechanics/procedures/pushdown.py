@@ -22,13 +22,14 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.model_check import check_path, sound
-from mechanics.procedures.step_control import Bisection, follow, reach
+from mechanics.procedures.step_control import PATH, Bisection, follow, reach
 from mechanics.program import Certificate
+from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
-from mechanics.steps.tolerances import REST
+from mechanics.steps.tolerances import LIMIT, REST, STEP
 from mechanics.types import Array
 
 if TYPE_CHECKING:
@@ -41,18 +42,12 @@ if TYPE_CHECKING:
 class PushdownTolerances:
     """Tolerances of a moving support.
 
-    `onset`: movement at which the first reaction is taken, as a share of an increment and at most of the block size;
-    `whole`: difference between the blocks' movement and the support's, as a share of it, up to which the structure
-    moves as a whole; `look_ahead`: range in which contacts are searched for, in expected displacements of a step;
-    `points`: most points of a path that goes on to collapse; `least`: movement that differs from rounding, as a share
-    of the block size.
+    `look_ahead`: range in which contacts are searched for, in expected displacements of a step;
+    `points`: most points of a path that goes on to collapse.
     """
 
-    onset: float = 1e-3
-    whole: float = 1e-6
     look_ahead: float = 4.0
     points: int = 20_000
-    least: float = 1e-10
 
 
 PUSHDOWN = PushdownTolerances()
@@ -151,7 +146,7 @@ def pushdown(
     """
     # ten arguments: the public function of the package, called with keywords
     Assembly.check(model)
-    movement = _checked(model, support, displacement, rotation, tolerances)
+    movement = _checked(model, support, displacement, rotation)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), (movement,), model.starting(state))
@@ -170,9 +165,7 @@ def pushdown_together(
     `increment` (m): of the largest component of all movements. Raises as `pushdown`.
     """
     Assembly.check(model)
-    checked = tuple(
-        _checked(model, each.support, each.displacement, each.rotation, tolerances) for each in movements
-    )
+    checked = tuple(_checked(model, each.support, each.displacement, each.rotation) for each in movements)
     require(len(checked) > 0, "movements", 0, "the movement of one support or more")
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
@@ -205,9 +198,7 @@ def _longest(model: Assembly) -> float:
     return float(np.ptp(drawn_extent(model), axis=0).max())
 
 
-def _checked(
-    model: Assembly, support: str, displacement: ArrayLike, rotation: float, tolerances: PushdownTolerances
-) -> SupportMovement:
+def _checked(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> SupportMovement:
     """Return the whole movement of a support; ArgumentError if it is none."""
     target = array_of("displacement", displacement, "(x, z) in m")
     require(
@@ -216,7 +207,7 @@ def _checked(
     require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
     full = whole_movement(model, support, target, rotation)
     arc = whole_movement(model, support, np.zeros(2), rotation)
-    least = tolerances.least * model.size
+    least = STEP.rounding * model.size
     require(
         max(full, arc) > least, "displacement", displacement, f"with the rotation, more than {least:.1g} m"
     )
@@ -301,7 +292,7 @@ class _Path:
         start = rest(self.system, moving.begun)
         begun = start
         if self.system.rigid:
-            onset = tolerances.onset * min(increment, self.model.size)
+            onset = LIMIT.onset * min(increment, self.model.size)
             begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
         self.steps, self.movement = [start], [0.0]
         self.reactions = [reaction(self.model, begun, self.index)[:2]]
@@ -353,7 +344,7 @@ class _Path:
         """Add the point `by` (m) further on."""
         here, last = self.movement[-1], self.steps[-1]
         step = self._step(last, self.past, here, by, 0.0, shortest)
-        if by > 0.05 * self.increment:  # the rate of a shorter step is mostly rounding
+        if by > PATH.shortest(self.increment):  # the rate of a shorter step is mostly rounding
             moved = (step.state.positions - last.state.positions) / by
             self.past = np.zeros_like(moved) if self.jumped else moved
         self.steps.append(step)
@@ -385,7 +376,7 @@ class _Path:
     def _settle(self) -> None:
         """Let the blocks that sliding has lifted come down after the whole movement; the path ends if they fall."""
         step = self.steps[-1]
-        lift = lifted(step, self.model.weight)
+        lift = lifted(step)
         if lift <= REST.lifted * self.model.size:
             self.final = step.state
             return
@@ -411,7 +402,7 @@ class _Path:
             return False
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
-        return bool(apart < self.tolerances.whole * float(abs(moved).max()))
+        return bool(apart < USABLE * float(abs(moved).max()))
 
     def result(self) -> Pushdown:
         """Return the path as a result, once it has ended."""

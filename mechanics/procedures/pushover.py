@@ -53,19 +53,17 @@ class PushoverTolerances:
 
     `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
     `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
-    largest multiplier: `zero`, a multiplier that counts as zero (found with at most `chords` chords, within `jump` of a
-    step: else it jumps); `flat`, a change that does not count; `closing`, to which the peak behind a joint that closes
-    is located. `back`: share of its displacement, an increment at least, by which the control point goes back where a
-    part falls; `wedged`: multiplier beyond which the load only wedges the blocks, times that of limit analysis where
-    this is above 1; `farther`: share of an increment beyond α = 0 from which a structure is left to itself; `points`:
-    most points of a curve.
+    largest multiplier: `zero`, a multiplier that counts as zero (located to as much of a step: else it jumps); `flat`,
+    a change that does not count; `closing`, to which the peak behind a joint that closes is located. `back`: share of
+    its displacement, an increment at least, by which the control point goes back where a part falls; `wedged`:
+    multiplier beyond which the load only wedges the blocks, times that of limit analysis where this is above 1;
+    `farther`: share of an increment beyond α = 0 from which a structure is left to itself; `points`: most points of a
+    curve.
     """
 
     still: float = 1e-3
     largest: float = 2.0
     zero: float = 1e-6
-    chords: int = 40
-    jump: float = 1e-6
     flat: float = 1e-3
     closing: float = 2e-4
     back: float = 0.5
@@ -376,11 +374,9 @@ class _Curve:
         if self.multiplier[-1] <= 0.0:
             return None
         low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
-        tolerance, least = self.tolerances.zero * max(self.multiplier), self.tolerances.jump * work
+        tolerance, least = self.tolerances.zero * max(self.multiplier), self.tolerances.zero * work
         last: tuple[float, Equilibrium, bool] | None = None
-        for _ in range(self.tolerances.chords):
-            if high[0] - low[0] < least:
-                break
+        while high[0] - low[0] >= least:
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             try:
                 step, jumped = self._step(chord, fastest, shortest)

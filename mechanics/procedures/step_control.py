@@ -28,7 +28,7 @@ from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.tolerances import LIMIT
+from mechanics.steps.tolerances import LIMIT, REST
 from mechanics.types import Array
 
 
@@ -37,13 +37,11 @@ class PathTolerances:
     """Tolerances of the length of steps.
 
     `halvings`: of an increment, to which the end of a path is located; `growth`: factor from one step to the next,
-    after halvings or a small first step; `jump`: a motion of as many times the expected displacement of a step;
-    `rise`: share of its multiplier by which that of a step along a flow may rise.
+    after halvings or a small first step; `rise`: share of its multiplier by which that of a step along a flow may rise.
     """
 
     halvings: int = 5
     growth: float = 1.5
-    jump: float = 2.0
     rise: float = 1e-4
 
     def shortest(self, increment: float) -> float:
@@ -182,7 +180,7 @@ def _reach(
         if not rigid and (lifting := _lifting(problem, guess, last)) is not None:
             return lifting, False
         raise
-    jumped = way(begun, rested.state.positions, problem.system.model.size) > PATH.jump * problem.size
+    jumped = way(begun, rested.state.positions, problem.system.model.size) > REST.jump * problem.size
     return rested, jumped
 
 

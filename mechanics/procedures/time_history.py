@@ -426,7 +426,7 @@ def _settled(
         if state.carrying is None:
             check_self_weight(model, state)
         step = rest(static_system(model, contacts, sliding).around(state.positions, size), state)
-        if lifted(step, model.weight) > REST.lifted * model.size:
+        if lifted(step) > REST.lifted * model.size:
             step = motion_to_rest(
                 StepProblem(step.system, step.state, model.dead_load, size), step.state.positions
             )

@@ -24,9 +24,8 @@ GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = (
     1e-6  # the worst certificate that is accepted, after all solvers have been tried or where a motion rests
 )
-BALANCED = 1e-6  # of gravity: acceleration up to which loads count as balanced
+BALANCED = USABLE  # of gravity: acceleration up to which loads count as balanced
 DOUBTFUL = 1e-3  # of gravity: a smaller acceleration may be none
-MARGINAL = 1e-8  # of gravity: the same if no solver finds a solution
 OPEN = 100.0  # steps: gap of a joint that stays open
 
 
@@ -76,7 +75,7 @@ def check_balance(program: Program, layout: Elimination) -> None:
 
 def _check_balance(acceleration: float) -> None:
     """Raise NoEquilibriumError for a least acceleration, per gravity, of loads that no solver has balanced."""
-    if acceleration > MARGINAL:
+    if acceleration > GOOD:
         raise NoEquilibriumError(
             message(
                 "no equilibrium: some block would start to move with {acceleration:.2g} g",

@@ -23,10 +23,10 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.types import Array
 
 MOST_ITERATIONS, IDLE = 100, 10  # in all, and without progress
-ROUGH, APART = (
-    1e-3,
-    0.3,
-)  # residual of a solution by the associative law, and distance from it at which one begins
+ROUGH = 1e-3  # residual of a solution by the associative law near which another one begins
+APART = (
+    0.3  # distance from the bounds, per weight and step, at which a program begins near an earlier solution
+)
 LARGER = 10.0  # forces of a further start
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
 
@@ -77,7 +77,7 @@ class Iterate:
     alpha: float
     displacement: Array
 
-    def warm(self, program: Program, distance: float) -> Iterate:
+    def warm(self, program: Program, distance: float = APART) -> Iterate:
         """Return the iterate with a least distance from the bounds, per weight and step, for a next solution.
 
         A force that is raised closes the bed of its end, and its gap y takes that up: y + ∂W*/∂N stays as it was.
@@ -149,7 +149,7 @@ def with_dilation(program: Program, psi: float) -> Program:
 def near_lifting(program: Program, layout: Elimination) -> Iterate:
     """Return the iterate near a rough solution of the program by the associative law."""
     lifting = with_dilation(program, 1.0)
-    return run(lifting, layout, cold(lifting), ROUGH)[0].warm(program, APART)
+    return run(lifting, layout, cold(lifting), ROUGH)[0].warm(program)
 
 
 @one_thread()

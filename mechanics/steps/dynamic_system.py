@@ -32,10 +32,10 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import one_thread
 from mechanics.steps.contact_values import moved_over, spring_forces
 from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
 
 LONG = 10  # computed steps at rest after which it is tried how far rest goes
-AHEAD = 0.05  # of the block size: how far a corner may move before contacts are looked for again
 
 
 @dataclass(eq=False)
@@ -183,7 +183,7 @@ class DynamicSystem:
     @property
     def margin(self) -> float:
         """How far (m) a corner may move before contacts are looked for again."""
-        return AHEAD * self.model.size if self.model.collisions else np.inf
+        return STEP.look_ahead * self.model.size if self.model.collisions else np.inf
 
     def around(self, motion: Motion) -> DynamicSystem:
         """Return the system with the contacts near a motion, whose arrays become those of these contacts."""

@@ -58,7 +58,7 @@ class ClosedProgram:
             raise NoEquilibriumError(message("no equilibrium: a joint is crushed over its whole length"))
         now = half - 0.5 * normal / strength
         places = self.program.places
-        if abs(now - places[:, H]).max(initial=0.0) <= LIMIT.hinged * self.program.size:
+        if abs(now - places[:, H]).max(initial=0.0) <= STEP.rounding * self.program.size:
             return None
         moved = places.copy()
         moved[:, H], moved[:, PHI] = now, places[:, PHI] * places[:, H] / now
@@ -76,7 +76,7 @@ class ClosedProgram:
         hinge = first ^ second
         lever = np.where(hinge, np.where(first, 1.0, -1.0) * places[:, H], 0.0)
         places[:, MU] += lever * places[:, MPHI]
-        places[hinge, H] *= LIMIT.hinge
+        places[hinge, H] *= STEP.rounding
         places[hinge, U], places[hinge, PHI] = 0.0, 0.0
         return replace(self, program=replace(self.program, places=places)), lever
 
@@ -140,7 +140,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProg
     state = state or model.initial
     if state.carrying is None:
         return _standing(model, state, None)
-    tolerance = LIMIT.exact
+    tolerance = STEP.inside
     while tolerance < 0.5 * LIMIT.closed:
         try:
             return _standing(model, state, tolerance)
@@ -229,11 +229,11 @@ def rest(
 def rest_size(model: Assembly, behaviour: Behaviour) -> float:
     """Return a displacement (m) on the scale of the joints' compression under gravity.
 
-    Rigid, or without joints: 1/1000 of a block.
+    Rigid, or without joints: that of a mechanism at its onset.
     """
     contacts = model.contacts.take(np.flatnonzero(~model.contacts.ties))
     if behaviour == "rigid" or len(contacts) == 0:
-        return 1e-3 * model.size
+        return LIMIT.onset * model.size
     length = 2.0 * contacts.places(model.initial.positions)[:, H]
     return float(np.median(model.weight / (contacts.bed * length)))
 

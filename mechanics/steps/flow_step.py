@@ -85,7 +85,7 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
         displacement, gaps = found
         at = displaced(model, at, displacement)
         check_motion(problem, at)
-        if abs(displacement).max() <= STEP.exact * model.size:
+        if abs(displacement).max() <= STEP.rounding * model.size:
             break
     else:
         raise ended

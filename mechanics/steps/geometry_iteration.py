@@ -40,7 +40,7 @@ class Round:
     at: Array
     forces: Array | None
     iterate: Iterate | None
-    distance: float
+    distance: float = interior.APART
     touching: Index | None = None
     alpha: float = 0.0
     solves: int = 0
@@ -103,11 +103,11 @@ def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Roun
     The first program of elastic joints is without its forces: of another geometry, they may make it unstable.
     """
     if last is None:
-        return Round(guess, None, None, STEP.begin)
+        return Round(guess, None, None)
     forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
     reference = iterate.forces if iterate is not None and system.dilation < 1.0 else None
-    return Round(guess, forces, iterate, STEP.begin, reference=reference)
+    return Round(guess, forces, iterate, reference=reference)
 
 
 def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:

@@ -45,7 +45,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     equilibrium; ConvergenceError if it still slows down then.
     """
     model, solves = problem.system.model, 0
-    still, least = tolerances.still * model.size, tolerances.way * model.size
+    still, least = STEP.slow * model.size, tolerances.way * model.size
     now, at, time, longest = replace(problem, size=least), begun, tolerances.first, tolerances.longest
     exact = USABLE if problem.system.rigid else STEP.slow
     last: Round | None = None
@@ -85,7 +85,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
         if slowing and held.stable and held.certificate.worst(least) <= exact:
             return replace(held, solves=solves)
-        if left <= tolerances.balanced * model.size and not held.stable:
+        if left <= STEP.rounding * model.size and not held.stable:
             raise RunawayError(UNSTABLE)
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
@@ -150,12 +150,12 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         frozen = interior.frozen(program)
     full, held, solves = None, None, 0  # solutions with the geometry that changes, and with the geometry held
     if warm and curved:
-        full, solves = _solved(program, layout, warm.warm(program, STEP.begin)), 1
+        full, solves = _solved(program, layout, warm.warm(program)), 1
         if full and way(at, displaced(system.model, at, full.displacement), size) > REST.jump * problem.size:
             full = None
     if full is None:
         cold = interior.cold(frozen)
-        tries = [(frozen, warm and warm.warm(frozen, STEP.begin)), (frozen, cold)]
+        tries = [(frozen, warm and warm.warm(frozen)), (frozen, cold)]
         if system.dilation < 1.0:  # a step by Coulomb's law may have no solution, one that lifts always has
             tries += [(interior.with_dilation(frozen, psi), cold) for psi in (LIMIT.slight, 1.0)]
         for tried, start in tries:
@@ -174,7 +174,6 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         displaced(system.model, at, solution.displacement),
         spread(solution.forces, index, count),
         found and over_all(found, index, count),
-        STEP.begin,
         touching=index,
         alpha=solution.alpha,
         solves=solves,
@@ -188,9 +187,9 @@ def _solved(program: Program, layout: Elimination, start: Iterate) -> Iterate | 
     return found if outcome.accepted else None
 
 
-def lifted(equilibrium: Equilibrium, weight: float) -> float:
+def lifted(equilibrium: Equilibrium) -> float:
     """Return the largest difference (m) between gap and compression of joints that carry; rigid joints: their gap."""
-    carries = equilibrium.forces[:, 0] > 1e-6 * weight
+    carries = equilibrium.forces[:, 0] > equilibrium.system.least_force
     places, forces = equilibrium.places[carries], equilibrium.forces[carries]
     missing = end_gaps(places)
     if not equilibrium.system.rigid:

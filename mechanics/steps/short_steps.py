@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mechanics.solvers import interior
+from mechanics.solvers import GOOD, interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import iterate_over, over_all, spread, state_at_rest, taken
 from mechanics.steps.static_step import (
@@ -18,7 +18,7 @@ from mechanics.steps.static_step import (
     proximal,
     solve_program,
 )
-from mechanics.steps.tolerances import STEP
+from mechanics.steps.tolerances import REST, STEP
 from mechanics.types import GRAVITY, Array
 
 
@@ -33,7 +33,7 @@ def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None)
     """
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
-    count = max(STEP.fewest, int(np.ceil(problem.size / (STEP.short * model.size))))
+    count = max(STEP.fewest, int(np.ceil(problem.size / (REST.way * model.size))))
     time = STEP.short_time if problem.lateral is not None else STEP.still_time
     mass = model.mass * GRAVITY / (time**2 * model.size)
     short = replace(problem, size=problem.size / count, work=problem.work / count, mass=mass)
@@ -45,10 +45,10 @@ def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None)
         posed = at.copy()
         posed[fixed] = begun[fixed] + (k + 1.0) / count * (guess - begun)[fixed]
         program, index = short.pose(posed, None)
-        near: Iterate | None = iterate and taken(iterate, index).warm(program, STEP.begin)
+        near: Iterate | None = iterate and taken(iterate, index).warm(program)
         if iterate and system.dilation < 1.0:
             program = proximal(program, iterate.forces[index])
-        found, more = solve_program(program, system.layout.take(index), near, STEP.solved)
+        found, more = solve_program(program, system.layout.take(index), near, GOOD)
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)

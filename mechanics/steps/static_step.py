@@ -13,8 +13,8 @@ from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
-from mechanics.program import LARGEST_MULTIPLIER, Certificate, Program, bed_gaps, certify, end_forces
-from mechanics.solvers import check_balance, interior, solve
+from mechanics.program import BOUNDED, Certificate, Program, bed_gaps, certify, end_forces
+from mechanics.solvers import GOOD, check_balance, interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import over_all, spread, spring_forces, state_at_rest, taken
@@ -202,13 +202,13 @@ def solve_program(
     unstable, solves = False, 0
     held = interior.frozen(program)
     skew = bool((program.law[:, DILATION] < 1.0).any())
-    solved = STEP.stalled if skew else STEP.solved
+    solved = STEP.slow if skew else GOOD
     for tried, start in ((program, near), (held, interior.cold(held))):
         if start is None:
             continue
         found, outcome = interior.run(tried, layout, start, accepted)
         solves += 1
-        if abs(found.alpha) > 0.99 * LARGEST_MULTIPLIER:
+        if abs(found.alpha) > BOUNDED:
             raise NoEquilibriumError(
                 message("no mechanism: the load only wedges the blocks, the multiplier has no bound")
             )
@@ -270,8 +270,8 @@ def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int 
     start = None
     if near and system.dilation < 1.0:
         known = taken(near, index)
-        program, start = proximal(program, known.forces), known.warm(program, STEP.begin)
-    found, more = solve_program(program, system.layout.take(index), start, STEP.solved)
+        program, start = proximal(program, known.forces), known.warm(program)
+    found, more = solve_program(program, system.layout.take(index), start, GOOD)
     solution, count = interior.solution(program, found), len(system.contacts)
     forces, places = spread(solution.forces, index, count), system.places(at, problem.start)
     return Equilibrium(

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from mechanics.errors import require
-from mechanics.kernels.joint import H, U
+from mechanics.kernels.joint import LEAST, H, U
 from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps
@@ -115,7 +115,7 @@ class StaticSystem:
         """The law of each joint (j, LAW), see kernels.law; its slip from which sliding is measured is set later."""
         c = self.contacts
         law = np.zeros((len(c), LAW))
-        law[:, FRICTION] = np.maximum(c.friction, STEP.least_friction)
+        law[:, FRICTION] = np.maximum(c.friction, LEAST)
         law[:, STRENGTH], law[:, BED], law[:, DILATION] = c.strength, np.inf, self.dilation
         if not self.rigid:
             law[:, BED], law[:, SEGMENTS] = c.bed, c.segments

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mechanics.model.assembly import Behaviour
+from mechanics.solvers import GOOD, USABLE
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,27 +15,24 @@ class StepTolerances:
     Programs. `rigid`, `elastic`: residuals, per weight and step, to which the first programs are solved before the
     geometry is updated (rigid joints yield nothing in a wrong geometry; gaps of blocks that carry little are known to
     the root of the residual, and they are the next geometry); a program with the last residual is repeated at most
-    `rigid_rounds` or `elastic_rounds` times; `solved`: the residual with which a program counts as solved where
-    rounding keeps it from a smaller one. `begin`: distance from the bounds, per weight and step, at which the first
-    program begins near an earlier solution; `go_on`: the same for the next ones, over the residual of the last;
-    `bend`: the same for a program that begins near that with its geometry held. `yielding`: compliance, in
-    steps per weight, of rigid joints to changes of their forces by Coulomb's law; `memory`: programs of a step after
-    which these count from the same forces. `stalled`: residual accepted of a program by Coulomb's law that stalls,
-    within the sequence.
+    `rigid_rounds` or `elastic_rounds` times. `go_on`: distance from the bounds at which the next programs begin, over
+    the residual of the last; `bend`: that of a program that begins near the one with its geometry held. `yielding`:
+    compliance, in steps per weight, of rigid joints to changes of their forces by Coulomb's law; `memory`: programs of
+    a step after which these count from the same forces.
 
-    Acceptance. `rigid_certificate`, `elastic_certificate`: residuals of the forces in the geometry that they lead
-    to; `slow`: the same if these approach each other only slowly: of rigid joints, and of a rest of elastic ones.
-    `fall`: a motion of this many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block
-    by more leaves the range in which its geometry is linear.
+    Acceptance. `slow`: residual, per weight and step, of what approaches its solution only slowly: forces and geometry
+    of rigid joints, a rest of elastic ones, a program by Coulomb's law within the sequence. `fall`: a motion of this
+    many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more leaves the range
+    in which its geometry is linear.
 
     Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
-    `no_overlap`, overlap that does not count; `inside`, least penetration that counts; `look_ahead`, distance beyond a
-    step within which contacts are looked for. `least_friction`: coefficient that replaces zero friction.
+    `rounding`, a motion or distance that is none; `no_overlap`, overlap that does not count; `inside`, least
+    penetration that counts; `look_ahead`, distance beyond a step within which contacts are looked for.
 
-    Flows. `slides`: slip of a joint that slides, as a share of a step; `exact`: change, as a share of the block size,
-    with which the geometry of a flow is exact; `touching`: gap or slip, as a share of a step, that is none.
+    Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
+    that is none.
 
-    Short steps. `short`: their length, as a share of the block size; `fewest`: least number of short steps in a step;
+    Short steps, as long as those of a motion (RestTolerances.way). `fewest`: least number of short steps in a step;
     `short_time`: time of each in a push, in units of √(size/g), long enough for inertia to have little effect;
     `still_time`: the same under given loads: what they do not balance by 1e-5 of the weight falls at once.
     """
@@ -43,27 +41,20 @@ class StepTolerances:
     elastic: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)
     rigid_rounds: int = 8
     elastic_rounds: int = 12
-    solved: float = 1e-8
-    stalled: float = 1e-5
-    begin: float = 0.3
     go_on: float = 0.1
     bend: float = 1e-2
     yielding: float = 3e-4
     memory: int = 2
-    rigid_certificate: float = 1e-8
-    elastic_certificate: float = 1e-6
     slow: float = 1e-5
     fall: float = 10.0
     turn: float = 0.5
     carrying: float = 1e-6
+    rounding: float = 1e-10
     no_overlap: float = 1e-9
     inside: float = 1e-6
     look_ahead: float = 0.05
-    least_friction: float = 1e-9
     slides: float = 1e-3
-    exact: float = 1e-12
     touching: float = 1e-7
-    short: float = 1e-2
     fewest: int = 4
     short_time: float = 4.5
     still_time: float = 450.0
@@ -73,8 +64,8 @@ class StepTolerances:
         return self.rigid if behaviour == "rigid" else self.elastic
 
     def certificate(self, behaviour: Behaviour) -> float:
-        """Return the certificate that ends the repetition."""
-        return self.rigid_certificate if behaviour == "rigid" else self.elastic_certificate
+        """Return the certificate, of the forces in the geometry that they lead to, that ends the repetition."""
+        return GOOD if behaviour == "rigid" else USABLE
 
     def rounds(self, behaviour: Behaviour) -> int:
         """Return the largest number of repetitions of the program with the last residual."""
@@ -85,14 +76,14 @@ class StepTolerances:
 class RestTolerances:
     """Tolerances of a motion whose velocity is reset in every step.
 
-    In units of √(size/g): `first`, time of the first step; `careful`, the same where a motion leads into a step that
-    is not solved; `longest`, time of a step that hardly moves. `stride`: motion in a step, as a share of the whole
-    motion so far, and at least `way`. As shares of the block size: `way`; `still`, motion in a step of unit time at
-    rest; `balanced`, motion in a step that is rounding; `lifted`, gap of joints that carry; `farthest`, way beyond
-    which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if it comes
-    to rest where it falls. `steps`: largest number of steps. `growth`: of the longest time step after it was halved;
-    `jump`: times the intended motion of a step, a longer one is another solution of a program that is not convex;
-    `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow down.
+    In units of √(size/g): `first`, time of the first step; `careful`, the same where a motion leads into a step that is
+    not solved; `longest`, time of a step that hardly moves. `stride`: motion in a step, as a share of the whole motion
+    so far, and at least `way`. As shares of the block size: `way`; `lifted`, gap of joints that carry; `farthest`, way
+    beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if
+    it comes to rest where it falls. `steps`: largest number of steps. `growth`: of the longest time step after it was
+    halved; `jump`: times the intended motion of a step, a longer one is another solution of a program that is not
+    convex; `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow
+    down.
     """
 
     first: float = 0.5
@@ -100,8 +91,6 @@ class RestTolerances:
     longest: float = 5.0
     way: float = 0.01
     stride: float = 0.2
-    still: float = 1e-5
-    balanced: float = 1e-12
     lifted: float = 5e-5
     steps: int = 400
     farthest: float = 0.3
@@ -114,29 +103,23 @@ class RestTolerances:
 class LimitTolerances:
     """Tolerances of limit analysis.
 
-    As shares of the block size: `closed`, gap that counts as closed; `exact`, that of a state whose forces are known,
-    which is in equilibrium to 1e-8 or better: wider ones are cracks; `onset`, displacement of a mechanism at its onset.
-    `far`: gap of an open end, in such displacements; `hinge`: length of a joint that is open at one end, as a share of
-    its overlap: none but for rounding. `repeats`: most programs for hinges that crush; `tries`: as many
+    As shares of the block size: `closed`, gap that counts as closed; `onset`, displacement of a mechanism at its onset.
+    `far`: gap of an open end, in such displacements; `repeats`: most programs for hinges that crush; `tries`: as many
     flows in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in all;
     `other`: most that their frictions are changed by, as a share; `turn`: each so many of them is of the same
-    frictions; `hinged`: distance of a hinge from where its force crushes the edge, as a share of the block size.
-    `slight`: share of μ|slip| by which joints lift where Coulomb's law has no flow; `idle`: force, per weight, or
-    motion, per `onset`, that is none; `most_joints`: of a model whose least multiplier is sought: the linear programs
-    grow faster than the flow's own.
+    frictions. `slight`: share of μ|slip| by which joints lift where Coulomb's law has no flow; `idle`: force, per
+    weight, or motion, per `onset`, that is none; `most_joints`: of a model whose least multiplier is sought: the linear
+    programs grow faster than the flow's own.
     """
 
     closed: float = 1e-3
-    exact: float = 1e-6
     onset: float = 1e-3
     far: float = 1e3
-    hinge: float = 1e-12
     repeats: int = 12
     tries: int = 64
     tried: int = 6000
     other: float = 0.5
     turn: int = 4
-    hinged: float = 1e-10
     slight: float = 1e-2
     idle: float = 1e-9
     most_joints: int = 5000

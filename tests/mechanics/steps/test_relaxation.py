@@ -86,7 +86,7 @@ def test_what_hangs_above_its_joint_comes_to_rest_on_it():
     rested = motion_to_rest(problem, problem.start.positions)
     expected = rest(static_system(model, "elastic"), model.initial)
     assert farthest(rested.state.positions, expected.state.positions) < 1e-4
-    assert lifted(rested, model.weight) <= REST.lifted * model.size
+    assert lifted(rested) <= REST.lifted * model.size
 
 
 def test_what_falls_does_not_come_to_rest():
@@ -129,10 +129,10 @@ def test_programs_of_other_solvers_count(monkeypatch):
 def test_a_lift_counts_from_the_compression_that_forces_ask_for():
     model = block_on_base(0.6, 4.2, stiffness=1e4)
     step = rest(static_system(model, "elastic"), model.initial)
-    assert lifted(step, model.weight) <= 1e-9
+    assert lifted(step) <= 1e-9
     above = replace(step, places=step.places + np.where(np.arange(step.places.shape[1]) == 8, 0.01, 0.0))
     assert above.places[0, H] == step.places[0, H]
-    assert lifted(above, model.weight) == pytest.approx(0.01, rel=1e-6)
+    assert lifted(above) == pytest.approx(0.01, rel=1e-6)
 
 
 def test_a_turn_is_a_way_too():
