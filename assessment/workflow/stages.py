@@ -20,7 +20,7 @@ from assessment.analyses.checks.governing import Governed, Run, governed, member
 from assessment.analyses.dynamic.histories import histories
 from assessment.analyses.dynamic.time_history import MotionInputs, motion_part, starts_of, ultimates
 from assessment.analyses.found import Found, joined, quality_of, refined
-from assessment.analyses.static.lateral import second_solver
+from assessment.analyses.static.lateral import rests_or_moves, second_solver
 from assessment.analyses.static.paths import pressed_in, stand
 from assessment.analyses.static.states import Request, StateResult, analyse_states
 from assessment.project.project import Project
@@ -45,7 +45,7 @@ from assessment.studies.convergence import Converged, converge
 from assessment.studies.identification.stage import identification
 from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Checked, read_inputs
-from mechanics import Assembly
+from mechanics import Assembly, State
 from mechanics.messages import Message, message
 
 PERIODS = np.linspace(0.0, 4.0, 201)  # s, of the spectra of motions
@@ -268,6 +268,14 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
     """Compute [[history]] and [incremental] from the states that `stages` reached, and add them to the results."""
     project, motions = draft.project, draft.read.motions
     starts = starts_of(project.dynamic_contacts, draft.models, stages)
+    if "rigid" in project.dynamic_contacts and project.contacts.sliding == "coulomb":
+        resting = {name: each for (name, behaviour), each in starts.items() if behaviour == "rigid"}
+        at_rest = [
+            (each.model, name, each.start) for name, each in resting.items() if isinstance(each.start, State)
+        ]
+        worthwhile = large(*(model for model, *_ in at_rest))
+        for found in scans.workers.each("friction at rest", rests_or_moves, at_rest, [*resting], worthwhile):
+            draft.warnings += found.warnings
     pushovers = {name: state.pushover for name, state in draft.states.items()}
     inputs = MotionInputs(project, starts, ultimates(pushovers), scans.workers)
     if project.history:

@@ -208,7 +208,7 @@ def between(
     `segments`: of joints whose blocks have no number of their own, 0 for the exact bed.
     """
     depth = np.array([block.depth for block in blocks])
-    mu = np.array([block.material.friction for block in blocks])
+    mu = np.array([block.material.friction for block in blocks], dtype=float)
     mu[mu > STEEPEST] = np.inf
     k = np.array([(b.material.normal_stiffness or np.nan, b.material.tangential_stiffness) for b in blocks])
     strength = np.array([block.material.compressive_strength for block in blocks])

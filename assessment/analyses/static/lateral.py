@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from typing import get_args
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from assessment.results.configurations.frames import (
     yielding,
 )
 from assessment.results.configurations.joint_states import Met
-from assessment.results.schema.part import finite
+from assessment.results.schema.part import finite, known
 from assessment.results.schema.static import (
     Curve,
     ElasticPush,
@@ -68,6 +69,7 @@ from mechanics.procedures import (
 from mechanics.steps import Sliding
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that moves less takes no part
+RESTS_OR_MOVES = 1.1  # ratio of the laws' multipliers up to which motions of rigid joints are not too small
 DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
 
 
@@ -353,6 +355,29 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
             displacement=float(path.displacement[path.formed]),
             multiplier=float(path.multiplier[path.formed]),
         )
+
+
+def rests_or_moves(model: Assembly, name: str, start: State) -> Found[float]:
+    """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
+
+    Rigid joints may rest under whatever forces within their bounds balance, up to the associative multiplier, and move
+    from Coulomb's on. Motions take the central forces, which rest where they can.
+    """
+    began, found = time.perf_counter(), Found(1.0)
+    for direction in get_args(Direction):
+        with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
+            moves = limit_analysis(model, direction, start, "coulomb").alpha
+            rests = limit_analysis(model, direction, start, "associative").alpha
+            found.value = max(known(found.value), rests / max(moves, LEAST))
+            if rests > RESTS_OR_MOVES * moves:
+                note = message(
+                    "{direction}: under α from {moves:.3g} to {rests:.3g} rigid joints may rest or move, as friction "
+                    "presses itself in: motions with rigid joints may be too small; run them with elastic joints too",
+                    direction=direction, moves=moves, rests=rests,
+                )  # fmt: skip
+                found.warnings.append(headed(name, note))
+    found.seconds = time.perf_counter() - began
+    return found
 
 
 def second_solver(
