@@ -13,7 +13,7 @@ from tests import ROOT
 LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 240,
-    "assessment/analyses": 4541,
+    "assessment/analyses": 4566,
     "assessment/app": 1305,
     "assessment/benchmark": 1185,
     "assessment/cli": 777,
@@ -23,7 +23,7 @@ LINES = {
     "assessment/results": 3300,
     "assessment/runtime": 1661,
     "assessment/studies": 2439,
-    "assessment/workflow": 955,
+    "assessment/workflow": 963,
     "mechanics": 968,
     "mechanics/kernels": 3642,
     "mechanics/model": 3252,
