@@ -133,6 +133,11 @@ def test_a_small_campaign(block):
     assert original["median_g"] == pytest.approx(
         math.exp(np.mean([math.log(row["level_50_g"]) for row in rows[:3]]))
     )
+    for fitted, own in ((original, rows[:3]), (settled, rows[3:])):
+        apart = np.std(np.log([row["level_50_g"] for row in own]))
+        within = math.sqrt(np.mean([(row["beta"] or 0.0) ** 2 for row in own]))
+        numbers = [fitted[key] for key in ("beta", "beta_record", "beta_ensemble")]
+        assert numbers == pytest.approx([math.hypot(apart, within), apart, within])
     assert settled["rule"] == "lowest"
     assert settled["pga_collapse_g"] == min(row["pga_collapse_g"] for row in rows[3:])
     at_rest, lost = found["loss"]

@@ -68,8 +68,8 @@ def test_forces_are_those_of_fibres_that_yield(half, k, turn, over, before):
     lines=st.lists(st.floats(-4.0, 4.0), min_size=6, max_size=6),
 )
 def test_forces_beside_any_three_lines(half, k, turn, over, lines):
-    fibres, left = Fibres(half, k), np.array(lines) * STRENGTH / k
-    for first, second in left.reshape(3, 2):
+    fibres, left = Fibres(half, k), np.array([*lines, 0.0, 0.0]) * STRENGTH / k
+    for first, second in left.reshape(4, 2):
         line = 0.5 * (first + second) + 0.5 * (second - first) * fibres.s / half
         fibres.residual = np.maximum(fibres.residual, line)
     u, phi = pressed_to(half, k, over, turn)
@@ -149,7 +149,7 @@ def test_gaps_are_found_beside_what_is_crushed_deep(eccentricity, used):
     """By lines of hundreds of σ/k, near the bound: a search that began on both ends' lines ended in their middle."""
     half, k = 1.5, 1e6
     yields = STRENGTH / k
-    left = yields * np.array([10.0, 2.0, -320.0, 503.0, 0.0, 0.0])
+    left = yields * np.array([10.0, 2.0, -320.0, 503.0, 0.0, 0.0, 0.0, 0.0])
     if eccentricity < 0.0:
         left[:4] = left[3::-1].copy()
     n1, n2 = ends_of(eccentricity, used * 2.0 * half * STRENGTH * (1.0 - abs(eccentricity)))

@@ -38,8 +38,9 @@ def test_walls_that_only_turn_end_at_the_same_displacement(name):
     assert found[3] == pytest.approx(expected[3], rel=1e-6)
 
 
-@pytest.mark.parametrize("sliding", ["associative", "coulomb"])
-@pytest.mark.parametrize("name", SLIDING)
+@pytest.mark.parametrize(
+    ("name", "sliding"), zip(SLIDING, ("coulomb", "associative", "coulomb"), strict=True)
+)
 def test_walls_that_slide_end_for_the_same_reason(name, sliding):
     wall = running_bond(*SLIDING[name])
     expected = ended(wall, 1.0, sliding)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -58,12 +58,12 @@ def test_cracks_bear_nothing_in_the_mechanism_of_a_settled_state(model, movement
 
 def settled_states() -> Iterator[tuple[Assembly, State]]:
     """Random arches whose abutment has moved, random walls whose base leans, and flat arches."""
-    for seed in range(0, 27, 3):
+    for seed in range(0, 27, 9):
         arch = random_masonry(seed)
         yield arch, pushdown(arch, "right", (0.004, -0.006), increment=0.003).final
-    for wall in map(small_wall, (0, 2, 4)):
+    for wall in map(small_wall, (0, 4)):
         yield wall, pushdown(wall, "base", rotation=0.02, increment=0.01).final
-    for voussoirs, friction in product((3, 5), (0.6, 0.65, 0.7)):
+    for voussoirs, friction in ((3, 0.6), (5, 0.7)):
         arch = flat_arch(voussoirs, 1.2, 0.4, friction)
         yield arch, pushdown(arch, "right", (0.03, -0.03), increment=0.03).final
     yield from ((model, pushdown(model, "right", way, increment=0.03).final) for model, way in CRACKED)

@@ -11,9 +11,11 @@ from scipy.special import log_ndtr
 from scipy.stats import CensoredData, norm
 
 from assessment.analyses.dynamic.fragility import (
+    RecordLevel,
     confidence,
     fit_levels,
     fit_stripes,
+    over_records,
     samples_of_records,
 )
 
@@ -35,6 +37,16 @@ def test_what_withstood_is_a_lower_bound_as_scipy_has_it():
     mean, beta = norm.fit(CensoredData(np.log(levels[~withstood]), right=np.log(levels[withstood])))
     assert fit.median[0] == pytest.approx(math.exp(mean), rel=1e-4)
     assert fit.beta[0] == pytest.approx(beta, rel=1e-3)
+
+
+def test_beta_is_that_of_the_levels_of_records_and_that_within_each_of_them():
+    """0.2 and 0.4 g: ½ ln 2; within: the root of the mean square of 0.1 and 0.3, not of what withstood."""
+    fit = over_records([RecordLevel("a", 0.2, False, 0.1), RecordLevel("b", 0.4, False, 0.3)])
+    apart, within = math.log(2.0) / 2.0, math.sqrt(0.05)
+    assert (fit.beta_record, fit.beta_ensemble) == pytest.approx((apart, within))
+    assert fit.beta == pytest.approx(math.hypot(apart, within))
+    more = over_records([RecordLevel("a", 0.2, False, 0.1), RecordLevel("b", 0.4, True, 0.3)])
+    assert more.beta_ensemble == pytest.approx(0.1)
 
 
 def test_equal_levels_beside_lower_bounds_are_a_distribution_all_the_same():
