@@ -53,7 +53,11 @@ class Levels:
         self.scans, self.combinations = Scans(None, None), []
         self.before, self.after = (
             SimpleNamespace(
-                settlement="s", share=share, movement=0.02 * share, static=0.5 - 0.1 * share, d_0=None
+                settlement="s",
+                share=share,
+                movement_m=0.02 * share,
+                static_capacity=0.5 - 0.1 * share,
+                d_0_m=None,
             )
             for share in (0.0, 1.0)
         )
@@ -102,7 +106,7 @@ def test_a_loss_is_the_same_whatever_other_states_the_analysis_has():
     before = {"a": 0.2, "b": 0.4, "c": 0.8}
     levels = Levels(before, {"a": 0.1, "b": 0.36, "c": 0.6}, bands=True)
     alone = levels.loss()
-    other = SimpleNamespace(settlement="s", share=0.5, movement=0.01, static=0.45, d_0=None)
+    other = SimpleNamespace(settlement="s", share=0.5, movement_m=0.01, static_capacity=0.45, d_0_m=None)
     more = Levels({"a": 0.15, "b": 0.3, "c": 0.5}, {})
     levels.scans.found |= {f"{key} more": scan for key, scan in more.scans.found.items()}
     for each in more.combinations:
