@@ -20,18 +20,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+import mechanics
 from assessment.benchmark.table import Row
 from assessment.runtime.cache import installed
-from mechanics import (
-    Assembly,
-    CollapseError,
-    ControlError,
-    ConvergenceError,
-    NoEquilibriumError,
-    State,
-    TimeHistory,
-    UnstableError,
-)
 from mechanics.kernels.law import SEGMENTS
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.pushdown import Pushdown
@@ -46,7 +37,13 @@ from mechanics.types import GRAVITY, Array
 Answer = TypeVar("Answer")
 
 # what an analysis that does not succeed raises: a row says so
-FAILURES = (CollapseError, ControlError, ConvergenceError, NoEquilibriumError, UnstableError)
+FAILURES = (
+    mechanics.CollapseError,
+    mechanics.ControlError,
+    mechanics.ConvergenceError,
+    mechanics.NoEquilibriumError,
+    mechanics.UnstableError,
+)
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path, or of a motion, that the baseline solves
@@ -131,13 +128,13 @@ def path_baseline(path: Pushdown | Pushover) -> tuple[list[Program], int]:
 
 
 def history_baseline(
-    model: Assembly, behaviour: Behaviour, acceleration: Array, motion: TimeHistory
+    model: mechanics.Assembly, behaviour: Behaviour, acceleration: Array, motion: mechanics.TimeHistory
 ) -> tuple[list[Program], int]:
     """Implicit Euler steps (paper, eq. 3) from states of a motion, accelerations (k,) in g; its number of steps."""
     step, count = float(motion.time[1]), len(motion.time) - 1
     programs = []
     for k in range(0, count, max(count // SAMPLES, 1)):
-        state = State(motion.positions[k], motion.velocities[k])
+        state = mechanics.State(motion.positions[k], motion.velocities[k])
         speed = float(abs(state.velocities[:, :2]).max())
         size = max(GRAVITY * step**2, step * speed)
         system = static_system(model, behaviour).around(state.positions, size)
@@ -148,7 +145,7 @@ def history_baseline(
     return programs, count
 
 
-def pushed_program(model: Assembly) -> Program:
+def pushed_program(model: mechanics.Assembly) -> Program:
     """The program of limit analysis towards +x."""
     return closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
 

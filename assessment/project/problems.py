@@ -14,18 +14,8 @@ from typing import Any
 from pydantic import ValidationError
 
 from assessment.project.schema import ProjectContent, keys_at, tables_of
+from assessment.project.schema import values as kinds
 from assessment.project.schema.motions import GENERATED
-from assessment.project.schema.values import (
-    DISTINCT,
-    MOST_ENTRIES,
-    SHOWN,
-    FileName,
-    KeyPath,
-    NameOf,
-    Problem,
-    ProjectTable,
-    key_of,
-)
 from assessment.runtime.errors import ProjectError, nearest, shortened
 from assessment.runtime.files import SUFFIXES, read_picture
 from mechanics.messages import layer_key
@@ -56,22 +46,24 @@ _EXPECTED = {
 }
 
 
-def project_error(file: str, problems: Iterable[Problem], cells: Mapping[KeyPath, str]) -> ProjectError:
+def project_error(
+    file: str, problems: Iterable[kinds.Problem], cells: Mapping[kinds.KeyPath, str]
+) -> ProjectError:
     """The problems of one file as one error of one screen; `cells`: where the values are in a spreadsheet."""
     told = dict[str, None]()
     for path, text in problems:
         at = next((cells[path[:n]] for n in range(len(path), 0, -1) if path[:n] in cells), "")
-        told[f"{file}: {key_of(path)}{f' ({at})' if at else ''}: {text}"] = None
+        told[f"{file}: {kinds.key_of(path)}{f' ({at})' if at else ''}: {text}"] = None
     lines = [*told]
     if (more := len(lines) - _MOST_TOLD) > 0:
         lines[_MOST_TOLD:] = [f"{file}: project: {more} more problems; correct these first"]
     return ProjectError("\n".join(lines))
 
 
-def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[Problem]:
+def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[kinds.Problem]:
     """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
-    expected: dict[KeyPath, list[str]] = {}
-    problems: dict[KeyPath, str] = {}
+    expected: dict[kinds.KeyPath, list[str]] = {}
+    problems: dict[kinds.KeyPath, str] = {}
     for detail in error.errors(include_url=False):
         kind, context = detail["type"], detail.get("ctx", {})
         path, node = _walk(detail["loc"], content)
@@ -94,12 +86,12 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
             problems[path] = f"{_shown(value)} is wrong; write {' or '.join(expected[path])}"
     # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
-    return [Problem(path, text) for path, text in problems.items() if path not in shallow]
+    return [kinds.Problem(path, text) for path, text in problems.items() if path not in shallow]
 
 
-def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:
+def _walk(location: tuple[str | int, ...], content: Any) -> tuple[kinds.KeyPath, Any]:
     """Return the part of pydantic's location that the user wrote, and the value there."""
-    path: KeyPath = ()
+    path: kinds.KeyPath = ()
     node = content
     for part in location:
         children = dict(enumerate(node)) if isinstance(node, list) else node
@@ -108,20 +100,22 @@ def _walk(location: tuple[str | int, ...], content: Any) -> tuple[KeyPath, Any]:
     return path, node
 
 
-def _phrase(path: KeyPath, detail: Mapping[str, Any]) -> str:
+def _phrase(path: kinds.KeyPath, detail: Mapping[str, Any]) -> str:
     """Return what is expected in the place of a value that pydantic refuses."""
     kind, context, value = detail["type"], detail.get("ctx", {}), detail["input"]
     if kind == "tuple_type" and isinstance(value, dict) and len(path) == 1:
         return f"[[{path[-1]}]] with double brackets, one per entry"
     if kind == "model_type" and isinstance(value, list):
-        return f"[{key_of(path)}] with single brackets, once"
+        return f"[{kinds.key_of(path)}] with single brackets, once"
     if kind == "greater_than_equal" and 0.0 < context["ge"] < 0.01 and not value > 0.0:
         return "a number greater than 0"
     if kind == "too_long" and context["max_length"] == 2:  # [0,6] of one number, or [0,6, 0,8] of two
         return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
     expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
     if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
-        expected += f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', SHOWN)}"
+        expected += (
+            f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', kinds.SHOWN)}"
+        )
     return expected
 
 
@@ -129,7 +123,7 @@ def _shown(value: Any) -> str:
     text = json.dumps(_pruned(value), ensure_ascii=False, default=str)
     for name, own in (("-Infinity", "-inf"), ("Infinity", "inf"), ("NaN", "nan")):
         text = own if text == name else text
-    return shortened(text, SHOWN)
+    return shortened(text, kinds.SHOWN)
 
 
 def _pruned(value: Any, levels: int = 3) -> Any:
@@ -141,8 +135,8 @@ def _pruned(value: Any, levels: int = 3) -> Any:
     if levels == 0:
         return "…"
     if isinstance(value, dict):
-        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), SHOWN)}
-    return [_pruned(each, levels - 1) for each in value[:SHOWN]]
+        return {str(key): _pruned(each, levels - 1) for key, each in islice(value.items(), kinds.SHOWN)}
+    return [_pruned(each, levels - 1) for each in value[: kinds.SHOWN]]
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
@@ -158,9 +152,9 @@ def matches(folder: Path, pattern: str) -> list[Path]:
         raise ValueError("patterns in more than two parts; name the folders")
     named = iglob(pattern, root_dir=folder)  # noqa: PTH207 - of an absolute pattern too
     found = filter(_is_file, map(folder.joinpath, named))
-    files = sorted(islice(found, MOST_ENTRIES + 1))
-    if len(files) > MOST_ENTRIES:
-        raise ValueError(f"more than {MOST_ENTRIES} files; choose among them")
+    files = sorted(islice(found, kinds.MOST_ENTRIES + 1))
+    if len(files) > kinds.MOST_ENTRIES:
+        raise ValueError(f"more than {kinds.MOST_ENTRIES} files; choose among them")
     return files
 
 
@@ -182,7 +176,7 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
     if not _is_file(folder / name):
         parent = Path(name).parent
         names = iglob("*", root_dir=folder / parent)  # noqa: PTH207 - of a folder that cannot be read none
-        beside = islice(names, MOST_ENTRIES)
+        beside = islice(names, kinds.MOST_ENTRIES)
         files = sorted(str(parent / each) for each in beside if _is_file(folder / parent / each))
         remedy = nearest(name, files) if files else "put it there or correct the name"
         return f'no file "{name}" in the project folder; {remedy}'
@@ -196,7 +190,7 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
     return None
 
 
-def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]:
+def content_problems(project: ProjectContent, folder: Path) -> Iterator[kinds.Problem]:
     """Yield every problem between the tables of a project in `folder`, and of files that they name, in order."""
     valid = {
         "control point": [each.name for each in project.control], "support": [*project.supports],
@@ -206,26 +200,28 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[Problem]
         for key, field in type(table).model_fields.items():
             value = getattr(table, key)
             for mark in field.metadata:
-                if isinstance(mark, NameOf):
+                if isinstance(mark, kinds.NameOf):
                     for place, name in _named(value, (*path, key)):
                         if name not in (known := valid[mark.what]):
                             remedy = nearest(name, known) if known else f"add a {mark.what}"
-                            yield Problem(place, f'no {mark.what} "{name}"; {remedy}')
-                elif isinstance(mark, FileName):
+                            yield kinds.Problem(place, f'no {mark.what} "{name}"; {remedy}')
+                elif isinstance(mark, kinds.FileName):
                     for place, name in _named(value, (*path, key)):
                         if wrong := wrong_file(mark.kind, folder, name):
-                            yield Problem(place, wrong)
-                elif mark == DISTINCT:
+                            yield kinds.Problem(place, wrong)
+                elif mark == kinds.DISTINCT:
                     yield from _repeated(value, (*path, key))
         for found in table.contradictions(project):
-            if isinstance(found, Problem):
+            if isinstance(found, kinds.Problem):
                 yield found
             else:
                 where, text = found
-                yield Problem((*path, where) if isinstance(where, str) else (*path, *where), text)
+                yield kinds.Problem((*path, where) if isinstance(where, str) else (*path, *where), text)
 
 
-def _tables(table: ProjectTable, path: KeyPath) -> Iterator[tuple[KeyPath, ProjectTable]]:
+def _tables(
+    table: kinds.ProjectTable, path: kinds.KeyPath
+) -> Iterator[tuple[kinds.KeyPath, kinds.ProjectTable]]:
     """Yield a table and those in it with their paths."""
     yield path, table
     for key, form in tables_of(type(table)).items():
@@ -239,7 +235,7 @@ def _tables(table: ProjectTable, path: KeyPath) -> Iterator[tuple[KeyPath, Proje
                 yield from _tables(each, (*path, key, name))
 
 
-def _named(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
+def _named(value: Any, path: kinds.KeyPath) -> Iterator[tuple[kinds.KeyPath, str]]:
     """Yield the names in a value with their paths: of a table the values, or the keys of lists."""
     if isinstance(value, str):
         yield path, value
@@ -251,16 +247,20 @@ def _named(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, str]]:
             yield from _named(each, (*path, index))
 
 
-def _repeated(tables: Any, path: KeyPath) -> Iterator[Problem]:
+def _repeated(tables: Any, path: kinds.KeyPath) -> Iterator[kinds.Problem]:
     """Yield a problem for each list entry with the name of an earlier one, and each second table of a layer."""
     earlier: dict[str, str] = {}
     if isinstance(tables, dict):
         for name in tables:
             if (other := earlier.setdefault(layer_key(name), name)) != name:
-                yield Problem((*path, name), f'the layer of "{other}" again, spelt otherwise; keep one table')
+                yield kinds.Problem(
+                    (*path, name), f'the layer of "{other}" again, spelt otherwise; keep one table'
+                )
         return
     for index, name in enumerate(each.name for each in tables):
         if name in earlier:
-            yield Problem((*path, index, "name"), f'"{name}" is the name of an earlier entry; write another')
+            yield kinds.Problem(
+                (*path, index, "name"), f'"{name}" is the name of an earlier entry; write another'
+            )
         if name is not None:
             earlier[name] = name

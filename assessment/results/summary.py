@@ -5,78 +5,66 @@ from collections.abc import Iterable
 from typing import Any
 
 from assessment.ntc.tables import CHECKS, INDEXED, SURFACE
-from assessment.results.schema import (
-    DrawnBlock,
-    Echo,
-    Indices,
-    Results,
-    StateResults,
-    Summary,
-    SummaryCheck,
-    SummaryGoverning,
-    SummaryMechanism,
-    SummaryRow,
-    present,
-)
+from assessment.results import schema
 from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
 from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
 from assessment.results.table import ORIGINAL, quoted_limit_state, reduction, static_pga
 from mechanics.messages import layer_key
 
-EMPTY = Summary(reference=SURFACE, governing=None, verified=None, rows=[])
+EMPTY = schema.Summary(reference=SURFACE, governing=None, verified=None, rows=[])
 """Of results without any analysis."""
 UNLIKELY = 0.05  # probability of a χ² as large, below which a movement explains nothing
 UNMET = 9.0  # χ² of a measurement that is off by three standard deviations
 
 
-def material(echo: Echo, block: DrawnBlock) -> dict[str, Any]:
+def material(echo: schema.Echo, block: schema.DrawnBlock) -> dict[str, Any]:
     """Return what a block is made of and loaded by: keys of its region before those of its layer and of [material]."""
     own = {layer_key(name): table for name, table in (echo.layers or {}).items()}
     regions = {each["name"]: each for each in echo.region or ()}
     layer, region = own.get(layer_key(block.layer)), regions.get(block.region or "")
-    return echo.material | present(layer or {}) | present(region or {})
+    return echo.material | schema.present(layer or {}) | schema.present(region or {})
 
 
-def segments(echo: Echo) -> list[int]:
+def segments(echo: schema.Echo) -> list[int]:
     """Return the numbers of segments that joints are divided into, each once; of exact joints none."""
     tables = [echo.geometry, *(echo.layers or {}).values(), *(echo.region or ())]
     return sorted({table["segments_per_joint"] for table in tables if table.get("segments_per_joint")})
 
 
-def coulomb(echo: Echo) -> bool:
+def coulomb(echo: schema.Echo) -> bool:
     """Return whether what slides does not lift."""
     return (echo.contacts or {}).get("sliding") == "coulomb"
 
 
-def collisions(echo: Echo) -> bool:
+def collisions(echo: schema.Echo) -> bool:
     """Return whether blocks that were apart may come to touch."""
     return bool((echo.contacts or {}).get("collisions", True))
 
 
-def damped(echo: Echo) -> bool:
+def damped(echo: schema.Echo) -> bool:
     """Return whether joints of a motion have dashpots."""
     shaking = (*(echo.history or ()), echo.incremental or {}, echo.campaign or {})
     return any(each.get("damping_ratio") for each in shaking)
 
 
-def taken_to_collapse(echo: Echo) -> set[str]:
+def taken_to_collapse(echo: schema.Echo) -> set[str]:
     """Return the settlements whose ultimate movement is to be found."""
     return {each["name"] for each in echo.settlements or () if each.get("to_collapse")}
 
 
-def turns(echo: Echo) -> set[str]:
+def turns(echo: schema.Echo) -> set[str]:
     """Return the settlements that are a rotation alone."""
     rotated = (each for each in echo.settlements or () if each["rotation_rad"])
     return {each["name"] for each in rotated if not any(each["displacement_m"])}
 
 
-def limit_states(echo: Echo) -> list[str]:
+def limit_states(echo: schema.Echo) -> list[str]:
     """Return the limit states of the project."""
     return list((echo.assessment or {}).get("limit_states", []))
 
 
-def printed(echo: Echo) -> dict[str, Any]:
+def printed(echo: schema.Echo) -> dict[str, Any]:
     """Return the input to be printed: nominal life and use class only where the hazard is known to follow from them."""
     content = echo.model_dump(exclude_unset=True)
     assessment = echo.assessment or {}
@@ -88,7 +76,7 @@ def printed(echo: Echo) -> dict[str, Any]:
     return {**content, "assessment": {**assessment, "site": kept}}
 
 
-def undetermined(results: Results) -> dict[str, list[Direction]]:
+def undetermined(results: schema.Results) -> dict[str, list[Direction]]:
     """Return by state the directions in which a capacity was asked for and none found; nothing of complete states."""
     if not results.echo.assessment:
         return {}
@@ -103,13 +91,13 @@ def without(capacities: Iterable[Direction], asked: Iterable[Direction]) -> list
     return [direction for direction in asked if direction not in known]
 
 
-def directions_asked(results: Results) -> list[Direction]:
+def directions_asked(results: schema.Results) -> list[Direction]:
     """Return the directions of the pushover: those of the project file, then any other that a state was pushed in."""
     pushed = [direction for state in results.states.values() for direction in sorted(state.pushover)]
     return list(dict.fromkeys([*((results.echo.pushover or {}).get("directions") or ()), *pushed]))
 
 
-def checks_asked(results: Results) -> list[str]:
+def checks_asked(results: schema.Results) -> list[str]:
     """Return the checks of each direction: those that any has; where none has, those of the limit states."""
     capacities = [each for state in results.states.values() for each in state.capacity.values()]
     if made := {name for capacity in capacities for name in capacity.checks}:
@@ -118,13 +106,13 @@ def checks_asked(results: Results) -> list[str]:
     return [name for name in CHECKS if name.removesuffix(" linear") in asked]
 
 
-def determined_indices(results: Results) -> dict[str, Indices]:
+def determined_indices(results: schema.Results) -> dict[str, schema.Indices]:
     """Return the indices of the states that have a capacity in every direction asked for."""
-    found = present({name: state.indices for name, state in results.states.items()})
+    found = schema.present({name: state.indices for name, state in results.states.items()})
     return {name: each for name, each in found.items() if name not in undetermined(results)}
 
 
-def summary_of(results: Results) -> Summary:
+def summary_of(results: schema.Results) -> schema.Summary:
     """Return the summary of every state and direction asked for, and where ζ_E is least."""
     asked: list[Direction | None] = [*directions_asked(results)]
     shaken = any(state.incremental.records is not None for state in results.states.values())
@@ -134,21 +122,23 @@ def summary_of(results: Results) -> Summary:
     rows = [_row(results.states, name, way, limits) for name in results.states for way in asked]
     index = next((limit for limit in INDEXED if limit in limits), None)
     found = [
-        SummaryGoverning(state=row.state, direction=row.direction, limit_state=limit, zeta_E=ratio)
+        schema.SummaryGoverning(state=row.state, direction=row.direction, limit_state=limit, zeta_E=ratio)
         for row in rows
         for limit, check in row.checks.items()
         if (ratio := check.zeta_E) is not None and row.direction is not None and limit == (index or limit)
     ]
     least = min(found, key=lambda each: each.zeta_E, default=None)
-    return Summary(reference=SURFACE, governing=least, verified=_all(row.verified for row in rows), rows=rows)
+    return schema.Summary(
+        reference=SURFACE, governing=least, verified=_all(row.verified for row in rows), rows=rows
+    )
 
 
 def _row(
-    states: dict[str, StateResults], name: str, direction: Direction | None, limits: Iterable[str]
-) -> SummaryRow:
+    states: dict[str, schema.StateResults], name: str, direction: Direction | None, limits: Iterable[str]
+) -> schema.SummaryRow:
     """Return the row of a state in a direction, its losses from the original state in the same direction."""
 
-    def there(of: StateResults | None) -> tuple[Capacity | None, Pushovers | None]:
+    def there(of: schema.StateResults | None) -> tuple[Capacity | None, Pushovers | None]:
         return (of.capacity.get(direction), of.pushover.get(direction)) if of and direction else (None, None)
 
     state, original = states[name], states.get(ORIGINAL) if name != ORIGINAL else None
@@ -193,27 +183,27 @@ def _row(
         if original is not None:
             lost = reduction(original.incremental.pga_collapse_g, dynamic)
             row["dynamic_loss"] = loss.dynamic if loss else lost
-    return SummaryRow(**row)
+    return schema.SummaryRow(**row)
 
 
-def _mechanism(found: Mechanism) -> SummaryMechanism:
+def _mechanism(found: Mechanism) -> schema.SummaryMechanism:
     slides, turns = len(found.sliding_joints), found.hinges
     alone = "overturning" if turns == 1 else "hinges"
     kind: Any = ("mixed" if turns else "sliding") if slides else alone
     weight = found.moving_weight_kN
-    return SummaryMechanism(kind=kind, hinges=turns, sliding_joints=slides, moving_weight_kN=weight)
+    return schema.SummaryMechanism(kind=kind, hinges=turns, sliding_joints=slides, moving_weight_kN=weight)
 
 
-def _counting(capacity: Capacity | None, limit: str) -> SummaryCheck:
+def _counting(capacity: Capacity | None, limit: str) -> schema.SummaryCheck:
     """Return the check that counts at a limit state; without numbers where none has a ratio."""
     made = capacity.checks if capacity else {}
     names = [name for name in (limit, f"{limit} linear", f"{limit} elastic") if name in made]  # its own first
     known = [(ratio, name) for name in names if (ratio := made[name].zeta_E) is not None]
     if not known:
-        return SummaryCheck(check=limit, zeta_E=None, verified=None)
+        return schema.SummaryCheck(check=limit, zeta_E=None, verified=None)
     # at SLV the linear check stands in for the nonlinear one
     ratio, name = known[0] if limit in INDEXED else min(known, key=lambda each: each[0])
-    found = SummaryCheck(check=name, zeta_E=ratio, verified=made[name].verified)
+    found = schema.SummaryCheck(check=name, zeta_E=ratio, verified=made[name].verified)
     return found.replace(zeta_E_range=each) if (each := made[name].zeta_E_range) else found
 
 
@@ -225,24 +215,24 @@ def _all(verified: Iterable[bool | None]) -> bool | None:
     return all(found)
 
 
-def index_limit(results: Results) -> str | None:
+def index_limit(results: schema.Results) -> str | None:
     """Return the limit state whose ratio is ζ_E: SLV, else SLC; without both the farthest one checked, None: none."""
     checked = list(dict.fromkeys(limit for row in results.summary.rows for limit in row.checks))
     return next((limit for limit in INDEXED if limit in checked), checked[-1] if checked else None)
 
 
-def index_of(row: SummaryRow, limit: str | None) -> SummaryCheck | None:
+def index_of(row: schema.SummaryRow, limit: str | None) -> schema.SummaryCheck | None:
     """Return the check of a row that is its index, None where it has no number."""
     check = row.checks.get(limit) if limit else None
     return check if check is not None and check.zeta_E is not None else None
 
 
-def rows_of(results: Results, state: str) -> list[SummaryRow]:
+def rows_of(results: schema.Results, state: str) -> list[schema.SummaryRow]:
     """Return the rows of a state."""
     return [row for row in results.summary.rows if row.state == state]
 
 
-def least_row(results: Results, state: str) -> SummaryRow | None:
+def least_row(results: schema.Results, state: str) -> schema.SummaryRow | None:
     """Return the row of a state with the least index, without any with the least multiplier; None: nothing is known."""
     limit = index_limit(results)
     known = [(check.zeta_E, row) for row in rows_of(results, state) if (check := index_of(row, limit))]
@@ -251,12 +241,12 @@ def least_row(results: Results, state: str) -> SummaryRow | None:
     return min(known, key=lambda each: each[0] or 0.0)[1] if known else None
 
 
-def settled(results: Results) -> list[str]:
+def settled(results: schema.Results) -> list[str]:
     """Return the states that a movement leads to, strengthened ones aside."""
     return [name for name, state in results.states.items() if state.settlement and not state.strengthening]
 
 
-def worst_settled(results: Results) -> str | None:
+def worst_settled(results: schema.Results) -> str | None:
     """Return the settled state that bears least: one that was not reached, else of the least index or multiplier."""
     names = settled(results)
     fallen = [name for name in names if any(not row.reached for row in rows_of(results, name))]
@@ -271,7 +261,7 @@ def worst_settled(results: Results) -> str | None:
     return fallen[0] if fallen else min(names, key=borne, default=None)
 
 
-def governing_view(results: Results) -> tuple[str, Direction] | None:
+def governing_view(results: schema.Results) -> tuple[str, Direction] | None:
     """Return state and direction of the rigid mechanism that governs; None where there is none."""
     pushed = {
         (name, way): push.rigid

@@ -19,17 +19,10 @@ from assessment.ntc.tables import QUOTED
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ProjectTable, SettlementTable
 from assessment.project.structure.model import StateModel, build_model
-from assessment.results.schema import StateResults
+from assessment.results.schema import StateResults, studies
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
-from assessment.results.schema.studies import (
-    Capacities,
-    ScenarioPoint,
-    Scenarios,
-    Sensitivity,
-    SensitivityRun,
-)
 from assessment.results.table import compared, reduction
 from assessment.runtime.tasks import Workers
 from mechanics.messages import Message, headed, message
@@ -71,7 +64,7 @@ class Statics:
         """Return the results of a state, one for each contact behaviour."""
         return [stage for stage in self.stages if stage.state == name]
 
-    def capacities_of(self, name: str) -> dict[Direction, Capacities]:
+    def capacities_of(self, name: str) -> dict[Direction, studies.Capacities]:
         """Return the capacity of a state of the project, by direction."""
         own = [stage for stage in self.stages_of(name) if stage.behaviour in self.project.pushed_contacts]
         return capacities_of(self.project, own, self.states[name].pushover, self.states[name].capacity)
@@ -94,7 +87,7 @@ class Study(Found[Any]):
 
 def analyse(
     variants: Sequence[Variant], statics: Statics, study: Study, name: str
-) -> Iterator[dict[Direction, Capacities]]:
+) -> Iterator[dict[Direction, studies.Capacities]]:
     """Settle and push over every variant; yield the capacity of each by direction, in order; `name`: of the study.
 
     Messages, certificates and times go to `study`. Raises KilledError where a process was ended from outside.
@@ -128,14 +121,14 @@ def capacities_of(
     stages: Collection[StateResult],
     pushovers: Mapping[Direction, Pushovers],
     checked: Mapping[Direction, Capacity],
-) -> dict[Direction, Capacities]:
+) -> dict[Direction, studies.Capacities]:
     """Return the capacity of one state for a study, by direction; null: asked for, but not reached.
 
     `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
     a_g and ζ_E are of the farthest limit state.
     """
     contacts, limit = project.pushed_contacts, quoted_limit_state(project) or ""
-    found: dict[Direction, Capacities] = {}
+    found: dict[Direction, studies.Capacities] = {}
     for direction in directions(project):
         pushed, capacity = pushovers.get(direction), checked.get(direction)
         made: dict[str, float | None] = {}
@@ -148,7 +141,7 @@ def capacities_of(
             check = capacity.checks.get(limit) if capacity else None
             made |= {"a_g_g": check.a_g_g if check else None, "zeta_E": check.zeta_E if check else None}
         fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
-        found[direction] = Capacities(collapses=fallen, **made)
+        found[direction] = studies.Capacities(collapses=fallen, **made)
     return found
 
 
@@ -169,7 +162,7 @@ def asks_for_scenarios(project: Project) -> bool:
     return several and project.pushover is not None
 
 
-def scenarios(statics: Statics, study: Study) -> Scenarios:
+def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
     """Return the capacity of every state, and of each part of a movement with a sweep, in the order of the scenarios.
 
     With the quantity that they are compared by (see `quantity`) and the worst point. Parts have the increments of the
@@ -201,7 +194,7 @@ def scenarios(statics: Statics, study: Study) -> Scenarios:
             numbers = statics.capacities_of(name) if k == steps else parts[name, k]
             sweep.append((name, k / steps, sum(earlier) + k / steps * movement, numbers))
     points = [
-        ScenarioPoint(
+        studies.ScenarioPoint(
             state=state,
             share=share,
             movement_m=movement,
@@ -212,7 +205,7 @@ def scenarios(statics: Statics, study: Study) -> Scenarios:
         for state, share, movement, found_there in sweep
         for direction, capacities in found_there.items()
     ]
-    return Scenarios(
+    return studies.Scenarios(
         quantity=by,
         limit_state=quoted_limit_state(project),
         points=points,
@@ -228,7 +221,7 @@ def part(whole: SettlementTable, share: float) -> SettlementTable:
     return whole.model_copy(update=moved | {"to_collapse": False, "steps": None})
 
 
-def worst(points: Sequence[ScenarioPoint], by: str) -> ScenarioPoint | None:
+def worst(points: Sequence[studies.ScenarioPoint], by: str) -> studies.ScenarioPoint | None:
     """Return the settled point with the lowest capacity; if some collapse, the one with the shortest movement.
 
     `by`: the quantity that capacities are compared by. None where no settled point has a capacity.
@@ -256,7 +249,7 @@ NAMES = {
 }
 
 
-def sensitivity(statics: Statics, study: Study) -> Sensitivity:
+def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
     """Analyse every state with each property lower and higher; return two runs for each property, state and direction.
 
     The runs halve the increments of a state as often as its own, and leave out the search for collapse, so that only
@@ -278,7 +271,7 @@ def sensitivity(statics: Statics, study: Study) -> Sensitivity:
         variants.append(Variant(title, finer, models[key, factor][name], movement))
     found = analyse(variants, statics, study, "sensitivity")
     runs = [
-        SensitivityRun(
+        studies.SensitivityRun(
             state=state,
             property=key,
             factor=factor,
@@ -289,7 +282,9 @@ def sensitivity(statics: Statics, study: Study) -> Sensitivity:
         for direction, capacities in ways.items()
     ]
     study.findings += scatter(runs, without_effect(project))
-    return Sensitivity(limit_state=quoted_limit_state(project), runs=runs, warnings=list(study.warnings))
+    return studies.Sensitivity(
+        limit_state=quoted_limit_state(project), runs=runs, warnings=list(study.warnings)
+    )
 
 
 def without_effect(project: Project) -> set[str]:
@@ -309,7 +304,7 @@ def without_effect(project: Project) -> set[str]:
     return {"depth", "unit_weight"} if rigid else {"depth"}
 
 
-def scatter(runs: Sequence[SensitivityRun], properties: Set[str]) -> list[Message]:
+def scatter(runs: Sequence[studies.SensitivityRun], properties: Set[str]) -> list[Message]:
     """Return a finding for each state and direction whose a_g changes with `properties` that it cannot depend on."""
     found, varied = [], properties & {run.property for run in runs}
     for state, direction in dict.fromkeys((run.state, run.direction) for run in runs):

@@ -7,15 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from assessment.analyses.checks import demand
 from assessment.analyses.checks.capacity import Assessed, assess
 from assessment.analyses.checks.chosen_mechanism import assess_chosen
-from assessment.analyses.checks.demand import (
-    demand_parts,
-    governing,
-    knowledge_of,
-    safety_index,
-    state_indices,
-)
 from assessment.analyses.checks.governing import Governed, Run, governed, members
 from assessment.analyses.dynamic.histories import histories
 from assessment.analyses.dynamic.time_history import MotionInputs, motion_part, starts_of, ultimates
@@ -223,16 +217,19 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
                 known_ones = {} if without(found.state.capacity, asked) else found.state.capacity
                 made = found.state.strengthening
                 before = draft.states.get(made.of) if made else None
-                parts |= {"governing": governing(known_ones), "safety_index": safety_index(known_ones)}
-                parts["indices"] = state_indices(project, known_ones, before)
+                parts |= {
+                    "governing": demand.governing(known_ones),
+                    "safety_index": demand.safety_index(known_ones),
+                }
+                parts["indices"] = demand.state_indices(project, known_ones, before)
             draft.put_state(name, **parts)
         state = draft.states[name]
         if project.assessment and without(state.capacity, state.pushover):
             draft.complete = False
     if project.assessment:
         if project.assessment.knowledge:
-            draft.put(knowledge=knowledge_of(project.assessment.knowledge))
-        draft.put(spectra=demand_parts(project, demands))
+            draft.put(knowledge=demand.knowledge_of(project.assessment.knowledge))
+        draft.put(spectra=demand.demand_parts(project, demands))
         draft.took("assessment", time.perf_counter() - began)
     if project.mechanism:
         chosen = assess_chosen(project, draft.models, draft.states, demands, draft.warnings)

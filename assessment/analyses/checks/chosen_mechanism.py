@@ -10,18 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from assessment.analyses.checks import kinematics
 from assessment.analyses.checks.capacity import checks_of, curve_of, method_of
 from assessment.analyses.checks.demand import Demands, confidence_source
-from assessment.analyses.checks.kinematics import (
-    Closed,
-    KinematicsError,
-    VirtualWork,
-    finite_motion,
-    hinges_of,
-    virtual_displacements,
-    virtual_work,
-    works,
-)
 from assessment.analyses.found import as_part, lines
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
@@ -92,7 +83,7 @@ class JointMotion:
     shut: Mask
     slides: Mask
 
-    def closed(self, positions: Array) -> Closed:
+    def closed(self, positions: Array) -> kinematics.Closed:
         """Return blocks and ends of the closed contacts at `positions` (b, 3)."""
         return (
             self.contacts.a[self.shut],
@@ -131,13 +122,15 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     )
 
 
-def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, JointMotion, VirtualWork]:
+def begun(
+    model: Assembly, positions: Array, chosen: Chosen
+) -> tuple[Array, JointMotion, kinematics.VirtualWork]:
     """Return virtual displacements (b, 3), motion in the joints and virtual work.
 
     Raises MechanismError as `evaluate`.
     """
-    delta = virtual_displacements(model, positions, chosen)
-    motion, work = joint_motion(model, positions, delta), virtual_work(model, positions, chosen)
+    delta = kinematics.virtual_displacements(model, positions, chosen)
+    motion, work = joint_motion(model, positions, delta), kinematics.virtual_work(model, positions, chosen)
     if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does
         raise MechanismError(
             message(
@@ -146,7 +139,7 @@ def begun(model: Assembly, positions: Array, chosen: Chosen) -> tuple[Array, Joi
                 block=motion.pair[0], other=motion.pair[1], share=100.0 * motion.penetration,
             )
         )  # fmt: skip
-    for tie, _ in works(model, positions, delta)[2]:
+    for tie, _ in kinematics.works(model, positions, delta)[2]:
         if np.isinf(tie.yield_force):
             raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
                                          "mechanism that it allows", name=tie.name))  # fmt: skip
@@ -204,7 +197,7 @@ def evaluate(
     if demands.keys() & {"SLV", "SLC"}:
         try:
             fit = _fit(model, positions, chosen, motion.closed(positions), control)
-        except (KinematicsError, CapacityError) as refusal:
+        except (kinematics.KinematicsError, CapacityError) as refusal:
             notes.append(message("no nonlinear check: {reason}", reason=refusal.message))
     by_hand = work.by_hand(control.delta_x)
     capacity = capacity_curve(fit, work.e_star, by_hand[-1].result, confidence_factor, confidence_source)
@@ -247,16 +240,18 @@ def followed(
 
 
 def _fit(
-    model: Assembly, positions: Array, chosen: Chosen, closed: Closed, control: FollowedPoint
+    model: Assembly, positions: Array, chosen: Chosen, closed: kinematics.Closed, control: FollowedPoint
 ) -> CurveFit:
     """Return α over the displacement of the control point, m, along the finite motion (C8.7.1.2.1.2)."""
-    path = finite_motion(model, positions, chosen, hinges_of(chosen, closed))
+    path = kinematics.finite_motion(model, positions, chosen, kinematics.hinges_of(chosen, closed))
     x, z = np.subtract(control.point, positions[control.block, :2])
     turned = path.positions[:, control.block, 2] - positions[control.block, 2]
     reached = path.positions[:, control.block, 0] + np.cos(turned) * x - np.sin(turned) * z
     d = np.sign(control.delta_x) * (reached - control.point[0])
     if (np.diff(d) <= 0.0).any():
-        raise KinematicsError(message("the control point turns back before α = 0; choose one that does not"))
+        raise kinematics.KinematicsError(
+            message("the control point turns back before α = 0; choose one that does not")
+        )
     return replace(fit_rigid((d, path.multiplier)), source="virtual work, hinges followed")
 
 

@@ -7,13 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from assessment.analyses.found import as_part, lines
-from assessment.ntc.floor_spectrum import (
-    FloorSpectrum,
-    FloorSpectrum2009,
-    Mode,
-    first_mode,
-    fundamental_period,
-)
+from assessment.ntc import floor_spectrum
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
 from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
@@ -23,15 +17,7 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import AssessmentTable, KnowledgeTable
 from assessment.results.schema import StateResults
-from assessment.results.schema.checks import (
-    Capacity,
-    DemandSpectrum,
-    Direction,
-    Governing,
-    Indices,
-    Knowledge,
-    SafetyIndex,
-)
+from assessment.results.schema import checks as parts
 from assessment.results.schema.part import known
 from assessment.results.table import indices
 from assessment.runtime.errors import ProjectError
@@ -118,17 +104,20 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     floor = assessment.floor
     if floor is None or floor.height_m == 0.0:
         return ground
-    T_1 = floor.period_s or fundamental_period(floor.building_height_m).result
-    first = first_mode(T_1, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio)
+    T_1 = floor.period_s or floor_spectrum.fundamental_period(floor.building_height_m).result
+    first = floor_spectrum.first_mode(
+        T_1, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
+    )
     if assessment.circular == 2009:
-        return FloorSpectrum2009(ground, first)
+        return floor_spectrum.FloorSpectrum2009(ground, first)
     higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)
-    return FloorSpectrum(
-        ground, (first, *(Mode(period, share, 1.0, floor.damping_ratio) for period, share in higher))
+    return floor_spectrum.FloorSpectrum(
+        ground,
+        (first, *(floor_spectrum.Mode(period, share, 1.0, floor.damping_ratio) for period, share in higher)),
     )
 
 
-def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum]:
+def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSpectrum]:
     """Return the demand spectra by limit state and how their parameters follow (NTC 2018, §3.2.3; Circolare C7.2.3)."""
     assert project.assessment is not None
     found, periods = {}, demand_return_periods(project)
@@ -148,11 +137,11 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, DemandSpectrum
     return found
 
 
-def _ordinates(spectrum: Spectrum, damping: float) -> DemandSpectrum:
+def _ordinates(spectrum: Spectrum, damping: float) -> parts.DemandSpectrum:
     """Return a spectrum at PERIODS, with 5 % damping and with that of the check."""
     damped, recorded = spectrum.with_damping(damping), isinstance(spectrum, RecordSpectrum)
     built: Literal["ground", "floor"] = "ground" if ground_of(spectrum) is spectrum else "floor"
-    return DemandSpectrum(
+    return parts.DemandSpectrum(
         kind="record" if recorded else built, a_g_g=spectrum.ag, S=spectrum.S, pga_g=spectrum.ag * spectrum.S,
         reference=SURFACE if recorded else ROCK, T_s=PERIODS.tolist(),
         S_e_g=spectrum.acceleration(PERIODS).tolist(), S_De_m=spectrum.displacement(PERIODS).tolist(),
@@ -169,20 +158,20 @@ def _hazard_steps(assessment: AssessmentTable, demands: Demands, name: str, spec
         by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
         steps = (*by_life, *demands.hazard.steps(by_life[-1].result)[1:])
     if floor is not None and floor.period_s is None and ground_of(spectrum) is not spectrum:
-        steps = (*steps, fundamental_period(floor.building_height_m))
+        steps = (*steps, floor_spectrum.fundamental_period(floor.building_height_m))
     return steps
 
 
 def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
     """Return the spectrum at the ground; None for that of a record."""
-    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
+    if isinstance(spectrum, floor_spectrum.FloorSpectrum | floor_spectrum.FloorSpectrum2009):
         return spectrum.ground
     return spectrum if isinstance(spectrum, ElasticSpectrum) else None
 
 
 def state_indices(
-    project: Project, capacities: Mapping[Direction, Capacity], before: StateResults | None = None
-) -> Indices | None:
+    project: Project, capacities: Mapping[parts.Direction, parts.Capacity], before: StateResults | None = None
+) -> parts.Indices | None:
     """Return the indices of a state from the least favourable check of its directions at each limit state.
 
     `before`: the state that it strengthens, from which interventions count; None: it is none that is strengthened.
@@ -203,7 +192,7 @@ def state_indices(
     T_SLV = check.return_period_years
     a_g, demanded = known(check.a_g_g), check.demand_a_g_g
     made = as_part(
-        Indices, heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
+        parts.Indices, heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
         direction=direction, check=limit, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
         ratio_SLD=damage.ratio if damage else None, T_SLV_years=T_SLV,
         T_SLV_stated=check.return_period_stated, T_R_SLV_years=T_R, use_class=use_class,
@@ -216,10 +205,10 @@ def state_indices(
     return made.replace(zeta_before=zeta_before, required_zeta=required, attained=attained(zeta, required))
 
 
-def knowledge_of(knowledge: KnowledgeTable) -> Knowledge:
+def knowledge_of(knowledge: KnowledgeTable) -> parts.Knowledge:
     """Return F_C, its components, and the calculation of F_C from them."""
     line = confidence_factor(knowledge.level, knowledge.components)
-    return as_part(Knowledge, knowledge, F_C=line.result, trace=lines([line]))
+    return as_part(parts.Knowledge, knowledge, F_C=line.result, trace=lines([line]))
 
 
 def confidence_source(assessment: AssessmentTable | None) -> str:
@@ -232,33 +221,35 @@ def confidence_source(assessment: AssessmentTable | None) -> str:
     return confidence_factor(knowledge.level, knowledge.components).paragraph
 
 
-def governing(capacities: Mapping[Direction, Capacity]) -> Governing | None:
+def governing(capacities: Mapping[parts.Direction, parts.Capacity]) -> parts.Governing | None:
     """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
     least = _least({direction: each.ratios for direction, each in capacities.items()})
-    return least and Governing(direction=least.direction, limit_state=least.check, ratio=least.ratio)
+    return least and parts.Governing(direction=least.direction, limit_state=least.check, ratio=least.ratio)
 
 
-def safety_index(capacities: Mapping[Direction, Capacity]) -> SafetyIndex | None:
+def safety_index(capacities: Mapping[parts.Direction, parts.Capacity]) -> parts.SafetyIndex | None:
     """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
     least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
-    return least and SafetyIndex(direction=least.direction, limit_state=least.check, zeta_E=least.ratio)
+    return least and parts.SafetyIndex(direction=least.direction, limit_state=least.check, zeta_E=least.ratio)
 
 
 class _Least(NamedTuple):
     """The least `ratio` of a_g borne to a_g demanded, by direction and name of the check."""
 
     ratio: float
-    direction: Direction
+    direction: parts.Direction
     check: str
 
 
-def _least(ratios: Mapping[Direction, Mapping[str, float]]) -> _Least | None:
+def _least(ratios: Mapping[parts.Direction, Mapping[str, float]]) -> _Least | None:
     """Return the least of the ratios by direction and check; None where there is none."""
     pairs = ((direction, *each) for direction, checks in ratios.items() for each in checks.items())
     return min((_Least(ratio, direction, check) for direction, check, ratio in pairs), default=None)
 
 
-def _at(capacities: Mapping[Direction, Capacity], *limit_states: str) -> dict[Direction, dict[str, float]]:
+def _at(
+    capacities: Mapping[parts.Direction, parts.Capacity], *limit_states: str
+) -> dict[parts.Direction, dict[str, float]]:
     """Return the ratios of the checks of these names."""
     return {
         direction: {name: ratio for name, ratio in each.ratios.items() if name in limit_states}

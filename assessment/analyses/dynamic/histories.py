@@ -23,14 +23,7 @@ from statistics import median
 
 import numpy as np
 
-from assessment.analyses.dynamic.time_history import (
-    FoundHistory,
-    MotionInputs,
-    Shaking,
-    history,
-    history_title,
-    sustained_peak,
-)
+from assessment.analyses.dynamic import time_history
 from assessment.analyses.found import (
     FIRST_ORDER,
     LEVELS,
@@ -91,7 +84,7 @@ class Track:
     @property
     def last(self) -> int:
         """Index of the largest displacement from which the structure came back."""
-        return sustained_peak(self.displacement, self.collapsed)
+        return time_history.sustained_peak(self.displacement, self.collapsed)
 
 
 def agree(one: Track, other: Track, tolerance: float, size: float) -> bool:
@@ -128,7 +121,9 @@ def lowest_median_highest(
 PEAK = "peak_displacement_m"
 
 
-def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[FoundHistory]:
+def histories(
+    inputs: time_history.MotionInputs, motions: list[BaseMotion]
+) -> list[time_history.FoundHistory]:
     """Return every time history that the project asks for, state by state."""
     accuracy, scatter, states = accuracy_of(inputs.project), scatter_of(inputs.project), inputs.project.states
     tables = zip(inputs.project.history, motions, strict=True)
@@ -145,10 +140,12 @@ def histories(inputs: MotionInputs, motions: list[BaseMotion]) -> list[FoundHist
     return [study.result() for study in studies]
 
 
-def _run(inputs: MotionInputs, wanted: Sequence[tuple[HistoryStudy, int, int]]) -> None:
+def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple[HistoryStudy, int, int]]) -> None:
     """Run members of studies side by side."""
     tasks = [(study.at(level, member),) for study, level, member in wanted]
-    for (study, level, member), found in zip(wanted, inputs.each("history", history, tasks), strict=True):
+    for (study, level, member), found in zip(
+        wanted, inputs.each("history", time_history.history, tasks), strict=True
+    ):
         study.members.setdefault(level, {})[member] = found
 
 
@@ -256,10 +253,10 @@ class Refinement:
 class HistoryStudy:
     """One history: its members, by halvings of the time step, then by their place among the amplitudes."""
 
-    task: Shaking
+    task: time_history.Shaking
     accuracy: Accuracy
     scatter: Scatter
-    members: dict[int, dict[int, FoundHistory]] = field(default_factory=dict)
+    members: dict[int, dict[int, time_history.FoundHistory]] = field(default_factory=dict)
 
     @property
     def pair(self) -> range:
@@ -305,16 +302,16 @@ class HistoryStudy:
             apart.append(0.0 if same or other is None or values[-1] is None else abs(other - values[-1]))
         return Refinement(tuple(values), tuple(apart), NOISE * size)
 
-    def at(self, level: int, member: int) -> Shaking:
+    def at(self, level: int, member: int) -> time_history.Shaking:
         """Return the task of a member at a halved time step; `level`: how often it is halved."""
         motion = self.task.motion
         for _ in range(level):
             motion = motion.at_half_step()
         return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
 
-    def result(self) -> FoundHistory:
+    def result(self) -> time_history.FoundHistory:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
-        title, tolerance = history_title(self.task), self.accuracy.tolerance
+        title, tolerance = time_history.history_title(self.task), self.accuracy.tolerance
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
         if tolerance is None or not self._starts or found.numbers.collapsed is None:
@@ -332,7 +329,7 @@ class HistoryStudy:
         return not isinstance(self.task.start, str)
 
 
-def together(title: Message, members: Sequence[FoundHistory]) -> FoundHistory:
+def together(title: Message, members: Sequence[time_history.FoundHistory]) -> time_history.FoundHistory:
     """Return the members of a history as one result: the numbers of the worst member, and the range of all.
 
     A collapse is worse than any peak, an earlier collapse worse than a later one.
@@ -341,7 +338,7 @@ def together(title: Message, members: Sequence[FoundHistory]) -> FoundHistory:
     if not finished or len(members) == 1:
         return members[0]
 
-    def badness(each: FoundHistory) -> tuple[float, float]:
+    def badness(each: time_history.FoundHistory) -> tuple[float, float]:
         found = peak(each)
         return inf if found is None else found, -(each.numbers.time_of_collapse_s or 0.0)
 
@@ -380,22 +377,22 @@ def together(title: Message, members: Sequence[FoundHistory]) -> FoundHistory:
             )
         warnings.append(headed(title, text))
     quality = [joined(worst.state, rows[0].stage, rows)]
-    return FoundHistory(value, warnings, _failures(members), quality, state=worst.state)
+    return time_history.FoundHistory(value, warnings, _failures(members), quality, state=worst.state)
 
 
-def peak(result: FoundHistory) -> float | None:
+def peak(result: time_history.FoundHistory) -> float | None:
     """Return the peak displacement of a history, m; None for a collapse."""
     return None if result.numbers.collapsed else result.numbers.peak_displacement_m
 
 
-def _course(member: FoundHistory) -> Track:
+def _course(member: time_history.FoundHistory) -> Track:
     curve = known(member.numbers.curve)
     return Track(np.array(curve.time_s), np.array(curve.displacement_m), bool(member.numbers.collapsed))
 
 
-def _courses(members: dict[int, FoundHistory]) -> list[Track]:
+def _courses(members: dict[int, time_history.FoundHistory]) -> list[Track]:
     return [_course(each) for each in members.values() if each.numbers.collapsed is not None]
 
 
-def _failures(members: Iterable[FoundHistory]) -> list[Message]:
+def _failures(members: Iterable[time_history.FoundHistory]) -> list[Message]:
     return [text for each in members for text in each.failures]

@@ -9,52 +9,18 @@ from typing import get_args
 
 import numpy as np
 
+import mechanics
 from assessment.analyses.found import Found, as_part
-from assessment.analyses.static.paths import (
-    configuration,
-    crossings,
-    lifts,
-    local_loss,
-    loss_sentence,
-    quality_row,
-    turns_on_rounding,
-)
+from assessment.analyses.static import paths
 from assessment.ntc.capacity_curve import mass_share, mechanism_participation
 from assessment.ntc.curve_fit import CapacityError, yield_point
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable
-from assessment.results.configurations.frames import (
-    along_path,
-    determined,
-    lengthenings,
-    pushover_frames,
-    tensions,
-    yielding,
-)
+from assessment.results.configurations import frames
 from assessment.results.configurations.joint_states import Met
+from assessment.results.schema import static
 from assessment.results.schema.part import finite, known
-from assessment.results.schema.static import (
-    Curve,
-    ElasticPush,
-    Mechanism,
-    OtherLaw,
-    Pushovers,
-    RigidPush,
-    SecondSolver,
-)
 from assessment.results.table import sense
-from mechanics import (
-    ArgumentError,
-    Assembly,
-    ControlError,
-    ConvergenceError,
-    Limit,
-    NoEquilibriumError,
-    State,
-    UnstableError,
-    limit_analysis,
-    pushover,
-)
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, Direction
 from mechanics.procedures import (
@@ -73,7 +39,7 @@ RESTS_OR_MOVES = 1.1  # ratio of the laws' multipliers up to which motions of ri
 DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
 
 
-def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
+def rigid_push(control: ControlTable, path: Pushover) -> static.RigidPush:
     """Return a rigid curve; the mechanism is that at the point of α0 (C8.7.1.2).
 
     With the multiplier by the other law of friction: of a curve by the associative one where joints slide in it.
@@ -83,17 +49,18 @@ def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
     delta = np.array(mechanism.displacements)
     by_work = virtual_work_multiplier(model, delta, direction)
     if model.ties:  # those that yield do work too
-        pulled, longer = tensions(model, path.forces), lengthenings(model, at.positions, delta)
+        pulled, longer = frames.tensions(model, path.forces), frames.lengthenings(model, at.positions, delta)
         lateral = float((model.lateral_load(direction) * delta)[model.movable].sum())
-        by_work += float(np.where(yielding(model, pulled), pulled, 0.0) @ longer) / lateral
+        by_work += float(np.where(frames.yielding(model, pulled), pulled, 0.0) @ longer) / lateral
     found = as_part(
-        RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
+        static.RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
         # if equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
         d_0_m=float(path.displacement[-1]) if path.reached_zero or path.lost else None,
-        local_loss=local_loss(model, path.states, path.displacement, path.forces, path.lost),
+        local_loss=paths.local_loss(model, path.states, path.displacement, path.forces, path.lost),
         curve=_curve(path), d_star_m=_way_of_blocks(path, mechanism), mechanism=mechanism,
-        virtual_work_alpha=finite(by_work), mechanism_configuration=configuration(model, at),
-        final_configuration=configuration(model, path.states[-1]), frames=pushover_frames(model, path, met),
+        virtual_work_alpha=finite(by_work), mechanism_configuration=paths.configuration(model, at),
+        final_configuration=paths.configuration(model, path.states[-1]),
+        frames=frames.pushover_frames(model, path, met),
     )  # fmt: skip
     if path.formed:
         first = limit_in(model, direction, path.states[0], path.sliding)
@@ -104,7 +71,7 @@ def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
     moved = list(np.diff([state.positions for state in path.states], axis=0))
     moved = [*(moved[:1] or [path.mechanism]), *moved]
     moved[path.formed] = path.mechanism
-    if ties := along_path(model, path, carried, path.formed, None, determined(model, moved)):
+    if ties := frames.along_path(model, path, carried, path.formed, None, frames.determined(model, moved)):
         found = found.replace(ties=ties)
     # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
     slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
@@ -113,7 +80,7 @@ def rigid_push(control: ControlTable, path: Pushover) -> RigidPush:
     return found
 
 
-def elastic_push(path: Pushover) -> ElasticPush:
+def elastic_push(path: Pushover) -> static.ElasticPush:
     """Return an elastic curve: its peak (α_u at d_u, m), its yield point and its end.
 
     A check against the standard replaces the yield point by that of the capacity curve that it fits.
@@ -123,21 +90,26 @@ def elastic_push(path: Pushover) -> ElasticPush:
     with suppress(CapacityError):
         yields = yield_point((path.displacement, path.multiplier))
     found = as_part(
-        ElasticPush, path, alpha_u=float(path.multiplier[path.peak]),
+        static.ElasticPush, path, alpha_u=float(path.multiplier[path.peak]),
         d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
         alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
-        rest_configuration=configuration(model, path.states[0]),
-        peak_configuration=configuration(model, path.states[path.peak]),
-        frames=pushover_frames(model, path, Met(model)),
+        rest_configuration=paths.configuration(model, path.states[0]),
+        peak_configuration=paths.configuration(model, path.states[path.peak]),
+        frames=frames.pushover_frames(model, path, Met(model)),
     )  # fmt: skip
     carried = [step.forces for step in path.steps]
-    ties = along_path(model, path, carried, path.peak, carried[0])
+    ties = frames.along_path(model, path, carried, path.peak, carried[0])
     return found.replace(ties=ties) if ties else found
 
 
 def _mechanism(
-    control: ControlTable, met: Met, point: int, alpha: float, at: State, moving: Pushover | Limit
-) -> Mechanism:
+    control: ControlTable,
+    met: Met,
+    point: int,
+    alpha: float,
+    at: mechanics.State,
+    moving: Pushover | mechanics.Limit,
+) -> static.Mechanism:
     """Return what is `moving` at a point of a curve of `alpha` and state `at`; new faces that slide go to `met`."""
     model, moved, contacts = moving.model, moving.mechanism, moving.contacts
     block, fastest = model.block_at(control.point_m), float(abs(moved[:, :2]).max())
@@ -153,7 +125,7 @@ def _mechanism(
     with suppress(CapacityError):
         e_star = mass_share(model, displacements)
         gamma_star = mechanism_participation(model, displacements, control_dx).gamma_star
-    return Mechanism(
+    return static.Mechanism(
         point=point, alpha=alpha, hinges=len(found.points), e_star=e_star, gamma_star=gamma_star,
         displacements=displacements.tolist(), control_displacement_x=control_dx,
         hinge_points_m=model.as_drawn(found.points).tolist(),
@@ -162,7 +134,7 @@ def _mechanism(
     )  # fmt: skip
 
 
-def _way_of_blocks(path: Pushover, mechanism: Mechanism) -> list[float] | None:
+def _way_of_blocks(path: Pushover, mechanism: static.Mechanism) -> list[float] | None:
     """Return d* (k,) m of the blocks that move: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed.
 
     Of a mechanism that goes on as it begins u = δ d_C, and that is Γ* d_C (C8.7.1.2), as it is taken to be before. None
@@ -180,13 +152,15 @@ def _way_of_blocks(path: Pushover, mechanism: Mechanism) -> list[float] | None:
     return way
 
 
-def _other_law(found: RigidPush, control: ControlTable, path: Pushover, met: Met) -> OtherLaw | None:
+def _other_law(
+    found: static.RigidPush, control: ControlTable, path: Pushover, met: Met
+) -> static.OtherLaw | None:
     """Return limit analysis by the other law of friction, if its multipliers differ by DIFFERS; None without a flow."""
     law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
     own = {0: found.alpha_onset, path.formed: found.mechanism.alpha, path.peak: found.alpha_0}
     try:
         limits = {k: limit_in(path.model, path.direction, path.states[k], law) for k in own}
-    except (NoEquilibriumError, ConvergenceError):  # the curve has its own multiplier
+    except (mechanics.NoEquilibriumError, mechanics.ConvergenceError):  # the curve has its own multiplier
         return None
     if all(abs(limits[k].alpha - alpha) <= DIFFERS * abs(alpha) for k, alpha in own.items()):
         return None
@@ -194,14 +168,14 @@ def _other_law(found: RigidPush, control: ControlTable, path: Pushover, met: Met
         k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k])
         for k in dict.fromkeys((path.formed, 0))
     }
-    other = OtherLaw(sliding=law, alpha_0=limits[path.peak].alpha, mechanism=moving[path.formed])
+    other = static.OtherLaw(sliding=law, alpha_0=limits[path.peak].alpha, mechanism=moving[path.formed])
     return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
 
 
-def _curve(path: Pushover) -> Curve:
+def _curve(path: Pushover) -> static.Curve:
     """Return the points of a curve; displacements (m) are along x: towards −x they are negative."""
     along_x = sense(path.direction) * path.displacement + 0.0  # + 0.0: no −0.0
-    return Curve(displacement_m=along_x.tolist(), multiplier=path.multiplier.tolist())
+    return static.Curve(displacement_m=along_x.tolist(), multiplier=path.multiplier.tolist())
 
 
 FRICTION: dict[Sliding, Message] = {
@@ -231,13 +205,13 @@ class PushSetting:
 class Pushed:
     """A curve in plain numbers, and where a rigid one has its largest multiplier (`activated`)."""
 
-    curves: Pushovers
-    activated: State | None = None
+    curves: static.Pushovers
+    activated: mechanics.State | None = None
 
 
 def push(
-    model: Assembly, name: str, state: State | None, setting: PushSetting, directions: tuple[Direction, ...],
-    controls: tuple[ControlTable, ...],
+    model: mechanics.Assembly, name: str, state: mechanics.State | None, setting: PushSetting,
+    directions: tuple[Direction, ...], controls: tuple[ControlTable, ...],
 ) -> list[Found[Pushed]]:  # fmt: skip
     """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
 
@@ -255,21 +229,21 @@ def push(
             followed = control, image
         else:
             follow = partial(
-                pushover, model, direction=direction, contacts=behaviour, increment=setting.increment,
+                mechanics.pushover, model, direction=direction, contacts=behaviour, increment=setting.increment,
                 state=state, until=setting.until, sliding=setting.sliding,
             )  # fmt: skip
             followed = _path(title, control, follow, found)
         if followed is not None:
             try:
                 add_curve(title, setting, *followed, found)
-            except (NoEquilibriumError, ConvergenceError) as error:
+            except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
                 # checks are of the first motion: no curve without it
                 reason = message(
                     "the mechanism of the first motion is not found: {reason}", reason=error.message
                 )
                 found.failures.append(headed(title, reason))
         path = followed[1] if followed and image is None else None
-        found.quality.append(quality_row(name, f"pushover, {behaviour}", path))
+        found.quality.append(paths.quality_row(name, f"pushover, {behaviour}", path))
         found.seconds = time.perf_counter() - began
         parts.append(found)
     return parts
@@ -290,9 +264,14 @@ def _path(
     try:
         try:
             return control, follow(control.point_m)
-        except ControlError:
+        except mechanics.ControlError:
             path = follow()
-    except (UnstableError, ConvergenceError, NoEquilibriumError, ControlError) as error:
+    except (
+        mechanics.UnstableError,
+        mechanics.ConvergenceError,
+        mechanics.NoEquilibriumError,
+        mechanics.ControlError,
+    ) as error:
         found.failures.append(headed(title, error.message))
         return None
     x, z = path.control.tolist()
@@ -309,10 +288,10 @@ def add_curve(
     title: str, setting: PushSetting, control: ControlTable, path: Pushover, found: Found[Pushed]
 ) -> None:
     """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
-    found.warnings += crossings(title, path.crossed, setting.increment) + lifts(title, path)
-    found.scatters = turns_on_rounding(path)
+    found.warnings += paths.crossings(title, path.crossed, setting.increment) + paths.lifts(title, path)
+    found.scatters = paths.turns_on_rounding(path)
     rigid = setting.behaviour == "rigid"
-    curves = Pushovers(control=control.name, control_m=list(control.point_m))
+    curves = static.Pushovers(control=control.name, control_m=list(control.point_m))
     if rigid:
         curve = rigid_push(control, path)
         found.value = Pushed(curves.replace(rigid=curve), path.states[path.peak])
@@ -328,7 +307,7 @@ def add_curve(
         found.warnings.append(headed(title, end))
 
 
-def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
+def _rigid_notes(curve: static.RigidPush, path: Pushover) -> Iterator[Message]:
     """Yield what to know about a rigid curve: its onset, the other law of friction, local losses, its mechanism."""
     drawn = np.array_equal(path.states[0].positions, path.model.initial.positions)
     if drawn and curve.alpha_onset < (1.0 - MEETS) * curve.alpha_0:
@@ -347,7 +326,7 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
             other=other.alpha_0, multiplier=curve.alpha_0,
         )  # fmt: skip
     if curve.local_loss is not None:
-        yield loss_sentence(curve.local_loss)
+        yield paths.loss_sentence(curve.local_loss)
     if path.formed != path.peak:
         yield message(
             "the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
@@ -357,7 +336,7 @@ def _rigid_notes(curve: RigidPush, path: Pushover) -> Iterator[Message]:
         )
 
 
-def rests_or_moves(model: Assembly, name: str, start: State) -> Found[float]:
+def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
     """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
 
     Rigid joints may rest under whatever forces within their bounds balance, up to the associative multiplier, and move
@@ -365,9 +344,9 @@ def rests_or_moves(model: Assembly, name: str, start: State) -> Found[float]:
     """
     began, found = time.perf_counter(), Found(1.0)
     for direction in get_args(Direction):
-        with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
-            moves = limit_analysis(model, direction, start, "coulomb").alpha
-            rests = limit_analysis(model, direction, start, "associative").alpha
+        with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
+            moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
+            rests = mechanics.limit_analysis(model, direction, start, "associative").alpha
             found.value = max(known(found.value), rests / max(moves, LEAST))
             if rests > RESTS_OR_MOVES * moves:
                 note = message(
@@ -381,23 +360,23 @@ def rests_or_moves(model: Assembly, name: str, start: State) -> Found[float]:
 
 
 def second_solver(
-    model: Assembly, name: str, direction: Direction, activated: State, alpha_0: float
-) -> Found[SecondSolver]:
+    model: mechanics.Assembly, name: str, direction: Direction, activated: mechanics.State, alpha_0: float
+) -> Found[static.SecondSolver]:
     """Compare the associative multipliers of two programs in the state `activated`; `alpha_0`: of the curve there.
 
     With Coulomb's law no linear program has the multiplier. Nothing is `found` where joints crush.
     """
     began = time.perf_counter()
-    found = Found[SecondSolver]()
+    found = Found[static.SecondSolver]()
     title = pushover_title(name, direction, "rigid")
     try:
         linear = static_theorem(model, direction, activated)
-    except ArgumentError:
+    except mechanics.ArgumentError:
         return found
     own: float | None = None
     try:
         own = limit_in(model, direction, activated, "associative").alpha
-    except (NoEquilibriumError, ConvergenceError) as error:
+    except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
         note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
         found.warnings.append(headed(title, note))
     if linear is None:
@@ -413,14 +392,14 @@ def second_solver(
                 difference=difference,
             )  # fmt: skip
             found.warnings.append(headed(title, note))
-    found.value = SecondSolver(
+    found.value = static.SecondSolver(
         alpha_0=alpha_0, alpha_program=own, alpha_linear_program=linear, relative_difference=difference
     )
     found.seconds = time.perf_counter() - began
     return found
 
 
-def with_control(project: Project, model: Assembly) -> tuple[Project, list[Message]]:
+def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, list[Message]]:
     """Return the project with a control point for each direction where it needs one and has none, and which these are.
 
     It is the corner that goes farthest along the push in the first mechanism of the structure as drawn, `model`: the
@@ -435,8 +414,8 @@ def with_control(project: Project, model: Assembly) -> tuple[Project, list[Messa
         begun = model.initial.positions
         # that of the highest corner where nothing moves
         moved = begun + np.where(model.movable[:, None], (1.0, 0.0, 0.0), 0.0)
-        with suppress(UnstableError, NoEquilibriumError, ConvergenceError):
-            limit = limit_analysis(model, direction, sliding=project.contacts.sliding)
+        with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
+            limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism
         (x, z), block = farthest_corner(model, begun, moved, direction)
         name = CHOSEN[project.report.language].format(direction=direction)

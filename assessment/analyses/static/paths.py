@@ -11,20 +11,12 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.configurations.frames import along_path, determined, pushdown_frames
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.static import LocalLoss, PushdownPath
-from mechanics import (
-    Assembly,
-    CollapseError,
-    ConvergenceError,
-    NoEquilibriumError,
-    State,
-    UnstableError,
-    pushdown,
-)
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, H
 from mechanics.procedures import PATH, Pushdown, Pushover, settled, whole_movement
@@ -63,16 +55,16 @@ def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
     return [headed(title, text)]
 
 
-def stand(model: Assembly) -> Message | None:
+def stand(model: mechanics.Assembly) -> Message | None:
     """Return why the structure cannot stand under its own weight; None if it can."""
     try:
         check_self_weight(model)
-    except UnstableError as error:
+    except mechanics.UnstableError as error:
         return error.message
     return None
 
 
-def pressed_in(model: Assembly) -> list[Message]:
+def pressed_in(model: mechanics.Assembly) -> list[Message]:
     """Return a warning that names the blocks that friction alone holds in a structure that stands, if there are any."""
     held = unpressed(model).tolist()
     if not held:
@@ -125,7 +117,7 @@ def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> lis
     ]
 
 
-def configuration(model: Assembly, state: State) -> list[list[float]]:
+def configuration(model: mechanics.Assembly, state: mechanics.State) -> list[list[float]]:
     """Return displacements (m) and rotations (rad) (b, 3) of the blocks from the drawing."""
     moved: NDArray[np.float64] = state.positions - model.initial.positions
     rows: list[list[float]] = moved.tolist()
@@ -133,7 +125,11 @@ def configuration(model: Assembly, state: State) -> list[list[float]]:
 
 
 def local_loss(
-    model: Assembly, states: Sequence[State], displacement: Array, forces: Array, falls: bool
+    model: mechanics.Assembly,
+    states: Sequence[mechanics.State],
+    displacement: Array,
+    forces: Array,
+    falls: bool,
 ) -> LocalLoss | None:
     """Return the first loss along a path: a drawn joint that carries, and whose faces overlap no longer.
 
@@ -158,7 +154,7 @@ def local_loss(
     return _loss(model, joint, d_1 + share[joint] * (d_2 - d_1), overlap)
 
 
-def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
+def _loss(model: mechanics.Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
     drawn = model.contacts
     return LocalLoss(
         displacement_m=float(displacement), joint=joint, blocks=[int(drawn.a[joint]), int(drawn.b[joint])],
@@ -183,12 +179,12 @@ class Settled:
     """A movement in plain numbers, and the state that it `reached`, at rest; None: the structure falls before."""
 
     path: PushdownPath
-    reached: State | None
+    reached: mechanics.State | None
 
 
 def settle(
-    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding,
-    control: ControlTable | None, start: State | None = None,
+    model: mechanics.Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding,
+    control: ControlTable | None, start: mechanics.State | None = None,
 ) -> Found[Settled]:  # fmt: skip
     """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
@@ -200,16 +196,16 @@ def settle(
     whole = whole_movement(model, settlement.support, *moves)
     increment, reached, path = whole / settlement.increments, None, None
     try:
-        path = pushdown(
+        path = mechanics.pushdown(
             model, settlement.support, *moves, increment, behaviour, settlement.to_collapse, sliding,
             state=start,
         )  # fmt: skip
         reached = path.final
-    except CollapseError as collapse:
+    except mechanics.CollapseError as collapse:
         found.failures.append(headed(title, collapse.message))
         assert isinstance(collapse.path, Pushdown)
         path = collapse.path
-    except (UnstableError, ConvergenceError, NoEquilibriumError) as error:
+    except (mechanics.UnstableError, mechanics.ConvergenceError, mechanics.NoEquilibriumError) as error:
         found.failures.append(headed(title, error.message))
     if path is not None:
         moved = _pushdown_path(path, whole, behaviour, control)
@@ -230,15 +226,17 @@ def settle(
     return found
 
 
-def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | Message:
+def rest_as_drawn(model: mechanics.Assembly, sliding: Sliding) -> mechanics.State | Message:
     """Return the rest under gravity that a structure as drawn comes to on elastic joints, or why it has none."""
     try:
         return settled(model, None, sliding).state
-    except (UnstableError, ConvergenceError) as error:
+    except (mechanics.UnstableError, mechanics.ConvergenceError) as error:
         return error.message
 
 
-def not_back(model: Assembly, reached: State, where: Message, before: State) -> Message | None:
+def not_back(
+    model: mechanics.Assembly, reached: mechanics.State, where: Message, before: mechanics.State
+) -> Message | None:
     """Return what does not come back to `before`, the state `where` says, though all supports do; else None."""
     moved = reached.positions - before.positions
     if abs(moved[~model.movable]).max() > BACK * model.size:

@@ -7,16 +7,7 @@ from typing import Any
 import numpy as np
 
 from assessment.analyses.checks.governing import ENSEMBLE, shaken_corners
-from assessment.benchmark.cases.structures import (
-    assembly,
-    block_on_base,
-    control,
-    in_frame,
-    pushed,
-    running_bond,
-    settled,
-    template,
-)
+from assessment.benchmark.cases import structures
 from assessment.benchmark.measure import FAILURES, Case, pushed_program, rows_of, seconds_of
 from assessment.benchmark.table import Row
 from mechanics import Assembly, limit_analysis, pushover
@@ -37,7 +28,7 @@ def statics(quick: bool) -> Iterator[Row]:
     """From one block to the triumphal arch; quick: without the latter, and fewer values."""
     cases = [
         rocking_rigid(),
-        limit("Ferris and Tin-Loi's wall 1", running_bond()),
+        limit("Ferris and Tin-Loi's wall 1", structures.running_bond()),
         settling(ARCH, "rigid", FEWER if quick else INCREMENTS),
         pushing(ARCH, "rigid", FEWER if quick else INCREMENTS),
     ]
@@ -47,7 +38,7 @@ def statics(quick: bool) -> Iterator[Row]:
             pushing(ARCH, "rigid", moved=True),
             settling(ARCH, "elastic"),
             *(beds(ARCH, way) for way in (None, "+x", "-x")),
-            limit("triumphal arch", assembly(TRIUMPHAL)),
+            limit("triumphal arch", structures.assembly(TRIUMPHAL)),
             settling(TRIUMPHAL, "rigid", FEWER),
             pushing(TRIUMPHAL, "rigid", FEWER),
             pushing(TRIUMPHAL, "elastic", FEWER),
@@ -59,7 +50,7 @@ def statics(quick: bool) -> Iterator[Row]:
 
 def rocking_rigid() -> Case:
     """A rigid block: α = tan(arctan(B/H) − θ) at every point, zero at a displacement H sin(arctan(B/H))."""
-    model, slenderness = block_on_base(), float(np.arctan(0.2))
+    model, slenderness = structures.block_on_base(), float(np.arctan(0.2))
 
     def measure(curve: Pushover) -> dict[str, float]:
         lean = np.array([-state.positions[1, 2] for state in curve.states])
@@ -89,7 +80,7 @@ def limit(name: str, model: Assembly) -> Case:
 
 def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS) -> Case:
     """Pushdown to collapse: the movement at which the structure falls, and the reaction of the moved support."""
-    movement = max(map(abs, template(name).settlements[0].displacement_m))
+    movement = max(map(abs, structures.template(name).settlements[0].displacement_m))
 
     def measure(path: Pushdown) -> dict[str, float]:
         at = int(np.argmin(abs(path.movement - movement)))
@@ -97,7 +88,7 @@ def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENT
         return found if path.ultimate is None else {**found, "ultimate movement": path.ultimate}
 
     title = f"{name.replace('-', ' ')}, pushdown, {contacts}"
-    run = partial(settled, name, contacts, to_collapse=True)
+    run = partial(structures.settled, name, contacts, to_collapse=True)
     return Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
@@ -105,10 +96,10 @@ def pushing(
     name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS, moved: bool = False
 ) -> Case:
     """Pushover as drawn, or settled: rigid, where the multiplier comes down to zero; elastic, its peak."""
-    at_rest = cache(lambda: settled(name, contacts).final)
+    at_rest = cache(lambda: structures.settled(name, contacts).final)
 
     def run(times: float) -> Pushover:
-        return pushed(name, "+x", contacts, times, at_rest() if moved else None)
+        return structures.pushed(name, "+x", contacts, times, at_rest() if moved else None)
 
     title = f"{name.replace('-', ' ')}, {'settled, ' if moved else ''}pushover, {contacts}"
     measure = _peak if contacts == "elastic" else lambda curve: {"d_0": float(curve.displacement[-1])}
@@ -117,11 +108,13 @@ def pushing(
 
 def beds(name: str, moved: Direction | None = None) -> Case:
     """The elastic peak of beds of points and of the exact one, as drawn towards +x or settled towards `moved`."""
-    at_rest = cache(lambda segments: settled(name, "elastic", 1.0, segments).final)
+    at_rest = cache(lambda segments: structures.settled(name, "elastic", 1.0, segments).final)
 
     def run(number: float) -> Pushover:
         fine, segments = 0.25 if number == FINE else 1.0, None if np.isinf(number) else round(number)
-        return pushed(name, moved or "+x", "elastic", fine, at_rest(segments) if moved else None, segments)
+        return structures.pushed(
+            name, moved or "+x", "elastic", fine, at_rest(segments) if moved else None, segments
+        )
 
     title = f"{name.replace('-', ' ')}, {f'settled, {moved}' if moved else 'pushover'}, elastic"
     values = SETTLED_SEGMENTS if moved else SEGMENTS
@@ -130,15 +123,20 @@ def beds(name: str, moved: Direction | None = None) -> Case:
 
 def sliding(quick: bool) -> Iterator[Row]:
     """α_0 and where the curve ends over variants, by structure and law of sliding, then by increment."""
-    small = running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
+    small = structures.running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
     x, z = map(float, small.blocks[-1].centroid)
     cases = [
         ("wall of 13 blocks", small, (x, z), 0.005),
-        ("Ferris and Tin-Loi's wall 1", running_bond(), (5 * 0.4, 6 * 0.175), 0.005),
+        ("Ferris and Tin-Loi's wall 1", structures.running_bond(), (5 * 0.4, 6 * 0.175), 0.005),
     ]
     if not quick:  # wall 2 is inferred from its multiplier: tests/validation/test_masonry_wall.py
-        cases.append(("Ferris and Tin-Loi's wall 2", running_bond(5, 10), (5 * 0.4, 10 * 0.175), 0.005))
-        cases += [(name.replace("-", " "), assembly(name), *control(name)) for name in (ARCH, TRIUMPHAL)]
+        cases.append(
+            ("Ferris and Tin-Loi's wall 2", structures.running_bond(5, 10), (5 * 0.4, 10 * 0.175), 0.005)
+        )
+        cases += [
+            (name.replace("-", " "), structures.assembly(name), *structures.control(name))
+            for name in (ARCH, TRIUMPHAL)
+        ]
     laws: tuple[Sliding, ...] = ("associative", "coulomb")
     for name, model, at, increment in cases:
         for law in laws:
@@ -161,7 +159,7 @@ def ends(
     found, seconds = [], []
     for each, factor, length, (x, z), weight in tried:
         point = (length * at[0] + x, length * at[1] + z)
-        step, moved = length * factor * increment, in_frame(each, length, (x, z), weight)
+        step, moved = length * factor * increment, structures.in_frame(each, length, (x, z), weight)
         try:
             taken, curve = seconds_of(partial(pushover, moved, point, "+x", "rigid", step, sliding=law))
         except FAILURES:

@@ -20,17 +20,8 @@ from zipfile import BadZipFile, ZipFile
 
 from pydantic_core import PydanticUndefined
 
+from assessment.project import schema
 from assessment.project.formats.toml import MARK
-from assessment.project.schema import (
-    KeyPath,
-    ProjectContent,
-    alternatives,
-    annotation_at,
-    keys_at,
-    named_at,
-    table_at,
-    tables_of,
-)
 from assessment.runtime.errors import ProjectError, nearest
 
 MOST_BYTES = 20_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
@@ -47,8 +38,8 @@ _UNREADABLE = (
 )  # fmt: skip
 
 Rows = dict[int, tuple[Any, ...]]
-_FORMS = tables_of(ProjectContent)
-_SINGLE: dict[str, KeyPath] = {
+_FORMS = schema.tables_of(schema.ProjectContent)
+_SINGLE: dict[str, schema.KeyPath] = {
     "project": (),
     **{name: (name,) for name, form in _FORMS.items() if form == "single"},
     "site": ("assessment", "site"),
@@ -148,12 +139,12 @@ def _rows(sheet: Any) -> Rows:
 class _Entry(NamedTuple):
     """A value, or the empty table that values go into, and the cell or row it was read from."""
 
-    path: KeyPath
+    path: schema.KeyPath
     value: Any
     place: str
 
 
-def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]]:
+def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], list[str]]:
     """Return the unchecked content of a spreadsheet, where each value stands, and what is wrong.
 
     Raises ProjectError.
@@ -172,7 +163,7 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[KeyPath, str], list[str]
         if rows[name]
     ]
     content: dict[str, Any] = {}
-    places: dict[KeyPath, str] = {}
+    places: dict[schema.KeyPath, str] = {}
     active = {name: _is_active(rows[name]) for name in _SINGLE if name in rows}
     faults += [
         f'{path.name}: sheet "{name}", row "{ACTIVE}": {word!r} is neither {YES[0]} nor {NO[0]}; write one of them'
@@ -206,7 +197,7 @@ def _is_active(rows: Rows) -> bool | str:
     return min(words, key=lambda word: (word is not False, word is True), default=True)
 
 
-def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
+def to_xlsx(content: Mapping[str, Any], marked: Collection[schema.KeyPath] = ()) -> bytes:
     """Return a project's content as a spreadsheet that explains its keys, those `marked` as to be filled in.
 
     Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no.
@@ -229,7 +220,7 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> byt
         _fill(sheet, _list_rows(name, node or {}))
         headings = [(cell, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
         for cell, path in headings:
-            if meaning := keys_at(path[:-1], language).get(str(path[-1])):
+            if meaning := schema.keys_at(path[:-1], language).get(str(path[-1])):
                 cell.comment = Comment(meaning, "Assesto", height=80, width=260)
         columns = ((cell.column_letter, path) for cell, path in headings)
         _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in columns])
@@ -254,7 +245,7 @@ def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
     sheet.freeze_panes = "A2"
 
 
-def _offer(sheet: Any, cells: Iterable[tuple[str, KeyPath]]) -> None:
+def _offer(sheet: Any, cells: Iterable[tuple[str, schema.KeyPath]]) -> None:
     """Give the cells of keys a drop-down list of what can be chosen; other values can be typed all the same."""
     from openpyxl.worksheet.datavalidation import DataValidation
 
@@ -265,18 +256,18 @@ def _offer(sheet: Any, cells: Iterable[tuple[str, KeyPath]]) -> None:
             offered.add(place)
 
 
-def _choices(path: KeyPath) -> str:
+def _choices(path: schema.KeyPath) -> str:
     """Return the formula of a drop-down list of the key at a path; empty where nothing is to be chosen."""
     if path[-1] == ACTIVE:
         return f'"{YES[0]},{NO[0]}"'
-    kinds = alternatives(annotation_at(path))
-    sheet = _OF.get(named_at(path) or "")
+    kinds = schema.alternatives(schema.annotation_at(path))
+    sheet = _OF.get(schema.named_at(path) or "")
     if sheet and str in kinds:
         column = _letter(next(_list_rows(sheet, {})).index("support" if sheet == "layers" else "name"))
         return f"={sheet}!${column}$2:${column}${LAST}"
     chosen = [*map(str, _words(kinds))]
     for kind in (kind for kind in kinds if get_origin(kind) is tuple):
-        members = _words(alternatives(get_args(kind)[0]))
+        members = _words(schema.alternatives(get_args(kind)[0]))
         if all(isinstance(member, str) for member in members) and members:
             chosen += [*members, "; ".join(members)]
     return f'"{",".join(chosen)}"' if chosen else f'"{YES[0]},{NO[0]}"' if bool in kinds else ""
@@ -314,20 +305,20 @@ def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
         if value is None or word == ACTIVE or (index == 0 and word in {heads[0] for heads in HEADS.values()}):
             continue
         path = _path(table, _text(key).strip())
-        yield _Entry(path, _typed(value, annotation_at(path)), f", cell B{number}")
+        yield _Entry(path, _typed(value, schema.annotation_at(path)), f", cell B{number}")
 
 
-def _path(table: KeyPath, key: str) -> KeyPath:
+def _path(table: schema.KeyPath, key: str) -> schema.KeyPath:
     """Return the path of a key with points below a table: `control.+x`, `SLV.ag_g`, `layers.NAME.friction`.
 
     NAME, and that of an entry `hypotheses.1.NAME`, may have points itself.
     """
     first, _, rest = key.partition(".")
-    path: KeyPath = (*table, first)
+    path: schema.KeyPath = (*table, first)
     number, _, listed = rest.partition(".")
     if _listed(path) and number.isdigit():
         return (*path, int(number) - 1, listed)
-    form = tables_of(table_at(table) or ProjectContent).get(first)
+    form = schema.tables_of(schema.table_at(table) or schema.ProjectContent).get(first)
     if form == "named":
         name, _, inner = rest.rpartition(".")
         return (*path, name, inner) if name else (*table, key)
@@ -336,10 +327,14 @@ def _path(table: KeyPath, key: str) -> KeyPath:
     return (*path, *rest.split(".")) if rest else path
 
 
-def _listed(path: KeyPath) -> bool:
+def _listed(path: schema.KeyPath) -> bool:
     """Whether the value at a path is a list of entries by name, which are no tables."""
-    members = [get_args(kind)[0] for kind in alternatives(annotation_at(path)) if get_origin(kind) is tuple]
-    return any(get_origin(kind) is dict for member in members for kind in alternatives(member))
+    members = [
+        get_args(kind)[0]
+        for kind in schema.alternatives(schema.annotation_at(path))
+        if get_origin(kind) is tuple
+    ]
+    return any(get_origin(kind) is dict for member in members for kind in schema.alternatives(member))
 
 
 def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
@@ -347,13 +342,13 @@ def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
     keys = [_text(key).strip() for key in header[1]]
     first = 1 if name in _NAME else 0
     for index, (number, row) in enumerate(entries):
-        entry: KeyPath = (name, _text(row[0]) if first else index)
+        entry: schema.KeyPath = (name, _text(row[0]) if first else index)
         yield _Entry(entry, {}, f", row {number}")
         for column, value in enumerate(row[first:], first):
             if value is not None:
                 path = _path(entry, keys[column] if column < len(keys) else "")
                 place = f", cell {_letter(column)}{number}"
-                yield _Entry(path, _typed(value, annotation_at(path)), place)
+                yield _Entry(path, _typed(value, schema.annotation_at(path)), place)
 
 
 def _put(content: dict[str, Any], entry: _Entry) -> str:
@@ -375,17 +370,17 @@ def _put(content: dict[str, Any], entry: _Entry) -> str:
 def _typed(value: Any, annotation: Any) -> Any:
     """Return the content of a cell as the type its key asks for; left as it is where that cannot be."""
     value = value.strip() if isinstance(value, str) else value
-    kinds = alternatives(annotation)
+    kinds = schema.alternatives(annotation)
     members = _words(kinds)
     lists = [kind for kind in kinds if get_origin(kind) is tuple]
     words = any(isinstance(member, str) for member in members)
     takes_text = str in kinds or (words and value in members) or (words and float not in kinds)
     if lists and value not in members:
         member = get_args(lists[0])[0]
-        if pairs := [kind for kind in alternatives(member) if get_origin(kind) is tuple]:
+        if pairs := [kind for kind in schema.alternatives(member) if get_origin(kind) is tuple]:
             flat = _typed(value, tuple[get_args(pairs[0])[0], ...])  # type: ignore[misc]
             return [flat[k : k + 2] for k in range(0, len(flat), 2)]
-        if {int, float} & {*alternatives(member)}:  # only a separator is followed by a blank there
+        if {int, float} & {*schema.alternatives(member)}:  # only a separator is followed by a blank there
             parts = re.split(r";|,?\s", _text(value).strip().removeprefix("[").removesuffix("]"))
         else:
             one_line = _text(value).replace("\r", ";").replace("\n", ";")
@@ -421,43 +416,43 @@ def _text(value: Any) -> str:
 
 
 def _table_rows(
-    table: KeyPath, node: Mapping[str, Any] | None, marked: Collection[KeyPath], language: str
+    table: schema.KeyPath, node: Mapping[str, Any] | None, marked: Collection[schema.KeyPath], language: str
 ) -> Iterator[list[Any]]:
-    comments = keys_at(table, language)
+    comments = schema.keys_at(table, language)
     yield [*HEADS[language]]
     own = {**(node or {}), **dict.fromkeys(comments, None), **(node or {})}
     here = [key for key in own if (*table, key) not in _SHEETS.values() and (table or key not in _FORMS)]
-    absent = [key for key in here if own[key] is None and table_at((*table, key))]
+    absent = [key for key in here if own[key] is None and schema.table_at((*table, key))]
     rows = _flat(table, {key: own[key] for key in here if key not in absent})
-    rows |= {f"{key}.{inner}": None for key in absent for inner in keys_at((*table, key))}
+    rows |= {f"{key}.{inner}": None for key in absent for inner in schema.keys_at((*table, key))}
     for key, value in rows.items():
         first, _, rest = key.partition(".")
-        meaning = keys_at((*table, first), language).get(rest, comments[first])
+        meaning = schema.keys_at((*table, first), language).get(rest, comments[first])
         yield [key, _cell(value), (MARK[language] if (*table, key) in marked else "") + meaning]
     if table and _default_at(table) is None:
         yield [ACTIVE, YES[0] if node is not None else NO[0], IN_USE[language]]
 
 
-def _default_at(table: KeyPath) -> Any:
+def _default_at(table: schema.KeyPath) -> Any:
     """Return the default of a table: None, it may be absent; PydanticUndefined, it must not."""
-    above = table_at(table[:-1]) or ProjectContent
+    above = schema.table_at(table[:-1]) or schema.ProjectContent
     return above.model_fields[str(table[-1])].default
 
 
 def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
     entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
-    tables = tables_of(table_at((name, 0)) or ProjectContent)
+    tables = schema.tables_of(schema.table_at((name, 0)) or schema.ProjectContent)
     rows = [_flat((name, 0), entry) for entry in entries]
     keys = dict.fromkeys([_NAME[name]] if name in _NAME else [])
-    keys |= dict.fromkeys(key for key in keys_at((name, 0)) if key not in tables)
+    keys |= dict.fromkeys(key for key in schema.keys_at((name, 0)) if key not in tables)
     for key, form in tables.items():
-        keys |= dict.fromkeys(f"{key}.{k}" for k in keys_at((name, 0, key)) if form == "single")
+        keys |= dict.fromkeys(f"{key}.{k}" for k in schema.keys_at((name, 0, key)) if form == "single")
     keys |= dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in tables)
     yield [*keys]
     yield from ([_cell(row.get(key)) for key in keys] for row in rows)
 
 
-def _flat(table: KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
+def _flat(table: schema.KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a table by their keys, those of tables and named entries in it as `_path` reads them."""
     row: dict[str, Any] = {}
     for key, value in node.items():

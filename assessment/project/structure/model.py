@@ -12,14 +12,7 @@ import numpy as np
 from assessment.project.plausibility import implausible
 from assessment.project.project import Project
 from assessment.project.schema import StrengtheningTable, TieTable
-from assessment.project.structure.masonry import (
-    MATERIAL,
-    as_built,
-    block_at,
-    chosen_mechanisms,
-    gauges,
-    layer_of,
-)
+from assessment.project.structure import masonry
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import write_atomically
 from mechanics import Assembly, DrawingError, State, Tie
@@ -120,7 +113,7 @@ def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Asse
     ties = []
     for each in tables:
         key = f"{project.source}: tie.{each.name}"
-        blocks = [block_at(model, f"{key}.{end}", getattr(each, end)) for end in ("from_m", "to_m")]
+        blocks = [masonry.block_at(model, f"{key}.{end}", getattr(each, end)) for end in ("from_m", "to_m")]
         if blocks[0] == blocks[1]:
             text = f"both ends are in block {blocks[0]}; write a point of another one"
             raise ProjectError(f"{key}.to_m: {text}")
@@ -142,7 +135,7 @@ def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningT
             raise ProjectError(f"{key}: no block on that layer; {nearest(layer, sorted(layers.values()))}")
         given = {key: getattr(table, key) for key in type(table).model_fields}
         changes[layer_key(layer)] = {
-            MATERIAL[key]: value for key, value in given.items() if value is not None
+            masonry.MATERIAL[key]: value for key, value in given.items() if value is not None
         }
     if not changes:
         return model
@@ -177,7 +170,7 @@ def build_model(project: Project) -> ProjectModel:
     outside every block, a crack or slip at no joint, or a mechanism whose blocks are not there.
     """
     geometry = project.geometry
-    drawing = as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))
+    drawing = masonry.as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))
     name, blocks, faults = geometry.drawing, drawing.blocks, drawing.faults
     if not blocks:
         raise FaultyDrawingError(name, faults, drawing.outlines)
@@ -205,12 +198,12 @@ def build_model(project: Project) -> ProjectModel:
     unit = "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
     for point in project.control:
         key = f"{project.source}: control.{point.name}.point_m"
-        block = assembly.blocks[block_at(assembly, key, point.point_m, unit)]
+        block = assembly.blocks[masonry.block_at(assembly, key, point.point_m, unit)]
         if block.support is not None:
             text = f'{list(point.point_m)} is in the support "{block.support}", which no push moves'
             raise ProjectError(f"{key}: {text}; move it into another block")
-    chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
-    gauges(project, assembly)  # likewise
+    masonry.chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
+    masonry.gauges(project, assembly)  # likewise
     states = state_models(project, assembly)
     far = assembly.as_drawn([0.0, 0.0])
     if far.any():
@@ -226,8 +219,8 @@ def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], f
     """Return a project's drawing, its unit, the layers and the sagitta: what `read_drawing` is called with."""
     geometry = project.geometry
     return (
-        project.path(geometry.drawing), geometry.unit, layer_of(project, None),
-        {name: layer_of(project, table) for name, table in project.layers.items()}, geometry.sagitta_m,
+        project.path(geometry.drawing), geometry.unit, masonry.layer_of(project, None),
+        {name: masonry.layer_of(project, table) for name, table in project.layers.items()}, geometry.sagitta_m,
     )  # fmt: skip
 
 

@@ -16,15 +16,7 @@ from assessment.report.tables import dynamic, equilibrium, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
 from assessment.report.tables.rows import TABLES, without
-from assessment.report.text.language import (
-    Words,
-    cell,
-    check_name,
-    direction_name,
-    heading,
-    key_name,
-    written,
-)
+from assessment.report.text import language
 from assessment.results.configurations import hand_check
 from assessment.results.schema import Results, present
 from assessment.results.schema.part import QUANTITIES
@@ -48,18 +40,20 @@ class Grid:
     text: list[bool]
 
 
-def grid(table: Table, words: Words, caption: Markup, significant: int = 3, reference: str = ROCK) -> Grid:
+def grid(
+    table: Table, words: language.Words, caption: Markup, significant: int = 3, reference: str = ROCK
+) -> Grid:
     """Write a table for the report, without the columns that no row has; `reference`: of a_g, rock or surface."""
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
-        [heading(column, words, reference) for column in columns],
-        [[cell(column, row, words, significant) for column in columns] for row in table.rows],
+        [language.heading(column, words, reference) for column in columns],
+        [[language.cell(column, row, words, significant) for column in columns] for row in table.rows],
         [QUANTITIES[column].words for column in columns],
     )
 
 
-def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
+def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     chosen = checked.chosen_mechanisms(results)
     found = [
@@ -96,7 +90,7 @@ def printed_tables(results: Results, words: Words) -> dict[str, Grid]:
     return grids
 
 
-def check_grids(results: Results, words: Words) -> Iterator[Grid]:
+def check_grids(results: Results, words: language.Words) -> Iterator[Grid]:
     """Yield the checks of each state: every direction and limit state, the vertical component with them."""
     whole = _checked(checked.verification(results), "direction limit_state")
     factor = words.number((results.echo.assessment or {}).get("confidence_factor", 1.0))
@@ -110,7 +104,9 @@ def check_grids(results: Results, words: Words) -> Iterator[Grid]:
                 row: Row = {"direction": direction, "limit_state": words("value.vertical_check")}
                 row |= {"a_star_g": lifted.a_0_star_g, "zeta_E": lifted.ratio, "verified": lifted.verified}
                 rows.append(row)
-        limits = Markup("; ").join(dict.fromkeys(check_name(row["limit_state"], words) for row in own))
+        limits = Markup("; ").join(
+            dict.fromkeys(language.check_name(row["limit_state"], words) for row in own)
+        )
         missing = dict.fromkeys(row["direction"] for row in own if row["direction"] not in state.capacity)
         open_: Row = {"limit_state": limits, "zeta_E": None, "verified": None}
         rows += [open_ | {"direction": way} for way in missing]
@@ -127,7 +123,9 @@ def _checked(table: Table, place: str) -> Table:
     return replace(table, columns=(*place.split(), *there))
 
 
-def macro_block_grids(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Iterator[Grid]:
+def macro_block_grids(
+    results: Results, words: language.Words, most: int = hand_check.BY_HAND
+) -> Iterator[Grid]:
     """Yield the macro-blocks of `worked_by_hand`, `most` or fewer, with the sums of the virtual work."""
     for name, direction in worked_by_hand(results):
         figures = hand_check.figures_of(results, name, direction)
@@ -136,7 +134,7 @@ def macro_block_grids(results: Results, words: Words, most: int = hand_check.BY_
             yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)
 
 
-def _mechanisms(results: Results, words: Words) -> Table:
+def _mechanisms(results: Results, words: language.Words) -> Table:
     """Return the mechanisms by name, with the multiplier of the first motion beside the largest."""
     table = without(mechanisms(results), "hinges", "sliding_joints", "sliding_residual")
     rows = []
@@ -185,7 +183,7 @@ def _interventions(results: Results) -> Table:
     return Table("compared", rows, tuple(columns.split()))
 
 
-def ranges_table(found: Iterable[Row], words: Words, reference: str = ROCK) -> Table:
+def ranges_table(found: Iterable[Row], words: language.Words, reference: str = ROCK) -> Table:
     """Return the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
 
     Ratios are left out: they are those of the a_g above them.
@@ -195,13 +193,15 @@ def ranges_table(found: Iterable[Row], words: Words, reference: str = ROCK) -> T
         name, limit = each["quantity"], each.get("limit_state")
         ends = {"used": each["value"], "lowest": each["lowest"], "highest": each["highest"]}
         row: Row = {key: each[key] for key in ("state", "direction", "contacts") if key in each}
-        row["quantity"] = heading(name, words, reference) + (f" {check_name(limit, words)}" if limit else "")
-        rows.append(row | {key: written(name, end, words) for key, end in ends.items()})
+        row["quantity"] = language.heading(name, words, reference) + (
+            f" {language.check_name(limit, words)}" if limit else ""
+        )
+        rows.append(row | {key: language.written(name, end, words) for key, end in ends.items()})
     columns = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
     return Table("static_ranges", rows, columns)
 
 
-def _validation(words: Words) -> Table:
+def _validation(words: language.Words) -> Table:
     """Return the validation table of this version; tests compute every row again."""
     cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
     rows = [
@@ -221,7 +221,7 @@ GENERATED = re.compile(r"generate:(\d+)")
 LOADS = ("vertical_load_kN", "variable_load_kN")
 
 
-def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
+def echoed(echo: Mapping[str, Any], words: language.Words) -> Iterator[Row]:
     """Yield group, quantity and value of every setting that is not empty; a group is named in its first row."""
     last: Path | None = None
     for path, key, value in _flat(echo):
@@ -231,7 +231,7 @@ def echoed(echo: Mapping[str, Any], words: Words) -> Iterator[Row]:
         name = words(f"input.{own}") if own in words.strings["input"] else ""
         yield {
             "table": _group(path, words) if path != last else Markup(""),
-            "setting": key_name(key, words, name),
+            "setting": language.key_name(key, words, name),
             "value": Markup.escape(_value(value, words, key in CHOICES or "hypotheses" in path)),
         }
         last = path
@@ -257,20 +257,20 @@ def _flat(value: Mapping[str, Any], path: Path = ()) -> Iterator[tuple[Path, str
         yield from _flat(item, name)
 
 
-def _group(path: Path, words: Words) -> Markup:
+def _group(path: Path, words: language.Words) -> Markup:
     """Name a table: "Verifica, sito"; what the user named stays as it is, behind the kind of thing that it is."""
     first, *rest = path or ("project",)
-    name = key_name(first, words)
+    name = language.key_name(first, words)
     for before, part in zip((first, *rest), rest, strict=False):
         if part.isdigit() or before == "layers":  # the second cedimento, the layer PIERS
             name += Markup(" ") + Markup.escape(part)
         else:  # "punto di controllo", but SLV
-            inner = key_name(part, words)
+            inner = language.key_name(part, words)
             name += Markup(", ") + (inner[:1].lower() + inner[1:] if inner[1:2].islower() else inner)
     return name
 
 
-def _value(value: Any, words: Words, choice: bool) -> str:
+def _value(value: Any, words: language.Words, choice: bool) -> str:
     """Write an input as it was given, in the words and with the decimal mark of the language."""
     if value is None:
         return words.plain("value.none")
@@ -281,7 +281,7 @@ def _value(value: Any, words: Words, choice: bool) -> str:
     if isinstance(value, list):
         return "; ".join(_value(item, words, choice) for item in value)
     if isinstance(value, str) and choice:
-        return words.name("setting", value, direction_name(value))
+        return words.name("setting", value, language.direction_name(value))
     if isinstance(value, str) and (count := GENERATED.fullmatch(value)):
         return words.plain("value.generate", number=count[1])
     return words.show(value)

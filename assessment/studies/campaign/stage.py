@@ -5,17 +5,8 @@ from dataclasses import dataclass
 
 from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.checks.demand import Demands
+from assessment.analyses.dynamic import record_set as sets
 from assessment.analyses.dynamic.fragility import ENOUGH
-from assessment.analyses.dynamic.record_set import (
-    HIGH,
-    LOW,
-    Measures,
-    Target,
-    compatibility,
-    made_record,
-    ordinate,
-    scaled_to,
-)
 from assessment.analyses.dynamic.scan import Reach
 from assessment.analyses.dynamic.time_history import Setting, Shaking, Start, ultimates, why_not_reached
 from assessment.analyses.found import as_part, finest
@@ -23,16 +14,9 @@ from assessment.analyses.static.states import Request, StateResult, analyse_stat
 from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, CampaignTable
-from assessment.results.schema import Direction, Pushovers, known
-from assessment.results.schema.dynamic import (
-    Campaign,
-    CampaignCombination,
-    CampaignFragility,
-    CampaignRecord,
-    CampaignSpectrum,
-    SameAs,
-)
+from assessment.results.schema import Direction, Pushovers, dynamic, known
 from assessment.results.table import compared
+from assessment.studies import variants
 from assessment.studies.campaign.scans import (
     Asked,
     Scans,
@@ -44,15 +28,6 @@ from assessment.studies.campaign.scans import (
     reach_of,
 )
 from assessment.studies.campaign.summary import fragility_of, loss_of
-from assessment.studies.variants import (
-    Statics,
-    Study,
-    capacities_of,
-    directions,
-    part,
-    quantity,
-    quoted_limit_state,
-)
 from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import whole_movement
@@ -87,7 +62,7 @@ def moved_title(settlement: str, share: float) -> Message:
     return message("{state} × {share:g}", state=settlement, share=share)
 
 
-def moved_states(statics: Statics, study: Study) -> list[Moved]:
+def moved_states(statics: variants.Statics, study: variants.Study) -> list[Moved]:
     """Return the states after each share of each movement that [campaign] asks for, settled and pushed over.
 
     The original state and whole movements are taken from `statics`. Messages, certificates and times go to `study`.
@@ -98,7 +73,7 @@ def moved_states(statics: Statics, study: Study) -> list[Moved]:
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
     requests = {  # of shares between none and the whole, under every behaviour that is needed
         (whole.name, share, behaviour): Request(
-            finer, statics.models[whole.name], part(whole, share), behaviour, f"× {share:g}: "
+            finer, statics.models[whole.name], variants.part(whole, share), behaviour, f"× {share:g}: "
         )
         for finer, whole in movements
         for share in table.shares
@@ -168,21 +143,22 @@ def _static(
     if project.assessment:
         assessed = assess(project, model, pushed, demands)
         warnings += told(assessed)
-        checked, limit = capacities(assessed), quoted_limit_state(project) or ""
-        checks = [way in checked and checked[way].checks.get(limit) for way in directions(project)]
+        checked, limit = capacities(assessed), variants.quoted_limit_state(project) or ""
+        checks = [way in checked and checked[way].checks.get(limit) for way in variants.directions(project)]
         values = [check.pga_g if check else None for check in checks]
     else:
         own = [stage for stage in stages if stage.behaviour in project.pushover.contacts]
         values = [
-            compared(each, quantity(project)) for each in capacities_of(project, own, pushed, {}).values()
+            compared(each, variants.quantity(project))
+            for each in variants.capacities_of(project, own, pushed, {}).values()
         ]
     known = [value for value in values if value is not None]
     return min(known) if known and len(known) == len(values) else None
 
 
 def record_set(
-    statics: Statics, table: CampaignTable, motions: Sequence[BaseMotion]
-) -> tuple[list[BaseMotion], CampaignSpectrum | None]:
+    statics: variants.Statics, table: CampaignTable, motions: Sequence[BaseMotion]
+) -> tuple[list[BaseMotion], dynamic.CampaignSpectrum | None]:
     """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for.
 
     With their mean spectrum and the target, None if no record is made or scaled to it. Raises KilledError where a
@@ -190,18 +166,20 @@ def record_set(
     """
     if not (table.generated or table.spectrum_compatible):
         return list(motions), None
-    found, target = list(motions), Target.of(statics.demands.spectra)
+    found, target = list(motions), sets.Target.of(statics.demands.spectra)
     if table.generated:
         seeds = range(1, table.generated + 1)
         tasks, titles = [(target.spectrum, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
-        made = statics.workers.each("campaign: records", made_record, tasks, titles, table.generated > 1)
+        made = statics.workers.each("campaign: records", sets.made_record, tasks, titles, table.generated > 1)
         found = [motion_of(statics.project, "campaign", table, record) for record in made]
     if table.spectrum_compatible:
-        found = scaled_to(target, found, table)
-    return found, compatibility(target, found, table)
+        found = sets.scaled_to(target, found, table)
+    return found, sets.compatibility(target, found, table)
 
 
-def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, study: Study) -> Campaign:
+def campaign(
+    statics: variants.Statics, motions: Sequence[BaseMotion], scans: Scans, study: variants.Study
+) -> dynamic.Campaign:
     """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names.
 
     Combinations that could not be completed are in study.failures, and in the results with their reason. Raises
@@ -209,7 +187,7 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
     """
     project, table = statics.project, known(statics.project.campaign)
     records, spectrum = record_set(statics, table, motions)
-    ratio = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
+    ratio = [sets.ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
     reported = {note for motion in motions for note in motion.notes}
     study.warnings += [note for motion in records for note in motion.notes if note not in reported]
     moved = moved_states(statics, study)
@@ -225,7 +203,7 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
     asked = asked_for(shakings, table.signs, reach, image)
     scans.settle("campaign", asked, 0 if table.levels_g else len(table.signs), study)
     rows = _rows(asked, scans, table, study)
-    measures = Measures.of(project, records)
+    measures = sets.Measures.of(project, records)
     by_state = {
         state: [(each, row) for each, row in zip(asked, rows, strict=True) if each.state is state]
         for state in moved
@@ -233,11 +211,11 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
     fits = {state: fragility_of(state, own, scans, table, measures) for state, own in by_state.items()}
     unmoved = {state.settlement: state for state in reversed(moved) if state.share == 0.0}
     found = as_part(
-        Campaign, table, levels_g=list(table.levels_g or ()), members=project.scatter,
+        dynamic.Campaign, table, levels_g=list(table.levels_g or ()), members=project.scatter,
         symmetric=any(each.run_sign != each.sign for each in asked),
-        static_quantity=quantity(project) if project.pushover else None,
+        static_quantity=variants.quantity(project) if project.pushover else None,
         records=[
-            CampaignRecord(
+            dynamic.CampaignRecord(
                 record=motion.name, record_pga_g=motion.pga, scale=motion.scale,
                 pgv_m_s=motion.pga * measures.over_pga[motion.name]["PGV"],
                 duration_s=motion.record.duration, time_step_s=motion.record.time_step,
@@ -255,15 +233,15 @@ def campaign(statics: Statics, motions: Sequence[BaseMotion], scans: Scans, stud
 
 
 def _rows(
-    asked: Sequence[Asked], scans: Scans, table: CampaignTable, study: Study
-) -> list[CampaignCombination]:
+    asked: Sequence[Asked], scans: Scans, table: CampaignTable, study: variants.Study
+) -> list[dynamic.CampaignCombination]:
     """Return the row of each combination; if several are one run, the later ones name the first."""
-    rows: list[CampaignCombination] = []
+    rows: list[dynamic.CampaignCombination] = []
     first: dict[str, Asked] = {}
     for each in asked:
         scan, seen = scans.of(each), observed_in(scans.of(each))
         span = None if seen.lowest is None else [seen.capacity, seen.certain]
-        row = as_part(CampaignCombination, each, each.state, pga_collapse_range=span, **numbers(scan))
+        row = as_part(dynamic.CampaignCombination, each, each.state, pga_collapse_range=span, **numbers(scan))
         if table.period_s:
             row = row.replace(sa_collapse_g=None if seen.capacity is None else each.ratio * seen.capacity)
         if scan.stripes and scan.reason is None:
@@ -275,13 +253,13 @@ def _rows(
         if origin is each:
             scans.tell(each, "campaign", study)
         elif each.starts:
-            same = as_part(SameAs, origin, origin.state)
+            same = as_part(dynamic.SameAs, origin, origin.state)
             row = row.replace(same_as=same, runs=0, points=[], counts=None)
         rows.append(row)
     return rows
 
 
-def _findings(found: Campaign) -> Iterator[Message]:
+def _findings(found: dynamic.Campaign) -> Iterator[Message]:
     """Yield warnings about the campaign as a whole."""
     records, count = len(found.records), len(found.combinations)
     if records < ENOUGH:
@@ -320,12 +298,12 @@ def _findings(found: Campaign) -> Iterator[Message]:
             "{usual_low:.0%} to {usual_high:.0%} is usual",
             low=found.spectrum.lowest_deviation,
             high=found.spectrum.highest_deviation,
-            usual_low=LOW,
-            usual_high=HIGH,
+            usual_low=sets.LOW,
+            usual_high=sets.HIGH,
         )
 
 
-def doubts(row: CampaignFragility, stripes: bool) -> Iterator[Message]:
+def doubts(row: dynamic.CampaignFragility, stripes: bool) -> Iterator[Message]:
     """Yield what to know of a fragility: combinations left open, lower bounds, no median, stripes without scatter."""
     if row.failed:
         yield message(

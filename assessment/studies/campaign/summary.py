@@ -9,35 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from assessment.analyses.dynamic.fragility import (
-    ENOUGH,
-    SAMPLES,
-    Dispersion,
-    RecordLevel,
-    Standard,
-    band_of,
-    confidence,
-    fit_stripes,
-    over_records,
-    samples_of_records,
-    standard_value,
-)
+from assessment.analyses.dynamic import fragility
 from assessment.analyses.dynamic.record_set import Measures
 from assessment.analyses.dynamic.time_history import MotionInputs
 from assessment.analyses.found import accuracy_of, as_part
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ORIGINAL, CampaignTable
-from assessment.results.schema.dynamic import (
-    CampaignCombination,
-    CampaignFragility,
-    CampaignLoss,
-    Fragility,
-    Incremental,
-    Loss,
-    Scanned,
-    Search,
-    SignScan,
-)
+from assessment.results.schema import dynamic
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.table import reduction
 from assessment.studies.campaign.scans import (
@@ -61,11 +39,11 @@ RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap 
 
 def fragility_of(
     state: Moved,
-    own: Sequence[tuple[Asked, CampaignCombination]],
+    own: Sequence[tuple[Asked, dynamic.CampaignCombination]],
     scans: Scans,
     table: CampaignTable,
     measures: Measures,
-) -> CampaignFragility:
+) -> dynamic.CampaignFragility:
     """Return the fragility of a state and its `own` rows, of the measure; of few records without ranges and rule."""
     known = [(each, row) for each, row in own if row.reason is None]
     levels = record_levels([(each.record, row) for each, row in known])
@@ -75,19 +53,21 @@ def fragility_of(
         fit = _of_stripes([each for each, _ in known], scans, table.levels_g)
     elif known and len(levels) == len(known):
         ratio = (each.ratio for each, _ in known)
-        fit = over_records([replace(x, level=x.level * by) for by, x in zip(ratio, levels, strict=True)])
+        fit = fragility.over_records(
+            [replace(x, level=x.level * by) for by, x in zip(ratio, levels, strict=True)]
+        )
     numbers = fitted(fit)
     if table.levels_g:
         numbers |= {"beta_record": None, "beta_ensemble": None}
     return as_part(
-        CampaignFragility, state, combinations=len(own), failed=len(own) - len(known),
+        dynamic.CampaignFragility, state, combinations=len(own), failed=len(own) - len(known),
         withstood=sum(row.lowest_collapse_g is None for _, row in known), beta=fit.beta if fit else None,
         measures=measures.fits(levels) if fit and not table.levels_g else [],
         rule=rule.rule if rule else None, pga_collapse_g=rule.pga if rule and rule.rule else None, **numbers,
     )  # fmt: skip
 
 
-def fitted(fit: Dispersion | None) -> dict[str, Any]:
+def fitted(fit: fragility.Dispersion | None) -> dict[str, Any]:
     """Return the keys that the fragilities of [incremental] and [campaign] share; null without a fit."""
     alike = ("median_range", "beta_range", "beta_record", "beta_ensemble")
     low, high = fit.probable if fit and fit.beta < math.inf else (None, None)
@@ -96,16 +76,16 @@ def fitted(fit: Dispersion | None) -> dict[str, Any]:
     return found | {"band": [list(each) for each in fit.band] if fit else []}
 
 
-def record_levels(parts: Sequence[tuple[str, Scanned]]) -> list[RecordLevel]:
+def record_levels(parts: Sequence[tuple[str, dynamic.Scanned]]) -> list[fragility.RecordLevel]:
     """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
     return [
-        RecordLevel(record, level, part.level_50_g is None, part.beta or 0.0)
+        fragility.RecordLevel(record, level, part.level_50_g is None, part.beta or 0.0)
         for record, part in parts
         if part.reason is None and (level := part.level_50_g or part.pga_safe_g)
     ]
 
 
-def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -> Dispersion | None:
+def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -> fragility.Dispersion | None:
     """Return the fit of stripes: of each record the share of its motions that collapse at each level.
 
     None: the outcomes tell no median (see fit_stripes).
@@ -115,20 +95,22 @@ def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -
     fallen = np.array(
         [[point.members_collapsed / point.members for point in scans.of(each).points] for each in known]
     )
-    fit = fit_stripes(np.array(levels), fallen, np.ones((1, len(known))))
+    fit = fragility.fit_stripes(np.array(levels), fallen, np.ones((1, len(known))))
     median, beta = float(fit.median[0]), float(fit.beta[0])
     if not (0.0 < median < math.inf and math.isfinite(beta)):
         return None
     names = list(dict.fromkeys(each.record for each in known))
-    if len(names) < ENOUGH:
-        return Dispersion(median, beta, beta, 0.0, None, None)
-    weights = samples_of_records(np.array([names.index(each.record) for each in known]))
-    samples = fit_stripes(np.array(levels), fallen, weights)
-    ranges = confidence(samples.median), confidence(samples.beta)
-    return Dispersion(median, beta, beta, 0.0, *ranges, band_of(samples.median, samples.beta))
+    if len(names) < fragility.ENOUGH:
+        return fragility.Dispersion(median, beta, beta, 0.0, None, None)
+    weights = fragility.samples_of_records(np.array([names.index(each.record) for each in known]))
+    samples = fragility.fit_stripes(np.array(levels), fallen, weights)
+    ranges = fragility.confidence(samples.median), fragility.confidence(samples.beta)
+    return fragility.Dispersion(
+        median, beta, beta, 0.0, *ranges, fragility.band_of(samples.median, samples.beta)
+    )
 
 
-def standard_of(rows: Sequence[CampaignCombination]) -> Standard:
+def standard_of(rows: Sequence[dynamic.CampaignCombination]) -> fragility.Standard:
     """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest."""
     worse: list[tuple[float | None, float | None]] = []
     for name in dict.fromkeys(row.record for row in rows):
@@ -138,7 +120,7 @@ def standard_of(rows: Sequence[CampaignCombination]) -> Standard:
             continue
         collapse = min((row.pga_collapse_g for row in own if row.pga_collapse_g is not None), default=None)
         worse.append((collapse, min(row.pga_safe_g for row in own if row.pga_safe_g is not None)))
-    return standard_value(worse)
+    return fragility.standard_value(worse)
 
 
 def loss_of(
@@ -146,14 +128,14 @@ def loss_of(
     base: Moved | None,
     asked: Sequence[Asked],
     scans: Scans,
-    fits: Mapping[Moved, CampaignFragility],
-) -> CampaignLoss:
+    fits: Mapping[Moved, dynamic.CampaignFragility],
+) -> dynamic.CampaignLoss:
     """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic beside static.
 
     Scans give the loss of `paired_loss`, stripes that of the median, without a range.
     """
     own, before = ([each for each in asked if each.state is of] for of in (state, base))
-    loss = Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
+    loss = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
     if base is not None and own and own[0].reach.stripes:
         loss = loss.replace(dynamic=reduction(fits[base].median_g, fits[state].median_g))
     elif base is not None:
@@ -161,10 +143,10 @@ def loss_of(
         if state is base:
             loss = loss.replace(dynamic_range=[0.0, 0.0])
     static = reduction(base.static_capacity, state.static_capacity) if base else None
-    return as_part(CampaignLoss, loss, state, static=static)
+    return as_part(dynamic.CampaignLoss, loss, state, static=static)
 
 
-def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> Loss:
+def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.Loss:
     """Return the median over `pairs`, before and after, of the losses of 50 % levels, at one time step.
 
     Its range is that of the bootstrap over records, with what each level is known to where collapse scatters by the
@@ -182,19 +164,19 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> Loss:
         errors.append(math.hypot(before.known_to(beta), after.known_to(beta)))
     left_out = len(pairs) - len(names)
     if not names:
-        return Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=left_out)
+        return dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=left_out)
     records = list(dict.fromkeys(names))
     weights = np.ones((1, len(names)), dtype=int)
-    if len(records) >= ENOUGH:
-        weights = samples_of_records(np.array([records.index(name) for name in names])).astype(int)
+    if len(records) >= fragility.ENOUGH:
+        weights = fragility.samples_of_records(np.array([records.index(name) for name in names])).astype(int)
     random = np.random.default_rng(RESAMPLED)
-    noise = random.standard_normal((SAMPLES, len(names))) * errors + changes
+    noise = random.standard_normal((fragility.SAMPLES, len(names))) * errors + changes
     medians = [
         float(np.median(np.repeat(values, weights[k % len(weights)]))) for k, values in enumerate(noise)
     ]
     low, high = (_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest"))
     unmoved = all(one is other for one, other in pairs)
-    return Loss(
+    return dynamic.Loss(
         dynamic=_lost(float(np.median(changes))),
         dynamic_range=[low, high],
         distinguishable=None if unmoved or low is None or high is None else not low <= 0.0 <= high,
@@ -214,7 +196,7 @@ DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
 class Searched(Study):
     """What the analysis leaves beside what every study does: each state's part, and errors of the time step."""
 
-    states: dict[str, Incremental] = field(default_factory=dict)
+    states: dict[str, dynamic.Incremental] = field(default_factory=dict)
     errors: list[ConvergenceRow] = field(default_factory=list)
 
 
@@ -245,11 +227,11 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
     return found
 
 
-def _search(both: Sequence[Asked], scans: Scans) -> Search:
+def _search(both: Sequence[Asked], scans: Scans) -> dynamic.Search:
     """Return the row of a record: the numbers of its worse sign, and both signs."""
     signs = []
     for each in both:
-        part = SignScan(sign=each.sign, **numbers(scans.of(each)))
+        part = dynamic.SignScan(sign=each.sign, **numbers(scans.of(each)))
         if each.run_sign != each.sign:
             part = part.replace(same_as=each.run_sign, runs=0, points=[], counts=None)
         signs.append(part)
@@ -258,7 +240,7 @@ def _search(both: Sequence[Asked], scans: Scans) -> Search:
     counted = next(each for each in both if each.sign == worse.sign)
     seen, motion = observed_in(scans.of(counted)), counted.shaking.motion
     shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)}
-    return Search(
+    return dynamic.Search(
         record=motion.name,
         record_pga_g=motion.pga,
         sign=None if failed else worse.sign,
@@ -270,19 +252,19 @@ def _search(both: Sequence[Asked], scans: Scans) -> Search:
 
 
 def summarise(
-    records: Sequence[Search],
+    records: Sequence[dynamic.Search],
     warnings: list[Message],
     state: str,
     measures: Measures | None = None,
-) -> Incremental:
+) -> dynamic.Incremental:
     """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
     title = message("{state}", state=state)
-    if len(records) < ENOUGH:
+    if len(records) < fragility.ENOUGH:
         few = message(
             "records of the incremental analysis: {count}; NTC 2018 §7.3.5 asks for at least {least}; "
             "the scatter from record to record is not known",
             count=len(records),
-            least=ENOUGH,
+            least=fragility.ENOUGH,
         )
         warnings.append(headed(title, few))
     signs = [(each.record, part) for each in records for part in each.signs]
@@ -292,12 +274,14 @@ def summarise(
             "motions that turn on their last digits would differ by a few percent"
         )
         warnings.append(headed(title, alike))
-    standard = standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
+    standard = fragility.standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
     by_sign = {
-        sign: standard_value([(p.pga_collapse_g, p.pga_safe_g) for _, p in signs if p.sign == sign]).pga
+        sign: fragility.standard_value(
+            [(p.pga_collapse_g, p.pga_safe_g) for _, p in signs if p.sign == sign]
+        ).pga
         for sign in DIRECTIONS
     }
-    found = Incremental(
+    found = dynamic.Incremental(
         records=list(records), mean_pga_collapse_g=standard.mean, lowest_pga_collapse_g=standard.lowest,
         rule=standard.rule, pga_collapse_g=standard.pga, fragility=_fragility(signs, measures),
         directions={DIRECTIONS[sign]: pga for sign, pga in by_sign.items()},
@@ -312,14 +296,16 @@ def summarise(
     return found.replace(pga_collapse_g_range=[standard.pga, upper])
 
 
-def _fragility(signs: Sequence[tuple[str, SignScan]], measures: Measures | None) -> Fragility | None:
+def _fragility(
+    signs: Sequence[tuple[str, dynamic.SignScan]], measures: Measures | None
+) -> dynamic.Fragility | None:
     """Return the fragility of a state over records and signs; None where fewer than two records collapse."""
     levels = record_levels(signs)
     fallen = {each.record for each in levels if not each.withstood}
-    fit = over_records(levels) if len(fallen) > 1 and len(levels) == len(signs) else None
+    fit = fragility.over_records(levels) if len(fallen) > 1 and len(levels) == len(signs) else None
     if fit is None:
         return None
-    return Fragility(
+    return dynamic.Fragility(
         dispersion=fit.beta,
         records=len({record for record, _ in signs}),
         censored=sum(each.withstood for each in levels),

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from assessment.analyses.static import lateral, states
+import mechanics
+from assessment.analyses.static import states
 from assessment.cli.main import main
 from assessment.project.project import load_project
 from assessment.project.structure.model import build_model
@@ -170,7 +171,7 @@ def test_an_interruption_that_a_library_swallows_ends_the_run_all_the_same(proje
             except KeyboardInterrupt:
                 raise SystemError from None
 
-    monkeypatch.setattr(lateral, "pushover", deaf)
+    monkeypatch.setattr(mechanics, "pushover", deaf)
     with forked("run", str(project), "--no-report") as started:
         assert started.out.readline() == "begun\n"
         started.send(signal.SIGINT)

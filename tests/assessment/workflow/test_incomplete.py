@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import mechanics
 from assessment.analyses.checks import capacity
-from assessment.analyses.static import lateral
 from assessment.cli.main import main
 from assessment.ntc.curve_fit import CapacityError
 from assessment.project.catalogue.new_project import write_drawing
@@ -61,7 +61,7 @@ def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeyp
     def fail(*_: object, **__: object) -> None:
         raise ConvergenceError("equilibrium exists, but no solver found it")
 
-    monkeypatch.setattr(lateral, "pushover", fail)
+    monkeypatch.setattr(mechanics, "pushover", fail)
     assert run(project, "--jobs", "1") == 3
     found = read_results(project / "output")
     assert any("no solver found it" in text for text in found["quality"]["warnings"])
@@ -70,7 +70,7 @@ def test_an_analysis_that_does_not_converge_is_reported_as_such(project, monkeyp
 
 def test_a_path_cut_short_has_no_capacity(project, monkeypatch):
     few = PushoverTolerances(points=3)
-    monkeypatch.setattr(lateral, "pushover", partial(pushover, tolerances=few))
+    monkeypatch.setattr(mechanics, "pushover", partial(pushover, tolerances=few))
     (project / "project.toml").write_text(PROJECT + ASSESSMENT, encoding="utf-8")
     run(project)
     results = read_results(project / "output")

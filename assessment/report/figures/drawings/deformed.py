@@ -17,14 +17,8 @@ from assessment.report.figures.style import Panels, foot, key, sheet
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.report.text.language import Words
+from assessment.results.configurations import hand_check
 from assessment.results.configurations.frames import ties_of
-from assessment.results.configurations.hand_check import (
-    BY_HAND,
-    MacroBlock,
-    macro_blocks,
-    outline_area,
-    rigid_push,
-)
 from assessment.results.configurations.joint_states import (
     Situation,
     faces_of,
@@ -107,7 +101,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
 def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Figure:
     """Draw states where their capacity ends (d_0, rigid contacts), to true scale over each one's own rest."""
     drawing = outlines(results)
-    pushed = [rigid_push(results, *view) for view in views]
+    pushed = [hand_check.rigid_push(results, *view) for view in views]
     starts = [drawing.moved(results.states[name].configuration) for name, _ in views]
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
     page = sheet(pictures.union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot(1))
@@ -167,11 +161,11 @@ def mechanism_handles(views: Sequence[MechanismView], words: Words) -> list[Any]
 
 def found_mechanism(results: Results, state: str, direction: Direction) -> MechanismView:
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
-    rigid = rigid_push(results, state, direction)
+    rigid = hand_check.rigid_push(results, state, direction)
     found = rigid.mechanism
     motion = found.displacements, found.hinge_points_m, found.sliding_joints
-    parts = macro_blocks(results, state, direction)
-    numbered = parts if len(parts) <= BY_HAND else ()
+    parts = hand_check.macro_blocks(results, state, direction)
+    numbered = parts if len(parts) <= hand_check.BY_HAND else ()
     return MechanismView(results, state, *motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
 
 
@@ -193,7 +187,7 @@ class MechanismView:
         sliding: Sequence[int],
         configuration: Configuration,
         met: Sequence[Face],
-        numbered: Sequence[MacroBlock] = (),
+        numbered: Sequence[hand_check.MacroBlock] = (),
     ) -> None:
         self.state, self.macro_blocks = state, numbered
         self.configuration = np.asarray(configuration, dtype=float)
@@ -255,7 +249,7 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
             out = (outer - inner) / max(float(np.hypot(*(outer - inner))), 1e-12)
             parts.write_number(axes, f"G{crack.joint}", outer + page.paper(3.0) * out, **NUMBER)
     for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
-        size = min(LARGEST_PT, ROOM * 1000.0 * outline_area(ring) ** 0.5 / page.scale)
+        size = min(LARGEST_PT, ROOM * 1000.0 * hand_check.outline_area(ring) ** 0.5 / page.scale)
         if size >= SMALLEST_PT:
             dark = results.geometry.blocks[number].support is not None
             style: dict[str, Any] = {"fontsize": size, "color": "1.0" if dark else "0.25"}

@@ -121,7 +121,7 @@ def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
         numbers["time_of_collapse_s"] = 2.0 if fell else None
         return FoundHistory(made(History, numbers), quality=[made(QualityRow, {"solves": 1})], state=state)
 
-    monkeypatch.setattr(histories, "history", moved)
+    monkeypatch.setattr(histories.time_history, "history", moved)
     asked = Asked(block_on_base(), SINE, accuracy)
     asked.scatter = scatter
     return asked.found()
