@@ -54,7 +54,7 @@ def by_statics(model: Assembly, state: State, before: float) -> float:
     return float(np.linalg.solve(rows, [0.0, 1.0, 0.0])[2])
 
 
-@pytest.mark.parametrize(("before", "near"), [(0.02, 1e-3), (0.002, 0.04), (0.0005, 0.05)])
+@pytest.mark.parametrize(("before", "near"), [(0.02, 1e-3), (0.0005, 0.05)])
 def test_what_slides_off_a_near_corner_slides_along_the_face_that_bears(before, near):
     model, state = leaning(before)
     exact = by_statics(model, state, before)

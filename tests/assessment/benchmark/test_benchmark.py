@@ -156,15 +156,3 @@ def test_a_reference_is_what_errors_are_of():
 
 def test_the_command_line_knows_every_benchmark():
     assert tuple(BENCHMARKS) == arguments.BENCHMARKS
-
-
-def test_a_wall_that_slides_ends_where_it_does_in_any_increment_unit_and_rounding():
-    """It ended between 0.061 and 0.58 m where a path stopped as soon as its control point stood still."""
-    row = next(statics.sliding(quick=True))
-    assert (row["case"], row["law"], row["variants"], row["not_solved"]) == (
-        "wall of 13 blocks",
-        "associative",
-        12,
-        0,
-    )
-    assert row["most_end_m"] < 1.01 * row["least_end_m"]

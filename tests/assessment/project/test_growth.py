@@ -70,7 +70,7 @@ def comb(folder: Path, teeth: int) -> Path:
 
 @pytest.mark.parametrize(
     ("draw", "small", "large", "n"),
-    [(wall, 8, 16, lambda count: count**2), (comb, 100, 800, lambda teeth: 2 * teeth + 3)],
+    [(wall, 6, 12, lambda count: count**2), (comb, 100, 800, lambda teeth: 2 * teeth + 3)],
     ids=["blocks", "vertices"],
 )
 def test_work_grows_no_faster_than_n_log_n(tmp_path, draw, small, large, n):

@@ -319,7 +319,10 @@ def test_bounces_shorter_than_a_step_are_rest() -> None:
     assert abs(motion.velocities[-1]).max() < 1e-3
 
 
-@pytest.mark.parametrize(("contacts", "integrator"), SCHEMES)
+@pytest.mark.parametrize(
+    ("contacts", "integrator"),
+    [("rigid", "moreau-jean"), ("elastic", "implicit-euler"), ("elastic", "second-order")],
+)
 def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: Integrator) -> None:
     """What is measured by the past goes on: how far beds were pressed, gaps that count as closed, halved steps.
 

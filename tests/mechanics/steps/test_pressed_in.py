@@ -54,9 +54,8 @@ def test_siblings_of_a_beam_between_walls():
         pushdown(between_walls(BEAM), "right", (0.01, 0.0), increment=0.001)
 
 
-@pytest.mark.parametrize("seed", [3, 8, 14])
-def test_what_weight_presses_together_is_not_named(seed: int):
-    model = random_masonry(seed)
+def test_what_weight_presses_together_is_not_named():
+    model = random_masonry(3)
     limit_analysis(model)
     assert not len(unpressed(model))
 
