@@ -107,11 +107,7 @@ def rocks_alike(size: float, weight: float) -> None:
     for contacts in ("rigid", "elastic"):
         first, second = (
             time_history(
-                m,
-                np.zeros(60),
-                dt,
-                contacts,
-                state=m.rotated(block=1, about=(0.6 * s, 0.0), rotation=-0.05),
+                m, np.zeros(60), dt, contacts, state=m.rotated(block=1, about=(0.6 * s, 0.0), rotation=-0.05)
             ).positions[:, 1, 2]
             for m, s, dt in ((model, 1.0, 0.01), (other, size, time_step))
         )

@@ -27,7 +27,7 @@ OPEN = {
     "lengths of 1 µm beside 10 m": (
         "1 µm beside 10 m: ledge of 1e-06 m",
         "1 µm beside 10 m: ledge of 0.0001 m",
-    ),
+    )
 }
 REASON = {label: reason for reason, labels in OPEN.items() for label in labels}
 

@@ -4,20 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.joint import (
-    A1,
-    A2,
-    B1,
-    B2,
-    PX,
-    PZ,
-    QX,
-    QZ,
-    TAX,
-    TAZ,
-    TBX,
-    TBZ,
-)
+from mechanics.kernels.joint import A1, A2, B1, B2, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ
 from mechanics.kernels.law import DILATION, FRICTION, SHEAR
 from mechanics.types import Array
 

@@ -338,10 +338,7 @@ def _capacity(
 
 def _point(method: str, damping: float) -> dict[str, Any]:
     """What a check has beside its numbers; damping in per cent."""
-    beside = {
-        "return_period_years": None,
-        "governing": "activation" if method == "linear" else "0.40 d_0",
-    }
+    beside = {"return_period_years": None, "governing": "activation" if method == "linear" else "0.40 d_0"}
     return {"method": method, "damping": damping / 100.0, **beside, "notes": [], "trace": []}
 
 

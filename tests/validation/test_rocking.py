@@ -95,11 +95,7 @@ def test_tall_block_second_order_at_20_ms() -> None:
 
 @pytest.mark.parametrize(
     ("step", "expected"),
-    [
-        (0.01, (0.4170, 0.3550, 0.2977)),
-        (0.005, (0.4434, 0.3743, 0.3219)),
-        (0.001, (0.4544, 0.4140, 0.3777)),
-    ],
+    [(0.01, (0.4170, 0.3550, 0.2977)), (0.005, (0.4434, 0.3743, 0.3219)), (0.001, (0.4544, 0.4140, 0.3777))],
 )
 def test_implicit_euler_is_the_papers(step: float, expected: tuple[float, ...]) -> None:
     """Peaks found independently with the paper's scheme and g = 9.81 m/s².

@@ -2,12 +2,7 @@
 
 import pytest
 
-from assessment.ntc.indices import (
-    attained,
-    expected_annual_loss,
-    heritage_and_risk_indices,
-    required_zeta,
-)
+from assessment.ntc.indices import attained, expected_annual_loss, heritage_and_risk_indices, required_zeta
 from assessment.ntc.tables import confidence_factor
 from tests.support.trace_check import recomputed
 

@@ -13,12 +13,7 @@ from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
 from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
-from assessment.project.catalogue.new_project import (
-    TEMPLATES,
-    made,
-    new_project,
-    template_layout,
-)
+from assessment.project.catalogue.new_project import TEMPLATES, made, new_project, template_layout
 from assessment.project.project import load_project
 from assessment.runtime.errors import ProjectError
 from mechanics import Material, limit_analysis, read_drawing

@@ -23,11 +23,7 @@ def said(folder, hypotheses, *entries):
 @pytest.mark.parametrize(
     ("hypotheses", "entries", "expected"),
     [
-        (
-            '[{ dstro = ["x"] }]',
-            [CRACK],
-            'identification.hypotheses[1].dstro: no support "dstro"',
-        ),
+        ('[{ dstro = ["x"] }]', [CRACK], 'identification.hypotheses[1].dstro: no support "dstro"'),
         (
             f"{GOOD[:-1]}, {GOOD[1:]}",
             [CRACK],

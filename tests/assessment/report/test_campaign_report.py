@@ -11,9 +11,7 @@ import pytest
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.lead import lead
 from assessment.report.document import render_html
-from assessment.report.figures.motions import (
-    draw_campaign_curves,
-)
+from assessment.report.figures.motions import draw_campaign_curves
 from assessment.report.tables.dynamic import static_dynamic
 from assessment.report.text.language import words_of
 from tests.support.judgement.claims import hold

@@ -68,12 +68,7 @@ def test_the_page_tells_it_in_both_languages(pages):
             "contraddicono le altre",
             "Previsto",
         ),
-        "en": (
-            "Movement that explains the survey",
-            "do not distinguish",
-            "contradict the rest",
-            "Predicted",
-        ),
+        "en": ("Movement that explains the survey", "do not distinguish", "contradict the rest", "Predicted"),
     }.items():
         assert all(phrase in pages[language] for phrase in phrases), language
         assert "displacement_m = [0.01, 0.0]" in pages[language]

@@ -54,12 +54,7 @@ def test_results_keep_every_bit():
     assert (reached.velocities.shape, reached.shear.shape) == ((1, 3), (0,))
     assert reached.met.tobytes() == state.met.tobytes()
     assert reached.carrying.tolist() == [True, False]
-    assert (found.quality, found.warnings, found.failures, found.seconds) == (
-        [row],
-        [odd],
-        [],
-        0.3,
-    )
+    assert (found.quality, found.warnings, found.failures, found.seconds) == ([row], [odd], [], 0.3)
     assert packed(found) == packed(part)
 
 

@@ -32,10 +32,7 @@ from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.every_stage import planned
 from tests.support.scheduler import LONG, scheduler, wait_for
 
-pytestmark = [
-    pytest.mark.skipif(os.name != "posix", reason="signals"),
-    pytest.mark.usefixtures("no_figures"),
-]
+pytestmark = [pytest.mark.skipif(os.name != "posix", reason="signals"), pytest.mark.usefixtures("no_figures")]
 COMBINATIONS = 8  # two records, both signs, two shares
 
 

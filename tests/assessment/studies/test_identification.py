@@ -11,13 +11,7 @@ from assessment.project.structure.masonry import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies.identification import stage as search_module
-from assessment.studies.identification.fit import (
-    Fit,
-    Unknowns,
-    kinks,
-    refined,
-    sureness,
-)
+from assessment.studies.identification.fit import Fit, Unknowns, kinks, refined, sureness
 from assessment.studies.identification.stage import follow, probability
 from mechanics import ConvergenceError
 from mechanics.messages import message

@@ -35,14 +35,7 @@ def test_members_of_an_ensemble_and_smaller_increments_take_longer(arch):
     assert changed(arch, settlements=finer)["pushdown"] == pytest.approx(2.0 * expected(arch)["pushdown"])
 
 
-@pytest.mark.parametrize(
-    ("template", "seconds"),
-    [
-        ("arch", 5.8),
-        ("facade", 11.0),
-        ("wall", 85.0),
-    ],
-)
+@pytest.mark.parametrize(("template", "seconds"), [("arch", 5.8), ("facade", 11.0), ("wall", 85.0)])
 def test_templates_take_what_was_measured(tmp_path, template, seconds):
     """Processor time of the static chain, within a factor of two: arches, a stacked wall, walls in bond."""
     new_project(tmp_path / template, template, {})

@@ -49,11 +49,7 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     assert run(project, "--fresh") == 2
     assert "No space left on device" in capsys.readouterr().err
     assert contents(project) == before
-    assert sorted(path.name for path in project.iterdir()) == [
-        "geometry.dxf",
-        "output",
-        "project.toml",
-    ]
+    assert sorted(path.name for path in project.iterdir()) == ["geometry.dxf", "output", "project.toml"]
 
 
 @pytest.mark.parametrize("jobs", ["0", "x", "1.5"])

@@ -17,14 +17,7 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests.support.block_project import edit, forget, timeless
-from tests.support.every_stage import (
-    assesto,
-    computed,
-    counts,
-    entries,
-    planned,
-    write_every_stage,
-)
+from tests.support.every_stage import assesto, computed, counts, entries, planned, write_every_stage
 
 pytestmark = pytest.mark.usefixtures("no_figures")
 
@@ -148,10 +141,7 @@ def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
         first.mkdir()
     else:
         content[-2] ^= 1
-        broken = {
-            "flipped": bytes(content),
-            "of another": second.read_bytes(),
-        }
+        broken = {"flipped": bytes(content), "of another": second.read_bytes()}
         first.write_bytes(broken[damage])
     assert counts(done, capsys) == (1, every - 1)
     found = [timeless(json.loads(each["output/results.json"])) for each in (before, output(done))]

@@ -131,11 +131,7 @@ def computed(folder: Path, capsys, *options: str) -> int:
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('client = "Parish"', 'client = "Diocese"'),
-        ('language = "it"', 'language = "en"'),
-    ],
+    ("old", "new"), [('client = "Parish"', 'client = "Diocese"'), ('language = "it"', 'language = "en"')]
 )
 def test_another_title_page_or_language_is_rendered_and_nothing_computed(project, capsys, old, new):
     before = state(project / "output")

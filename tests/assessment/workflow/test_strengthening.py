@@ -14,14 +14,7 @@ from assessment.results.schema import Results
 from assessment.workflow.stages import run as run_stages
 from mechanics import UnstableError
 from mechanics.messages import message
-from tests.support.block_project import (
-    ASSESSMENT,
-    HAZARD,
-    PUSHED,
-    TURNED,
-    block,
-    write_block,
-)
+from tests.support.block_project import ASSESSMENT, HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.tied_project import STRENGTHENED, TIE, overturning, strengthening, tie
 
 BOTH = PUSHED.replace('["+x"]', '["+x", "-x"]').replace(

@@ -7,15 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels.bed import (
-    closures,
-    compliance,
-    linearised,
-    points_under,
-    pressed,
-    stiffened,
-    stored,
-)
+from mechanics.kernels.bed import closures, compliance, linearised, points_under, pressed, stiffened, stored
 from tests.support.reference_loops import bed_of_points, bed_resultants
 
 halves = st.floats(0.05, 2.0)

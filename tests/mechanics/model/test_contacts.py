@@ -194,10 +194,7 @@ def two(
 
 @settings(max_examples=30)
 @given(
-    low=st.floats(-1.5, 1.5),
-    width=st.floats(0.2, 2.0),
-    slide=st.floats(-3.0, 3.0),
-    turn=st.floats(-3.0, 3.0),
+    low=st.floats(-1.5, 1.5), width=st.floats(0.2, 2.0), slide=st.floats(-3.0, 3.0), turn=st.floats(-3.0, 3.0)
 )
 def test_overlap_is_that_of_the_outlines(low, width, slide, turn):
     """Of two rectangles in touch, after a slide along the joint, at any angle: where their outlines meet."""

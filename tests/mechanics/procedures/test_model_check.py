@@ -40,8 +40,7 @@ def test_a_point_of_a_curve_does_not_depart(point: Equilibrium) -> None:
 
 
 @pytest.mark.parametrize(
-    ("lift", "wrong"),
-    [(0.02, "press on each other across a gap of"), (-0.02, "lie in each other by")],
+    ("lift", "wrong"), [(0.02, "press on each other across a gap of"), (-0.02, "lie in each other by")]
 )
 def test_blocks_moved_off_or_into_each_other_are_told(point: Equilibrium, lift: float, wrong: str) -> None:
     model = point.system.model

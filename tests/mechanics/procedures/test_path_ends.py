@@ -247,8 +247,7 @@ def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go()
 
 
 @pytest.mark.parametrize(
-    ("sliding", "increment", "close"),
-    [("associative", 1e-4, 0.002), ("coulomb", 1e-3, 0.02)],
+    ("sliding", "increment", "close"), [("associative", 1e-4, 0.002), ("coulomb", 1e-3, 0.02)]
 )
 def test_an_elastic_path_never_jumps_back_to_where_it_has_jumped_before(sliding, increment, close):
     """At its limit point a released arch came to rest behind, climbed again and was released again, eleven times."""

@@ -11,12 +11,7 @@ from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHi
 from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.procedures.time_history import Integrator
 from mechanics.steps import dynamic_system
-from tests.support.structures import (
-    arch_on_piers,
-    block_on_base,
-    rectangle,
-    semicircular_arch,
-)
+from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
 STEP = 0.005

@@ -42,11 +42,7 @@ def test_a_unit_is_known_however_it_is_spelt(name, text, label):
 
 @pytest.mark.parametrize(
     ("label", "unit_name", "size"),
-    [
-        ("time [ms]", "ms", 1e-3),
-        ("Time_s", "s", 1.0),
-        ("Time [µs]", "µs", 1e-6),
-    ],
+    [("time [ms]", "ms", 1e-3), ("Time_s", "s", 1.0), ("Time [µs]", "µs", 1e-6)],
 )
 def test_times(label, unit_name, size):
     found = column(label)

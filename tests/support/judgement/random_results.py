@@ -33,8 +33,7 @@ def summed_up(quality: dict[str, Any]) -> dict[str, Any]:
 CAPACITY = st.one_of(st.none(), st.floats(0.001, 1.5), st.sampled_from([0.1, 0.2]))  # the last: equals
 DIFFERENCE = st.one_of(st.none(), st.floats(-1e-4, 1e-4), st.floats(-1e-6, 1e-6))
 SECOND = st.one_of(
-    st.none(),
-    DIFFERENCE.map(lambda each: dict(zip(SECOND_SOLVER, (0.1, 0.1, 0.1, each), strict=True))),
+    st.none(), DIFFERENCE.map(lambda each: dict(zip(SECOND_SOLVER, (0.1, 0.1, 0.1, each), strict=True)))
 )
 RESIDUAL = st.one_of(st.just(0.0), st.floats(1e-12, 1e-2))
 

@@ -5,18 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.analyses.checks.chosen_mechanism import (
-    FollowedPoint,
-    MechanismError,
-    compared,
-    evaluate,
-)
-from assessment.analyses.checks.kinematics import (
-    Hinge,
-    KinematicsError,
-    _unhindered,
-    finite_motion,
-)
+from assessment.analyses.checks.chosen_mechanism import FollowedPoint, MechanismError, compared, evaluate
+from assessment.analyses.checks.kinematics import Hinge, KinematicsError, _unhindered, finite_motion
 from assessment.cli.main import main
 from assessment.ntc.capacity_curve import mechanism_participation
 from assessment.ntc.spectrum import ElasticSpectrum

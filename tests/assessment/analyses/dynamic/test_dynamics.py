@@ -7,12 +7,7 @@ import pytest
 
 from assessment.analyses.dynamic import time_history as response
 from assessment.analyses.dynamic.time_history import TAIL as FREE
-from assessment.analyses.dynamic.time_history import (
-    Setting,
-    respond,
-    sustained_peak,
-    thinned,
-)
+from assessment.analyses.dynamic.time_history import Setting, respond, sustained_peak, thinned
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import artificial_record, new_project
 from assessment.project.motions import BaseMotion, history_motions

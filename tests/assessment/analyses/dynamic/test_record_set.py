@@ -8,9 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment.analyses.dynamic.fragility import (
-    RecordLevel,
-)
+from assessment.analyses.dynamic.fragility import RecordLevel
 from assessment.analyses.dynamic.record_set import Measures, Target, compatibility, scaled_to
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion, check_record_set, doubtful_records

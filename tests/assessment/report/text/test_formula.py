@@ -17,10 +17,7 @@ ENGLISH, ITALIAN = Words.of("en"), Words.of("it")
         ("Gamma_star", "Γ*"),
         ("IS_V", "IS-V"),
         ("Sigma_P_delta_2", "ΣPδ<sub>x</sub>²"),
-        (
-            "Sigma_P_delta**2/(Sigma_P*Sigma_P_delta_2)",
-            "(ΣPδ<sub>x</sub>)<sup>2</sup>/(ΣP·ΣPδ<sub>x</sub>²)",
-        ),
+        ("Sigma_P_delta**2/(Sigma_P*Sigma_P_delta_2)", "(ΣPδ<sub>x</sub>)<sup>2</sup>/(ΣP·ΣPδ<sub>x</sub>²)"),
         ("1.56*pi*sqrt(d/(a*g))", "1.56·π·√(d/(a·g))"),
         ("-T_SLV*log(1 - P_VR)/C_U", "−T<sub>SLV</sub>·ln(1 − P<sub>VR</sub>)/C<sub>U</sub>"),
         ("abs(gamma*psi)", "|γ·ψ|"),

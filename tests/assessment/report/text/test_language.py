@@ -18,7 +18,7 @@ def test_every_quantity_is_labelled_in_both_languages_and_once():
 def test_a_ratio_is_told_from_one():
     """ "1,00 non verificato" was printed of 0.9996."""
     assert [ENGLISH.ratio(each) for each in (0.9996, 1.0, 0.0975, 0.004, 0.48, 3.434, 12.34)] == [
-        *("0.9996", "1.00", "0.098", "0.0040", "0.48", "3.43", "12.3"),
+        *("0.9996", "1.00", "0.098", "0.0040", "0.48", "3.43", "12.3")
     ]
 
 
