@@ -27,6 +27,7 @@ SHORTEST = 5.0  # s
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
 SAME = 1e-4  # of the PGA: closer than this two records are one
 MOST_SAMPLES = 200_000  # of a motion: a hundred seconds at half a millisecond
+CARRIED = 0.05  # of the peak acceleration: a time step that changes it by no more carries the record
 WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
 
 
@@ -157,14 +158,19 @@ def motion_of(
     start = 0.0
     if window:  # it begins at the first sample inside it
         start = float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0])
-    notes: tuple[Message, ...] = ()
+    notes = []
     if cut.pga < (1.0 - WHOLE) * original.pga:
-        lost = message(
+        notes.append(message(
             "the window leaves out the peak of {peak:.3g} g; PGA means {pga:.3g} g, "
             "the largest acceleration inside it", peak=original.pga, pga=cut.pga,
-        )  # fmt: skip
-        notes = (headed(original.name, lost),)
-    return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
+        ))  # fmt: skip
+    if abs(record.pga - cut.pga) > CARRIED * cut.pga:
+        notes.append(message(
+            "time_step_s = {step:.3g} s is longer than the record's {own:.3g} s: its peak is {pga:.3g} g, not "
+            "{peak:.3g} g; write a shorter one", step=record.time_step, own=cut.time_step, pga=record.pga, peak=cut.pga,
+        ))  # fmt: skip
+    told = tuple(headed(original.name, note) for note in notes)
+    return BaseMotion(record, original, cut.pga, 1.0, start, None, told)
 
 
 def _vertical(
