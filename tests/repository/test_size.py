@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1180,
     "assessment/cli": 777,
     "assessment/ntc": 2280,
-    "assessment/project": 4705,
+    "assessment/project": 4711,
     "assessment/report": 6173,
     "assessment/results": 3290,
     "assessment/runtime": 1661,
