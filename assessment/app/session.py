@@ -3,8 +3,6 @@
 A run is a command of its own, which goes on when the page and its server end.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 import os
@@ -178,7 +176,7 @@ class Session:
         staging = Path(self.staging.name)
         self.root.opened = None if folder is None else Opened(project_file(folder).parent, staging)
 
-    def held(self, tag: str | None) -> Session:
+    def held(self, tag: str | None) -> "Session":
         """Return the session with its project held fast, whatever is opened meanwhile.
 
         `tag`: of the project that the page shows, "" where it shows none, None where any will do. Raises ConflictError

@@ -5,9 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from assessment.benchmark.cases import motions, skips, statics, walls, whole
-from assessment.benchmark.measure import load, machine
-from assessment.benchmark.table import Row, as_csv, table
+from assessment.benchmark.cases import motions, skips, statics, whole
+from assessment.benchmark.measure import Row, as_csv, load, machine, table
 from assessment.runtime.console import say
 from assessment.runtime.errors import nearest
 from assessment.runtime.files import write_atomically
@@ -41,7 +40,7 @@ BENCHMARKS = {
         "a step of 5 ms of a time history, over 7 s of strong motion; as walls grow, and the exponent over blocks.",
         motions.steps, "case blocks joints contacts way step_ms ratio programs_per_step iterations_per_step failed",
     ),
-    "walls": Benchmark("limit analysis of running-bond walls; the ratio is to one PIQP solve.", walls.walls),
+    "walls": Benchmark("limit analysis of running-bond walls; the ratio is to one PIQP solve.", statics.walls),
     "chain": Benchmark(
         "static analyses one by one, together, on all processors; whole commands.",
         whole.chain, "case steps seconds ratio elapsed_s failed",

@@ -3,8 +3,6 @@
 Portioli et al., §7.1 (trilinear); NTC 2018, C7.3.4.2 (equal area); Circolare 7/2019, C8.7.1.2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +22,9 @@ _PAPER = "Portioli et al., §7.1"
 
 class CapacityError(SaidError, ValueError):
     """The pushover curves do not define a capacity; the message names it and the reason."""
+
+
+Curve = tuple[ArrayLike, ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,9 +90,6 @@ class CurveFit:
         if self.d_0 is None or len(self.displacement) < 2:
             return False
         return float(np.diff(self.displacement)[-1]) <= DROP * self.d_0 and float(self.multiplier[-2]) > 0.0
-
-
-Curve = tuple[ArrayLike, ArrayLike]
 
 
 def fit_rigid(rigid: Curve) -> CurveFit:

@@ -1,7 +1,5 @@
 """The base motions that a project asks for: records read, scaled, cut, resampled; refused or doubted before any run."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
@@ -9,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 
@@ -27,7 +25,6 @@ SHORTEST = 5.0  # s
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
 SAME = 1e-4  # of the PGA: closer than this two records are one
 MOST_SAMPLES = 200_000  # of a motion: a hundred seconds at half a millisecond
-CARRIED = 0.05  # of the peak acceleration: a time step that changes it by no more carries the record
 WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
 
 
@@ -54,13 +51,13 @@ class BaseMotion:
         """Name in tables and figures."""
         return self.record.name
 
-    def at_half_step(self) -> BaseMotion:
+    def at_half_step(self) -> Self:
         """Return the same broken lines with a sample between any two."""
         record = self.record.resampled(0.5 * self.record.time_step)
         vertical = None if self.vertical is None else np.interp(record.time, self.record.time, self.vertical)
         return replace(self, record=record, vertical=vertical)
 
-    def at_amplitude(self, factor: float) -> BaseMotion:
+    def at_amplitude(self, factor: float) -> Self:
         """Return the motion of a member of an ensemble."""
         vertical = None if self.vertical is None else factor * self.vertical
         record = self.record.scaled(factor)
@@ -158,19 +155,14 @@ def motion_of(
     start = 0.0
     if window:  # it begins at the first sample inside it
         start = float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0])
-    notes = []
+    notes: tuple[Message, ...] = ()
     if cut.pga < (1.0 - WHOLE) * original.pga:
-        notes.append(message(
+        lost = message(
             "the window leaves out the peak of {peak:.3g} g; PGA means {pga:.3g} g, "
             "the largest acceleration inside it", peak=original.pga, pga=cut.pga,
-        ))  # fmt: skip
-    if abs(record.pga - cut.pga) > CARRIED * cut.pga:
-        notes.append(message(
-            "time_step_s = {step:.3g} s is longer than the record's {own:.3g} s: its peak is {pga:.3g} g, not "
-            "{peak:.3g} g; write a shorter one", step=record.time_step, own=cut.time_step, pga=record.pga, peak=cut.pga,
-        ))  # fmt: skip
-    told = tuple(headed(original.name, note) for note in notes)
-    return BaseMotion(record, original, cut.pga, 1.0, start, None, told)
+        )  # fmt: skip
+        notes = (headed(original.name, lost),)
+    return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
 
 
 def _vertical(

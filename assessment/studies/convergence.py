@@ -4,11 +4,10 @@ Every state is analysed with 1, 1/2, 1/4… of the given increments of settlemen
 reported, with the error estimated from the differences between the last ones.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 from assessment.analyses.checks.capacity import assess, capacities
 from assessment.analyses.checks.demand import Demands
@@ -61,7 +60,7 @@ class Levels:
     size: float
     measured: tuple[Measured, ...]
 
-    def joined(self, finer: Measured) -> Levels:
+    def joined(self, finer: Measured) -> Self:
         """Return the levels with a finer one added."""
         return replace(self, measured=(*self.measured, finer))
 
@@ -89,10 +88,9 @@ class Levels:
     @property
     def relative(self) -> dict[str, float | None]:
         """The errors, relative to the values of the result."""
-        return {
-            key: None if error is None else error / max(abs(self.measured[-1][key] or 0.0), self._least(key))
-            for key, error in self.errors.items()
-        }
+        least = {key: NOISE * (self.size if key.endswith("_m") else 1.0) for key in self.errors}
+        values = {key: max(abs(self.measured[-1][key] or 0.0), least[key]) for key in least}
+        return {key: None if error is None else error / values[key] for key, error in self.errors.items()}
 
     def within(self, tolerance: float) -> bool:
         """Whether every error is known and meets the tolerance, of LEVELS levels at least.
@@ -130,9 +128,6 @@ class Levels:
             met=self.within(tolerance),
             levels={key: self.values(key) for key in self.measured[-1]},
         ).replace(**{ERRORS[key]: error for key, error in self.errors.items()})
-
-    def _least(self, key: str) -> float:
-        return NOISE * (self.size if key.endswith("_m") else 1.0)
 
 
 @dataclass

@@ -3,10 +3,9 @@
 Circolare 7/2019, C8.7.1.2.1.2: macro-blocks turn about hinges of their own material, not about fixed centres.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import shapely
@@ -263,7 +262,7 @@ class _Parts:
     hinges: list[Hinge]
 
     @classmethod
-    def of(cls, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> _Parts:
+    def of(cls, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> Self:
         origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
         return cls([part.blocks for part in chosen.parts], origin, hinges)
 

@@ -13,8 +13,6 @@ differences shrink as those of a method      Richardson's extrapolation, of firs
 else                                         the levels converge to nothing that is known: all they differ by
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -140,7 +138,7 @@ def histories(
     return [study.result() for study in studies]
 
 
-def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple[HistoryStudy, int, int]]) -> None:
+def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple["HistoryStudy", int, int]]) -> None:
     """Run members of studies side by side."""
     tasks = [(study.at(level, member),) for study, level, member in wanted]
     for (study, level, member), found in zip(

@@ -1,9 +1,8 @@
 """The records of a campaign, made to the spectrum of the site or scaled to it, and their measures of intensity."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -34,7 +33,7 @@ class Target:
     spectrum: Spectrum
 
     @classmethod
-    def of(cls, spectra: Mapping[str, Spectrum]) -> Target:
+    def of(cls, spectra: Mapping[str, Spectrum]) -> Self:
         """Return the target of a campaign among the demands of a project."""
         limit_state = next(limit for limit in (*QUOTED, *spectra) if limit in spectra)
         return cls(limit_state, spectra[limit_state])
@@ -119,7 +118,7 @@ class Measures:
     over_pga: Mapping[str, Mapping[str, float]]
 
     @classmethod
-    def of(cls, project: Project, motions: Sequence[BaseMotion]) -> Measures:
+    def of(cls, project: Project, motions: Sequence[BaseMotion]) -> Self:
         """Return the measures of some records, at the periods of the project's campaign."""
         campaign, found = project.campaign, {}
         period = (campaign.period_s if campaign else None) or PERIOD

@@ -10,8 +10,6 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     the lowest bracket is halved to the width asked for
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -198,6 +196,15 @@ def _run_missing(lattice: _Lattice) -> None:
         lattice.run(place)
 
 
+@dataclass(frozen=True, eq=False)
+class _Member(Track):
+    """A motion: when it ended (s of the window), why it `fell`, and the share of the integrator."""
+
+    end: float
+    fell: str
+    integrator: float
+
+
 @dataclass
 class _Motions:
     """The motions of a scan, level by level (g)."""
@@ -275,12 +282,3 @@ class _Motions:
                 time_s=(self.motion.start + member.time[kept]).round(6).tolist(),
                 displacement_m=member.displacement[kept].round(7).tolist(),
             )
-
-
-@dataclass(frozen=True, eq=False)
-class _Member(Track):
-    """A motion: when it ended (s of the window), why it `fell`, and the share of the integrator."""
-
-    end: float
-    fell: str
-    integrator: float

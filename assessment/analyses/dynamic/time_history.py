@@ -137,7 +137,10 @@ def respond(
     record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
     with stretch(0.0, record):
         parts = [run(factor * motion.record.acceleration, vertical, start)]
-    while len(parts) <= TAILS and _goes_on(parts, to_rest and table.contacts == "rigid"):
+    lies = to_rest and table.contacts == "rigid"  # followed until blocks rest, others until none may fall
+    while len(parts) <= TAILS and parts[-1].speed_at_end:
+        if not lies and not may_fall([part.energy for part in parts], HISTORY.spent):
+            break
         with stretch(record if len(parts) == 1 else 1.0, 1.0):
             parts.append(run(free, None, parts[-1].final))
     time, displacement = parts[0].time, known(parts[0].displacement)
@@ -149,13 +152,6 @@ def respond(
         for name in ("positions", "forces")
     )
     return Response(time, displacement, positions, forces, tuple(parts))
-
-
-def _goes_on(parts: list[TimeHistory], to_rest: bool) -> bool:
-    """Whether free motion follows: blocks move, and may fall; of motions followed `to_rest` whether they move."""
-    if not parts[-1].speed_at_end:
-        return False
-    return to_rest or may_fall([part.energy for part in parts], HISTORY.spent)
 
 
 Start = State | Message

@@ -3,11 +3,9 @@
 A strengthening has the settlement of the state that it strengthens: its ties are set, and its layers changed, at rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Self
 
 from assessment.analyses.found import Found, joined
 from assessment.analyses.static.lateral import Pushed, PushSetting, push, pushover_title
@@ -49,7 +47,7 @@ class Request:
     what: str = ""
     member: int = 1
 
-    def within(self, project: Project) -> Request:
+    def within(self, project: Project) -> Self:
         """Return the request for a state of the project in a project of other increments, the settlement's too."""
         return replace(self, project=project, settlement=project.settlement_of(self.state))
 
@@ -64,7 +62,7 @@ class Request:
         return self.model.strengthened is not None
 
     @property
-    def settling(self) -> Settling | None:
+    def settling(self) -> "Settling | None":
         """The settlement of the request; requests that settle alike share it. None: as drawn."""
         if self.settlement is None:
             return None
@@ -98,7 +96,7 @@ class Settling:
     model: Assembly
     settlement: SettlementTable
     behaviour: Behaviour
-    before: Settling | None = None
+    before: "Settling | None" = None
 
 
 Pushing = tuple[Request, tuple["Direction", ...]]

@@ -1,19 +1,16 @@
 """Motions: run time against error, ensembles of many impacts, and the time of a step as structures grow."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy.stats import binom
 
 from assessment.benchmark.cases.structures import assembly, block_on_base, control, running_bond, template
-from assessment.benchmark.measure import Case, exponent, history_baseline, rows_of
-from assessment.benchmark.table import Row
+from assessment.benchmark.measure import Case, Row, exponent, history_baseline, rows_of
 from assessment.project.catalogue.new_project import RECORD
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, read_record, time_history
 from mechanics.model.assembly import Behaviour
@@ -78,7 +75,7 @@ class ShakenCase:
         a, b, c = d[k - 1 : k + 2]
         return float(b - 0.125 * (a - c) ** 2 / min(a - 2.0 * b + c, -1e-300))
 
-    def scaled(self, factor: float) -> ShakenCase:
+    def scaled(self, factor: float) -> Self:
         """The same with its base motion multiplied by a factor."""
         return replace(self, record=lambda times: factor * self.record(times))
 

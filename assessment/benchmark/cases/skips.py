@@ -13,8 +13,7 @@ import numpy as np
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.motions import DAMPING, STEP, pulse
 from assessment.benchmark.cases.structures import assembly, block_on_base, pushed, template
-from assessment.benchmark.measure import in_turn
-from assessment.benchmark.table import Row
+from assessment.benchmark.measure import Row, in_turn
 from assessment.ntc.curve_fit import SECANT_SHARE
 from assessment.project.catalogue.new_project import RECORD
 from assessment.project.schema import HistoryTable

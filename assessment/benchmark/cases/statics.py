@@ -1,5 +1,9 @@
-"""Statics: run time against error of increments, beds and solvers; and where curves that slide end."""
+"""Statics: run time against error of increments, beds and solvers; where curves that slide end; ever larger walls."""
 
+import json
+import math
+import subprocess
+import sys
 from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from typing import Any
@@ -8,8 +12,18 @@ import numpy as np
 
 from assessment.analyses.checks.governing import ENSEMBLE, shaken_corners
 from assessment.benchmark.cases import structures
-from assessment.benchmark.measure import FAILURES, Case, pushed_program, rows_of, seconds_of
-from assessment.benchmark.table import Row
+from assessment.benchmark.measure import (
+    FAILURES,
+    Case,
+    Row,
+    exponent,
+    in_turn,
+    peak_memory,
+    piqp,
+    pushed_program,
+    rows_of,
+    seconds_of,
+)
 from mechanics import Assembly, limit_analysis, pushover
 from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.pushdown import Pushdown
@@ -171,3 +185,49 @@ def ends(
         return row | {"failed": "no variant is solved"}
     row |= {"least_end_m": min(found), "median_end_m": float(np.median(found)), "most_end_m": max(found)}
     return row | {"seconds": float(np.median(seconds))}
+
+
+WALLS = {100: (10, 10), 300: (17, 17), 1000: (31, 31), 3000: (55, 54), 10000: (100, 100)}  # by blocks
+COMPARED, FITTED, REPEATED = (400, 200, 3000)  # blocks: by HiGHS up to, fitted from, repeated up to
+
+
+def walls(quick: bool) -> Iterator[Row]:
+    """A row for every running-bond wall, in a process of its own; last, the exponent of time over blocks."""
+    rows = []
+    for blocks, size in WALLS.items():
+        if not quick or blocks <= 1000:
+            rows.append(apart(*size))
+            yield rows[-1]
+    fitted = exponent([row for row in rows if row["blocks"] >= FITTED], "seconds")
+    yield {"case": f"exponent, from {FITTED} blocks", "seconds": fitted}
+
+
+def apart(columns: int, courses: int) -> Row:
+    """The row of a wall, measured in another process."""
+    command = [sys.executable, "-m", __name__, str(columns), str(courses)]
+    row: Row = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    return row
+
+
+def measured(columns: int, courses: int) -> Row:
+    """Times (s) of building a wall and of its limit analysis; memory (MB), α_0, residual, error against HiGHS."""
+    limit_analysis(structures.running_bond(8, 8), sliding="associative")  # what is imported and compiled once
+    building, model = seconds_of(lambda: structures.running_bond(columns, courses))
+    seconds, found = seconds_of(lambda: limit_analysis(model, sliding="associative"))
+    blocks, memory, program = int(model.movable.sum()), peak_memory(), pushed_program(model)
+    baseline = seconds_of(piqp(program))[0]
+    if blocks <= REPEATED:
+        solve = partial(limit_analysis, model, sliding="associative")
+        seconds, baseline = map(float, in_turn(solve, piqp(program)))
+    row: Row = {"case": f"wall {columns} × {courses}", "blocks": blocks, "joints": len(model.contacts)}
+    row |= {"building_s": building, "seconds": seconds, "ratio": seconds / baseline, "memory_MB": memory}
+    row |= {"alpha": found.alpha, "certificate": found.certificate.worst(1e-3 * model.size)}
+    if blocks > COMPARED:
+        return row | {"error": math.nan}
+    highs, answer = seconds_of(lambda: lp_highs.solve(program))
+    assert answer is not None
+    return row | {"error": abs(found.alpha / answer[1] - 1.0), "highs_s": highs}
+
+
+if __name__ == "__main__":
+    print(json.dumps(measured(int(sys.argv[1]), int(sys.argv[2]))))

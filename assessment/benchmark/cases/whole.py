@@ -12,8 +12,7 @@ from typing import Any
 
 from assessment.analyses.static.states import PAST_PEAK
 from assessment.benchmark.cases.structures import assembly, pushed, settled, template
-from assessment.benchmark.measure import FAILURES, Case, rows_of
-from assessment.benchmark.table import Row
+from assessment.benchmark.measure import FAILURES, Case, Row, rows_of
 from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.mirror import Mirror
 

@@ -1,14 +1,12 @@
 """The tables of a project file: every key with its type, unit (kN, m, s, Mg, g), default and meaning for the user."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
 
 from pydantic import Field
 
@@ -153,7 +151,7 @@ class ProjectContent(ProjectTable):
         later = (each for each in self.tie if made and each not in there and made.name in (each.states or ()))
         return there, tuple(later)
 
-    def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
+    def contradictions(self, project: Self) -> Iterator[Contradiction]:
         """Yield stiffnesses that elastic analyses lack, strengths that rigid motions forget, and what nothing uses."""
         motions: dict[KeyPath, MotionTable] = {("history", k): each for k, each in enumerate(self.history)}
         single = (("incremental", self.incremental), ("campaign", self.campaign))

@@ -1,11 +1,9 @@
 """From a project's tables and drawing to an assembly of blocks, that of every state, and a repaired drawing."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -65,7 +63,7 @@ class StateModel:
                 longer[key] = np.pad(values, [(0, self.later), *[(0, 0)] * (values.ndim - 1)])
         return replace(reached, **longer)
 
-    def varied(self, settling: Assembly) -> StateModel:
+    def varied(self, settling: Assembly) -> Self:
         """Return the model of another assembly that settles: `settling` with corners elsewhere."""
         if self.strengthened is None:
             return replace(self, settling=settling)

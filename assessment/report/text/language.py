@@ -1,7 +1,5 @@
 """The words of the report in one language: its strings, numbers, quantities, and the messages of the analyses."""
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib
@@ -10,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from markupsafe import Markup, escape
 
@@ -36,7 +34,7 @@ SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 class _Shown:
     """A value of a sentence; the format of its field is the quantity that it is: {before:a_g_g}."""
 
-    words: Words
+    words: "Words"
     name: str
     value: object
 
@@ -54,7 +52,7 @@ class Words:
     strings: Mapping[str, Any]
 
     @classmethod
-    def of(cls, language: str) -> Words:
+    def of(cls, language: str) -> Self:
         """Return the words of a language."""
         return cls(language, _strings(language))
 

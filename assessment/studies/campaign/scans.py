@@ -1,7 +1,5 @@
 """The motions that [incremental] and [campaign] share: a record of one sign from one state is scanned once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -39,7 +37,7 @@ class Asked:
     sign: int
     run_sign: int
     reach: Reach
-    after: Asked | None = None
+    after: "Asked | None" = None
     ratio: float = 1.0
     state: Any = None
 

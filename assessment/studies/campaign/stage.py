@@ -1,7 +1,6 @@
 """A campaign: every record of every sign from every share of a movement at rest, and what it sums up to."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from assessment.analyses.checks.capacity import assess, capacities, told
 from assessment.analyses.checks.demand import Demands
@@ -27,39 +26,10 @@ from assessment.studies.campaign.scans import (
     own_setting,
     reach_of,
 )
-from assessment.studies.campaign.summary import fragility_of, loss_of
+from assessment.studies.campaign.summary import Moved, fragility_of, loss_of, moved_title
 from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import whole_movement
-
-
-@dataclass(frozen=True, eq=False)
-class Moved:
-    """A share of a movement: its largest component, assembly, state at rest or why there is none, static capacity.
-
-    `static_capacity`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction;
-    `ultimate` and `d_0_m` (m): control displacements at which it vanishes in both directions, and in the first. None:
-    not known.
-    """
-
-    settlement: str
-    share: float
-    movement_m: float
-    model: Assembly
-    start: Start
-    static_capacity: float | None
-    ultimate: float | None
-    d_0_m: float | None
-
-    @property
-    def title(self) -> Message:
-        """The state, for messages."""
-        return moved_title(self.settlement, self.share)
-
-
-def moved_title(settlement: str, share: float) -> Message:
-    """Return the beginning of messages about the state after a share of a movement."""
-    return message("{state} × {share:g}", state=settlement, share=share)
 
 
 def moved_states(statics: variants.Statics, study: variants.Study) -> list[Moved]:

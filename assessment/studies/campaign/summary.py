@@ -1,17 +1,15 @@
 """What the scans of records sum up to: fragility, the standard's value, loss of capacity; the incremental analysis."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from assessment.analyses.dynamic import fragility
 from assessment.analyses.dynamic.record_set import Measures
-from assessment.analyses.dynamic.time_history import MotionInputs
+from assessment.analyses.dynamic.time_history import MotionInputs, Start
 from assessment.analyses.found import accuracy_of, as_part
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ORIGINAL, CampaignTable
@@ -29,12 +27,39 @@ from assessment.studies.campaign.scans import (
     reach_of,
 )
 from assessment.studies.variants import Study
+from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 
-if TYPE_CHECKING:
-    from assessment.studies.campaign.stage import Moved
-
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """A share of a movement: its largest component, assembly, state at rest or why there is none, static capacity.
+
+    `static_capacity`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction;
+    `ultimate` and `d_0_m` (m): control displacements at which it vanishes in both directions, and in the first. None:
+    not known.
+    """
+
+    settlement: str
+    share: float
+    movement_m: float
+    model: Assembly
+    start: Start
+    static_capacity: float | None
+    ultimate: float | None
+    d_0_m: float | None
+
+    @property
+    def title(self) -> Message:
+        """The state, for messages."""
+        return moved_title(self.settlement, self.share)
+
+
+def moved_title(settlement: str, share: float) -> Message:
+    """Return the beginning of messages about the state after a share of a movement."""
+    return message("{state} × {share:g}", state=settlement, share=share)
 
 
 def fragility_of(

@@ -1,7 +1,5 @@
 """Drawings to scale of what states do: settlements, cracks, mechanisms, the end of capacity, what joints carry."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -133,7 +131,7 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
     return _draw_mechanisms(words, [view], [known(given.direction)])
 
 
-def _draw_mechanisms(words: Words, views: Sequence[MechanismView], ways: Sequence[Direction]) -> Figure:
+def _draw_mechanisms(words: Words, views: Sequence["MechanismView"], ways: Sequence[Direction]) -> Figure:
     handles = mechanism_handles(views, words)
     bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
     page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(len(handles)), height_mm=170.0, most_mm=75.0)
@@ -145,7 +143,7 @@ def _draw_mechanisms(words: Words, views: Sequence[MechanismView], ways: Sequenc
     return page.figure
 
 
-def mechanism_handles(views: Sequence[MechanismView], words: Words) -> list[Any]:
+def mechanism_handles(views: Sequence["MechanismView"], words: Words) -> list[Any]:
     """Return the legend of mechanisms."""
     handles: list[Any] = [
         parts.ghost_handle(words.plain("figure.start_outline")),
@@ -159,7 +157,7 @@ def mechanism_handles(views: Sequence[MechanismView], words: Words) -> list[Any]
     return handles
 
 
-def found_mechanism(results: Results, state: str, direction: Direction) -> MechanismView:
+def found_mechanism(results: Results, state: str, direction: Direction) -> "MechanismView":
     """Return the rigid mechanism of a state in a direction, its macro-blocks numbered where they are printed."""
     rigid = hand_check.rigid_push(results, state, direction)
     found = rigid.mechanism

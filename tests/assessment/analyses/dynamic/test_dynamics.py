@@ -157,13 +157,6 @@ def test_figures_tables_and_report(outcome, tmp_path):
         assert f"<h3>{words_of(typed(results))(f'section.{chapter}')}</h3>" in html
 
 
-@pytest.mark.parametrize(("step", "told"), [(0.05, 0), (0.3, 1)])
-def test_a_step_that_changes_the_peak_of_a_record_is_told(tmp_path, step, told):
-    project = _project(tmp_path / "block", TAIL.format(scale=1.0), f"time_step_s = {step}\n")
-    (motion,) = history_motions(project)
-    assert len(motion.notes) == told == (abs(motion.record.pga / motion.pga - 1.0) > 0.05)
-
-
 def test_the_window_scale_and_step_of_a_motion(tmp_path):
     window = "window_s = [1.5, 2.0]\ntime_step_s = 0.01\n"
     project = _project(tmp_path / "block", TAIL.format(scale=-2.0), window)

@@ -131,7 +131,7 @@ def test_incremental_analysis_and_campaign_are_one_set_of_motions_and_have_the_s
     assert again.computed == 0 and again.results.states == outcome.results.states
 
 
-STATICS = ("self-weight", "settlement")
+STATICS = ("self-weight", "settlement", "friction at rest, as drawn", "friction at rest, settled")
 
 
 def test_the_time_step_is_halved_over_all_levels_and_the_finest_counts(project):
