@@ -1,7 +1,7 @@
 """A campaign that is killed, interrupted, or loses its scheduler: nothing finished is computed again.
 
-What is stopped is a process of its own. Nothing is waited for longer than LONG, nor once a process has ended that it
-depends on.
+With ASSESTO_STRESS=long alone: test_interruption and test_cluster have each of these by itself. What is stopped is a
+process of its own. Nothing is waited for longer than LONG, nor once a process has ended that it depends on.
 """
 
 from __future__ import annotations
@@ -27,12 +27,16 @@ from assessment.runtime.journal import read_journal
 from assessment.runtime.progress import Stage
 from assessment.workflow.stages import run
 from tests import ROOT
+from tests.stress.test_stress import LONG as SWEEPS
 from tests.support.block_project import read_results, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 from tests.support.every_stage import planned
 from tests.support.scheduler import LONG, scheduler, wait_for
 
-pytestmark = [pytest.mark.skipif(os.name != "posix", reason="signals"), pytest.mark.usefixtures("no_figures")]
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix" or not SWEEPS, reason="ASSESTO_STRESS=long, and signals"),
+    pytest.mark.usefixtures("no_figures"),
+]
 COMBINATIONS = 8  # two records, both signs, two shares
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import time
 
 import pytest
 
@@ -86,6 +87,16 @@ def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end():
         found.sync(found._correct_state)
         assert engine.submit(pow, 2, 4).result(timeout=LONG) == 16  # the wait begins anew
         engine.close(at_once=False)
+
+
+def test_what_is_asked_of_a_scheduler_that_is_lost_fails():
+    with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as found:
+        engine = Cluster(found.scheduler_address)
+        waiting = engine.submit(time.sleep, 30)
+    for each in (waiting, engine.submit(pow, 2, 3)):
+        with pytest.raises(KilledError, match="the Dask scheduler or its workers were lost"):
+            each.result(timeout=LONG)
+    engine.close(at_once=True)
 
 
 def test_no_scheduler_at_the_address_is_told():
