@@ -15,7 +15,7 @@ from mechanics.errors import (
 )
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.procedures.pushdown import PUSHDOWN, whole_movement
+from mechanics.procedures.pushdown import AHEAD, whole_movement
 from mechanics.procedures.step_control import PATH, Bisection, reach
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest
@@ -105,7 +105,7 @@ class Following:
         past = self._rate if straight else np.zeros_like(self._rate)
         guess = self.model.moved_support(last.state.positions + past * by, self.support, at[:2], float(at[2]))
         expected = max(by, self.smallest)
-        self.system = self.system.around(last.state.positions, PUSHDOWN.look_ahead * expected)
+        self.system = self.system.around(last.state.positions, AHEAD * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
         try:
             found, jumped = reach(problem, guess, last if past.any() else None, self._steps.shortest)

@@ -37,20 +37,8 @@ if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
 
-
-@dataclass(frozen=True, slots=True)
-class PushdownTolerances:
-    """Tolerances of a moving support.
-
-    `look_ahead`: range in which contacts are searched for, in expected displacements of a step;
-    `points`: most points of a path that goes on to collapse.
-    """
-
-    look_ahead: float = 4.0
-    points: int = 20_000
-
-
-PUSHDOWN = PushdownTolerances()
+AHEAD = 4.0  # expected displacements of a step: the range in which contacts are looked for
+POINTS = 20_000  # most of a path that goes on to collapse
 
 
 @dataclass(frozen=True)
@@ -130,7 +118,6 @@ def pushdown(
     contacts: Behaviour = "rigid",
     to_collapse: bool = False,
     sliding: Sliding = "coulomb",
-    tolerances: PushdownTolerances = PUSHDOWN,
     state: State | None = None,
 ) -> Pushdown:
     """Move a support by `displacement` (2,) m and `rotation` (rad, about its drawn centroid), in increments.
@@ -144,13 +131,13 @@ def pushdown(
     is applied, NoEquilibriumError or ConvergenceError if that cannot be decided (these carry the path so far),
     ArgumentError for an argument out of its range.
     """
-    # ten arguments: the public function of the package, called with keywords
+    # nine arguments: the public function of the package, called with keywords
     Assembly.check(model)
     movement = _checked(model, support, displacement, rotation)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     moving = _Moving(static_system(model, contacts, sliding), (movement,), model.starting(state))
-    return _followed(moving, increment, to_collapse, tolerances)
+    return _followed(moving, increment, to_collapse)
 
 
 def pushdown_together(
@@ -158,7 +145,6 @@ def pushdown_together(
     movements: Sequence[SupportMovement],
     increment: float,
     sliding: Sliding = "coulomb",
-    tolerances: PushdownTolerances = PUSHDOWN,
 ) -> Pushdown:
     """Move several supports of rigid blocks in proportion to each other; `reaction` is that of the first one.
 
@@ -170,15 +156,13 @@ def pushdown_together(
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     return _followed(
-        _Moving(static_system(model, "rigid", sliding), checked, model.initial), increment, False, tolerances
+        _Moving(static_system(model, "rigid", sliding), checked, model.initial), increment, False
     )
 
 
-def _followed(
-    moving: _Moving, increment: float, to_collapse: bool, tolerances: PushdownTolerances
-) -> Pushdown:
+def _followed(moving: _Moving, increment: float, to_collapse: bool) -> Pushdown:
     """Follow the path of moving supports. Raises as `pushdown`."""
-    path = _Path(moving, increment, to_collapse, tolerances)
+    path = _Path(moving, increment, to_collapse)
     try:
         follow(path, Bisection(increment))
         if path.undecided is not None:
@@ -277,11 +261,9 @@ class _Path:
     one; `ultimate` (m): see Pushdown.
     """
 
-    def __init__(
-        self, moving: _Moving, increment: float, to_collapse: bool, tolerances: PushdownTolerances
-    ) -> None:
+    def __init__(self, moving: _Moving, increment: float, to_collapse: bool) -> None:
         self.moving, self.system, self.model = moving, moving.system, moving.system.model
-        self.increment, self.to_collapse, self.tolerances = increment, to_collapse, tolerances
+        self.increment, self.to_collapse = increment, to_collapse
         self.limit = max(moving.full, _longest(self.model)) if to_collapse else moving.full
         self.final: State | None = None
         self.undecided: ConvergenceError | None = None
@@ -305,7 +287,7 @@ class _Path:
     ) -> Equilibrium:
         guess = self.moving.moved(last.state.positions + past * by, here + by)
         expected = max(self.moving.lever * max(by, size), self.smallest)
-        self.system = self.system.around(last.state.positions, self.tolerances.look_ahead * expected)
+        self.system = self.system.around(last.state.positions, AHEAD * expected)
         problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
         # the forces at rest do not show which hinges will open: the first step has a cold start
         found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
@@ -326,7 +308,7 @@ class _Path:
             self.end = message("the structure moves with its support as a whole")
         if self.end is None and self.movement[-1] >= self.limit * (1.0 - 1e-9):
             self.end = message("the whole movement is applied")
-        elif self.end is None and self.final is not None and len(self.steps) >= self.tolerances.points:
+        elif self.end is None and self.final is not None and len(self.steps) >= POINTS:
             self.end = self._too_many_points
         return self.jumped
 
@@ -364,9 +346,7 @@ class _Path:
     def _too_many_points(self) -> Message:
         """Why a path to collapse ends after so many points, and what to change."""
         key = "increment_m" if self.moving.shifts else "increment_rad"
-        return message(
-            "a path has {count} points at most; write a larger {key}", count=self.tolerances.points, key=key
-        )
+        return message("a path has {count} points at most; write a larger {key}", count=POINTS, key=key)
 
     @property
     def applied(self) -> bool:

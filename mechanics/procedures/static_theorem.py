@@ -9,9 +9,9 @@ from mechanics.kernels.joint import BETA, NX, NZ
 from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_gaps, end_points
+from mechanics.solvers import OPEN
 from mechanics.solvers.lp_point_forces import PointForces, largest_multiplier
 from mechanics.steps.equilibrium import closed_program
-from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array, Mask
 
 
@@ -28,7 +28,7 @@ def static_theorem(model: Assembly, direction: Direction = "+x", state: State | 
     contacts, law = closed.contacts.take(closed.index), closed.program.law
     if np.isfinite(law[~contacts.ties, STRENGTH]).any():
         raise ArgumentError("joints that crush make no linear program")
-    bears = end_gaps(closed.program.places) < 0.5 * LIMIT.far * closed.program.step
+    bears = end_gaps(closed.program.places) < 0.5 * OPEN * closed.program.step
     points = _points(contacts, bears, law[:, FRICTION], state.positions)
     loads = model.dead_load, model.lateral_load(direction)
     return largest_multiplier(points, state.positions[:, :2], model.movable, loads, model.size)

@@ -26,7 +26,7 @@ USABLE = (
 )
 BALANCED = USABLE  # of gravity: acceleration up to which loads count as balanced
 DOUBTFUL = 1e-3  # of gravity: a smaller acceleration may be none
-OPEN = 100.0  # steps: gap of a joint that stays open
+OPEN = 100.0  # steps: gap of a joint that stays open; half of it is open too
 
 
 def solve(
@@ -106,7 +106,7 @@ def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Ar
     ConvergenceError if the auxiliary program is not solved.
     """
     places, law = program.places.copy(), program.law.copy()
-    closed = end_gaps(places) <= OPEN * program.step
+    closed = end_gaps(places) <= 0.5 * OPEN * program.step
     low, high = np.where(closed, 0.0, OPEN * GRAVITY).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0

@@ -13,7 +13,7 @@ from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, forces_on_blocks
 from mechanics.program import Program
-from mechanics.solvers import ACCEPTED, BALANCED, interior, least_acceleration
+from mechanics.solvers import ACCEPTED, BALANCED, OPEN, interior, least_acceleration
 from mechanics.solvers.elimination import Elimination
 from mechanics.steps.contact_values import carried
 from mechanics.steps.geometry_iteration import find_equilibrium
@@ -72,7 +72,7 @@ class ClosedProgram:
         moves for the work of the program.
         """
         places = self.program.places.copy()
-        first, second = (end_gaps(places) > 0.5 * LIMIT.far * self.program.step).T
+        first, second = (end_gaps(places) > 0.5 * OPEN * self.program.step).T
         hinge = first ^ second
         lever = np.where(hinge, np.where(first, 1.0, -1.0) * places[:, H], 0.0)
         places[:, MU] += lever * places[:, MPHI]
@@ -112,7 +112,7 @@ def closed_program(
     # crushed up to where the gap vanishes: half of that is the resultant's distance from the edge
     share = np.maximum(-gaps.min(axis=1), 0.0) / np.maximum(np.ptp(gaps, axis=1), 1e-300)
     places[crushed, H] *= 1.0 - np.minimum(share[crushed], 0.5)
-    low, high = np.where(closed, 0.0, LIMIT.far * step).T
+    low, high = np.where(closed, 0.0, OPEN * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
     movable = model.movable

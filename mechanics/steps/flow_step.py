@@ -73,7 +73,7 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
     assert last.iterate is not None
     known = iterate_over(last.iterate, last.contacts, system.contacts)
     at, ended = guess, ConvergenceError(message("the flow of the last step ends"))
-    for _ in range(STEP.rigid_rounds):
+    for _ in range(STEP.rounds):
         program, index = problem.pose(at, None)
         before = taken(known, index)
         forces = interior.resultants(program, before)

@@ -60,8 +60,8 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     decided.
     """
     system, model = problem.system, problem.system.model
-    residuals, repeats = STEP.residuals(system.behaviour), STEP.rounds(system.behaviour)
-    stages = residuals + (residuals[-1],) * repeats
+    residuals = STEP.residuals(system.behaviour)
+    stages = residuals + (residuals[-1],) * STEP.rounds
     now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
     for stage, residual in enumerate(stages):
         before, now = now, _solve_round(problem, now, residual)

@@ -70,7 +70,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if 0 < step == tolerances.steps // 2:
             half_way = force
         size = max(least, tolerances.stride * far)
-        longest = 0.5 * time if last.held else min(tolerances.growth * longest, tolerances.longest)
+        longest = 0.5 * time if last.held else min(2.0 * longest, tolerances.longest)
         time = min(time * min(2.0, np.sqrt(size / max(left, 1e-300))), max(longest, tolerances.first))
         # slips count from the last step: a joint that has slid does not slide back
         start = State(moved, np.zeros_like(moved), lengthened=now.start.lengthened)
@@ -162,7 +162,7 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
             if start and not held:
                 held, solves = _solved(tried, layout, start), solves + 1
         if held and curved:
-            near = replace(held.warm(program, STEP.bend), displacement=held.displacement)
+            near = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
             full, solves = _solved(program, layout, near), solves + 1
     found = full or held
     if found:

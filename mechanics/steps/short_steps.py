@@ -33,7 +33,7 @@ def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None)
     """
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
-    count = max(STEP.fewest, int(np.ceil(problem.size / (REST.way * model.size))))
+    count = int(np.ceil(problem.size / (REST.way * model.size)))
     time = STEP.short_time if problem.lateral is not None else STEP.still_time
     mass = model.mass * GRAVITY / (time**2 * model.size)
     short = replace(problem, size=problem.size / count, work=problem.work / count, mass=mass)

@@ -252,11 +252,6 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
                 moved=moved,
             )
         )
-    turned = float(motion[model.movable, 2].max())
-    if turned > STEP.turn:
-        raise NoEquilibriumError(
-            message("a step of {size:.3g} m turns a block by {turned:.2g} rad", size=size, turned=turned)
-        )
 
 
 def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int = 0) -> Equilibrium:

@@ -15,15 +15,13 @@ class StepTolerances:
     Programs. `rigid`, `elastic`: residuals, per weight and step, to which the first programs are solved before the
     geometry is updated (rigid joints yield nothing in a wrong geometry; gaps of blocks that carry little are known to
     the root of the residual, and they are the next geometry); a program with the last residual is repeated at most
-    `rigid_rounds` or `elastic_rounds` times. `go_on`: distance from the bounds at which the next programs begin, over
-    the residual of the last; `bend`: that of a program that begins near the one with its geometry held. `yielding`:
-    compliance, in steps per weight, of rigid joints to changes of their forces by Coulomb's law; `memory`: programs of
-    a step after which these count from the same forces.
+    `rounds` times. `go_on`: distance from the bounds at which the next programs begin, over the residual of the last,
+    and near one whose geometry was held. `yielding`: compliance, in steps per weight, of rigid joints to changes of
+    their forces by Coulomb's law; `memory`: programs of a step after which these count from the same forces.
 
     Acceptance. `slow`: residual, per weight and step, of what approaches its solution only slowly: forces and geometry
     of rigid joints, a rest of elastic ones, a program by Coulomb's law within the sequence. `fall`: a motion of this
-    many steps is a fall, not a path of equilibrium; `turn` (rad): a step that rotates a block by more leaves the range
-    in which its geometry is linear.
+    many steps is a fall, not a path of equilibrium.
 
     Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
     `rounding`, a motion or distance that is none; `no_overlap`, overlap that does not count; `inside`, least
@@ -32,22 +30,19 @@ class StepTolerances:
     Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
     that is none.
 
-    Short steps, as long as those of a motion (RestTolerances.way). `fewest`: least number of short steps in a step;
-    `short_time`: time of each in a push, in units of √(size/g), long enough for inertia to have little effect;
-    `still_time`: the same under given loads: what they do not balance by 1e-5 of the weight falls at once.
+    Short steps, as long as those of a motion (RestTolerances.way). `short_time`: time of each in a push, in units of
+    √(size/g), long enough for inertia to have little effect; `still_time`: the same under given loads: what they do not
+    balance by 1e-5 of the weight falls at once.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
     elastic: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)
-    rigid_rounds: int = 8
-    elastic_rounds: int = 12
+    rounds: int = 8
     go_on: float = 0.1
-    bend: float = 1e-2
     yielding: float = 3e-4
     memory: int = 2
     slow: float = 1e-5
     fall: float = 10.0
-    turn: float = 0.5
     carrying: float = 1e-6
     rounding: float = 1e-10
     no_overlap: float = 1e-9
@@ -55,7 +50,6 @@ class StepTolerances:
     look_ahead: float = 0.05
     slides: float = 1e-3
     touching: float = 1e-7
-    fewest: int = 4
     short_time: float = 4.5
     still_time: float = 450.0
 
@@ -67,10 +61,6 @@ class StepTolerances:
         """Return the certificate, of the forces in the geometry that they lead to, that ends the repetition."""
         return GOOD if behaviour == "rigid" else USABLE
 
-    def rounds(self, behaviour: Behaviour) -> int:
-        """Return the largest number of repetitions of the program with the last residual."""
-        return self.rigid_rounds if behaviour == "rigid" else self.elastic_rounds
-
 
 @dataclass(frozen=True, slots=True)
 class RestTolerances:
@@ -80,10 +70,9 @@ class RestTolerances:
     not solved; `longest`, time of a step that hardly moves. `stride`: motion in a step, as a share of the whole motion
     so far, and at least `way`. As shares of the block size: `way`; `lifted`, gap of joints that carry; `farthest`, way
     beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if
-    it comes to rest where it falls. `steps`: largest number of steps. `growth`: of the longest time step after it was
-    halved; `jump`: times the intended motion of a step, a longer one is another solution of a program that is not
-    convex; `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow
-    down.
+    it comes to rest where it falls. `steps`: largest number of steps. `jump`: times the intended motion of a step, a
+    longer one is another solution of a program that is not convex; `steady`: share of the unbalanced force half-way
+    that is left at the end of a motion that does not slow down.
     """
 
     first: float = 0.5
@@ -94,7 +83,6 @@ class RestTolerances:
     lifted: float = 5e-5
     steps: int = 400
     farthest: float = 0.3
-    growth: float = 1.2
     jump: float = 2.0
     steady: float = 0.9
 
@@ -104,17 +92,15 @@ class LimitTolerances:
     """Tolerances of limit analysis.
 
     As shares of the block size: `closed`, gap that counts as closed; `onset`, displacement of a mechanism at its onset.
-    `far`: gap of an open end, in such displacements; `repeats`: most programs for hinges that crush; `tries`: as many
-    flows in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in all;
-    `other`: most that their frictions are changed by, as a share; `turn`: each so many of them is of the same
-    frictions. `slight`: share of μ|slip| by which joints lift where Coulomb's law has no flow; `idle`: force, per
-    weight, or motion, per `onset`, that is none; `most_joints`: of a model whose least multiplier is sought: the linear
-    programs grow faster than the flow's own.
+    `repeats`: most programs for hinges that crush; `tries`: as many flows in a row lead to no lesser multiplier by
+    Coulomb's law, fewer where they have more than `tried` joints in all; `other`: most that their frictions are changed
+    by, as a share; `turn`: each so many of them is of the same frictions. `slight`: share of μ|slip| by which joints
+    lift where Coulomb's law has no flow; `idle`: force, per weight, or motion, per `onset`, that is none;
+    `most_joints`: of a model whose least multiplier is sought: the linear programs grow faster than the flow's own.
     """
 
     closed: float = 1e-3
     onset: float = 1e-3
-    far: float = 1e3
     repeats: int = 12
     tries: int = 64
     tried: int = 6000

@@ -27,10 +27,10 @@ LINES = {
     "mechanics": 968,
     "mechanics/kernels": 3642,
     "mechanics/model": 3252,
-    "mechanics/procedures": 3469,
+    "mechanics/procedures": 3449,
     "mechanics/records": 1086,
     "mechanics/solvers": 1073,
-    "mechanics/steps": 1907,
+    "mechanics/steps": 1888,
 }
 
 
