@@ -17,16 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.report.formats.pdf import printable
 from assessment.runtime import cache
+from assessment.runtime import files as disk
 from assessment.runtime.cache import FOLDER, Store, unpacked
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.files import (
-    SCRATCH,
-    clear,
-    clear_left_over,
-    file_digest,
-    put_in_place,
-    write_atomically,
-)
 from assessment.runtime.journal import Journal, locked
 from assessment.runtime.pool import KilledError, Pool, processes, result_of
 from assessment.runtime.tasks import Outcome
@@ -64,7 +57,7 @@ HAVE_IT = "add it, or name a stage that it has"
 
 def key_of(project: Project) -> str:
     """Return a digest of what a run of the project writes depends on: the program, and every file that it reads."""
-    attached = [file_digest(path) for path in project.attachments()]
+    attached = [disk.file_digest(path) for path in project.attachments()]
     return cache.digest([cache.program(), cache.printing(), project.content(), project.digests(), attached])
 
 
@@ -110,7 +103,7 @@ def remember(folder: Path, outcome: Outcome, key: str, warnings: list[str]) -> N
 
 
 def _digests(folder: Path) -> dict[str, str]:
-    return {name: file_digest(folder / name) for name in _files(folder)}
+    return {name: disk.file_digest(folder / name) for name in _files(folder)}
 
 
 def _files(folder: Path) -> list[str]:
@@ -148,14 +141,14 @@ def write(
     opinion = folder / NAME
     before = _version(opinion)
     gone = _files(folder) if (folder / "results.json").exists() else []
-    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
+    with tempfile.TemporaryDirectory(prefix=disk.SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
         try:
             warnings = _make(results, folder, new, report, jobs, attachments, reached)
             if _version(opinion) not in (None, before):
-                write_atomically(new / NAME, opinion.read_bytes())
+                disk.write_atomically(new / NAME, opinion.read_bytes())
                 warnings.append(message("judgement.md was changed while the report was made: print it again"))
-            put_in_place(new, folder, _files(new), gone)
+            disk.put_in_place(new, folder, _files(new), gone)
         except KilledError as error:
             raise KilledError(f"{'report' if report else 'figures and tables'}: {error}") from None
         except OSError as error:
@@ -179,7 +172,7 @@ def _make(
     from assessment.results.file import as_bytes
 
     opinion = judgement(results, words_of(results), folder)
-    write_atomically(new / NAME, opinion.content)
+    disk.write_atomically(new / NAME, opinion.content)
     number, figures = processes(jobs), len(pictures(results))
     whole, made = SHEETS + (2 + PRINTED * report) * figures, 0
 
@@ -201,7 +194,7 @@ def _make(
             result_of(work)
         if report:  # its figures are the images
             begun.append(pool.apply(write_docx, new, opinion.edited))
-        write_atomically(new / "results.json", as_bytes(results))
+        disk.write_atomically(new / "results.json", as_bytes(results))
         done = [result_of(work) for work in begun]
     return [*opinion.warnings, *(done[0] if report else [])]
 
@@ -266,9 +259,9 @@ def carry_out(
     last = None if fresh else recall(folder)
     if last and last.stands(folder, key, report):
         return last.outcome(folder), last.warnings
-    clear_left_over(project.folder)
+    disk.clear_left_over(project.folder)
     with locked(folder):
-        clear(folder)
+        disk.clear(folder)
         show = Journal(folder, show)
         from assessment.project.structure.model import build_model
         from assessment.report.chapters.judgement import refuse_unreadable
@@ -298,9 +291,9 @@ def print_again(project: Project, folder: Path) -> list[str]:
     if not stored.is_file():
         raise ValueError(f"{stored}: no stored results; run the project first (assesto run {project.folder})")
     with locked(folder):
-        clear(folder)
+        disk.clear(folder)
         results, last = read_results(stored), recall(folder)
-        edited = last is not None and last.files.get(stored.name) != file_digest(stored)
+        edited = last is not None and last.files.get(stored.name) != disk.file_digest(stored)
         doubt = message(
             "results.json was changed after the run that wrote it: numbers printed from it may not be computed ones"
         )

@@ -19,13 +19,7 @@ from assessment.analyses.found import Found, as_part, lines
 from assessment.analyses.static.lateral import FRICTION
 from assessment.analyses.static.paths import loss_sentence
 from assessment.analyses.static.states import PAST_PEAK
-from assessment.ntc.capacity_curve import (
-    Activation,
-    CapacityCurve,
-    Participation,
-    capacity_curve,
-    mechanism_participation,
-)
+from assessment.ntc import capacity_curve as oscillator
 from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
@@ -178,7 +172,7 @@ class _Law(NamedTuple):
 
     sliding: static.Sliding
     mechanism: static.Mechanism
-    activation: Activation | None
+    activation: oscillator.Activation | None
     factor: float = 1.0
 
 
@@ -189,7 +183,7 @@ def _other_law(rigid: RigidPush) -> _Law | None:
         return None
     first = None
     if other.onset is not None and other.alpha_onset is not None:
-        first = Activation(other.alpha_onset, known(other.onset.e_star))
+        first = oscillator.Activation(other.alpha_onset, known(other.onset.e_star))
     return _Law(other.sliding, other.mechanism, first, other.mechanism.alpha / rigid.mechanism.alpha)
 
 
@@ -197,8 +191,8 @@ class _ByLaw(NamedTuple):
     """Capacity and checks by one law of friction."""
 
     law: _Law
-    part: Participation
-    capacity: CapacityCurve
+    part: oscillator.Participation
+    capacity: oscillator.CapacityCurve
     method: Method
     checks: Mapping[str, Verification]
 
@@ -209,7 +203,7 @@ def _by_law(
     """Return what follows from the curves, for another law times its α0 over theirs. Raises CapacityError."""
     assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
     displacements = np.array(law.mechanism.displacements)
-    part = mechanism_participation(model, displacements, law.mechanism.control_displacement_x)
+    part = oscillator.mechanism_participation(model, displacements, law.mechanism.control_displacement_x)
     way = way_of_blocks(rigid, part.gamma_star, direction)
     d, alpha = rigid_branch(rigid, way)
     branch = None
@@ -220,7 +214,7 @@ def _by_law(
     end = _elastic_end(elastic) if assessment.model != "none" else None
     fit = replace(fit, source=BLOCKS if law.factor == 1.0 else OTHER_LAW, elastic_end=end, way=way)
     factor, source = assessment.confidence_factor, confidence_source(assessment)
-    capacity = capacity_curve(fit, part.e_star, part.gamma_star, factor, source, law.activation)
+    capacity = oscillator.capacity_curve(fit, part.e_star, part.gamma_star, factor, source, law.activation)
     method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
     return _ByLaw(law, part, capacity, method, verify(capacity, demands.spectra, method))
 
@@ -235,11 +229,11 @@ def _apart(checks: Mapping[str, Verification], others: Mapping[str, Verification
     ]
 
 
-def activation_of(rigid: RigidPush) -> Activation | None:
+def activation_of(rigid: RigidPush) -> oscillator.Activation | None:
     """Return what activates the first mechanism, where that of α0 moves only once blocks have met others (C8.7.1.2)."""
     if rigid.onset is None:
         return None
-    return Activation(rigid.alpha_onset, known(rigid.onset.e_star))
+    return oscillator.Activation(rigid.alpha_onset, known(rigid.onset.e_star))
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:
@@ -257,7 +251,7 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
 
 
 def _scalings(
-    capacity: CapacityCurve, used: Verification, spectrum: Spectrum, method: Method
+    capacity: oscillator.CapacityCurve, used: Verification, spectrum: Spectrum, method: Method
 ) -> dict[str, parts.ScaledCheck]:
     """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
     ways, common = {"shape": "demand-shape", "return_period": "grid"}, len(capacity.steps())
@@ -269,7 +263,10 @@ def _scalings(
 
 
 def _vertical(
-    model: Assembly, capacity: CapacityCurve, linear: Verification | None, demands: Mapping[str, Spectrum]
+    model: Assembly,
+    capacity: oscillator.CapacityCurve,
+    linear: Verification | None,
+    demands: Mapping[str, Spectrum],
 ) -> parts.VerticalCheck | None:
     """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
 
@@ -287,7 +284,7 @@ def _vertical(
 
 
 def nominal_check(
-    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method
+    capacity: oscillator.CapacityCurve, demands: Mapping[str, Spectrum], method: Method
 ) -> parts.NominalCheck:
     """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
 
@@ -367,7 +364,7 @@ def check_of(kind: type[Kind], check: Verification, common: int, **more: Any) ->
     return as_part(kind, check, **{"trace": lines(check.trace[common:])} | more)
 
 
-def checks_of(curve: CapacityCurve, checks: Mapping[str, Verification]) -> dict[str, parts.Check]:
+def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, Verification]) -> dict[str, parts.Check]:
     """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
     common = len(curve.steps())
     linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
@@ -377,6 +374,6 @@ def checks_of(curve: CapacityCurve, checks: Mapping[str, Verification]) -> dict[
     }
 
 
-def curve_of(curve: CapacityCurve) -> parts.OscillatorCurve:
+def curve_of(curve: oscillator.CapacityCurve) -> parts.OscillatorCurve:
     """Return a capacity curve as a part of the results: d* (m) and a* (g), divided by the confidence factor."""
     return parts.OscillatorCurve(d_star_m=curve.displacement.tolist(), a_star_g=curve.acceleration.tolist())

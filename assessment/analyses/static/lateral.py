@@ -21,17 +21,9 @@ from assessment.results.configurations.joint_states import Met
 from assessment.results.schema import static
 from assessment.results.schema.part import finite, known
 from assessment.results.table import sense
+from mechanics import procedures
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, Direction
-from mechanics.procedures import (
-    Mirror,
-    Pushover,
-    farthest_corner,
-    hinges,
-    limit_in,
-    static_theorem,
-    virtual_work_multiplier,
-)
 from mechanics.steps import Sliding
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that moves less takes no part
@@ -39,7 +31,7 @@ RESTS_OR_MOVES = 1.1  # ratio of the laws' multipliers up to which motions of ri
 DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
 
 
-def rigid_push(control: ControlTable, path: Pushover) -> static.RigidPush:
+def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.RigidPush:
     """Return a rigid curve; the mechanism is that at the point of α0 (C8.7.1.2).
 
     With the multiplier by the other law of friction: of a curve by the associative one where joints slide in it.
@@ -47,7 +39,7 @@ def rigid_push(control: ControlTable, path: Pushover) -> static.RigidPush:
     model, direction, at, met = path.model, path.direction, path.states[path.formed], Met(path.model)
     mechanism = _mechanism(control, met, path.formed, float(path.multiplier[path.formed]), at, path)
     delta = np.array(mechanism.displacements)
-    by_work = virtual_work_multiplier(model, delta, direction)
+    by_work = procedures.virtual_work_multiplier(model, delta, direction)
     if model.ties:  # those that yield do work too
         pulled, longer = frames.tensions(model, path.forces), frames.lengthenings(model, at.positions, delta)
         lateral = float((model.lateral_load(direction) * delta)[model.movable].sum())
@@ -63,7 +55,7 @@ def rigid_push(control: ControlTable, path: Pushover) -> static.RigidPush:
         frames=frames.pushover_frames(model, path, met),
     )  # fmt: skip
     if path.formed:
-        first = limit_in(model, direction, path.states[0], path.sliding)
+        first = procedures.limit_in(model, direction, path.states[0], path.sliding)
         onset = _mechanism(control, met, 0, float(path.multiplier[0]), path.states[0], first)
         found = found.replace(onset=onset)
     carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
@@ -80,7 +72,7 @@ def rigid_push(control: ControlTable, path: Pushover) -> static.RigidPush:
     return found
 
 
-def elastic_push(path: Pushover) -> static.ElasticPush:
+def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
     """Return an elastic curve: its peak (α_u at d_u, m), its yield point and its end.
 
     A check against the standard replaces the yield point by that of the capacity curve that it fits.
@@ -108,7 +100,7 @@ def _mechanism(
     point: int,
     alpha: float,
     at: mechanics.State,
-    moving: Pushover | mechanics.Limit,
+    moving: procedures.Pushover | mechanics.Limit,
 ) -> static.Mechanism:
     """Return what is `moving` at a point of a curve of `alpha` and state `at`; new faces that slide go to `met`."""
     model, moved, contacts = moving.model, moving.mechanism, moving.contacts
@@ -119,7 +111,7 @@ def _mechanism(
     # 1 m of the control point along ±x; if that takes no part, the largest displacement is 1 m
     size = abs(rate) if abs(rate) > STILL * fastest else fastest
     displacements, control_dx = moved / size, rate / size
-    found = hinges(model, contacts, at, displacements, moving.forces)
+    found = procedures.hinges(model, contacts, at, displacements, moving.forces)
     slides = np.isin(np.arange(len(contacts)), found.sliding)
     e_star = gamma_star = None  # where they are not defined the capacity is refused later, with its reason
     with suppress(CapacityError):
@@ -134,7 +126,7 @@ def _mechanism(
     )  # fmt: skip
 
 
-def _way_of_blocks(path: Pushover, mechanism: static.Mechanism) -> list[float] | None:
+def _way_of_blocks(path: procedures.Pushover, mechanism: static.Mechanism) -> list[float] | None:
     """Return d* (k,) m of the blocks that move: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed.
 
     Of a mechanism that goes on as it begins u = δ d_C, and that is Γ* d_C (C8.7.1.2), as it is taken to be before. None
@@ -153,13 +145,13 @@ def _way_of_blocks(path: Pushover, mechanism: static.Mechanism) -> list[float] |
 
 
 def _other_law(
-    found: static.RigidPush, control: ControlTable, path: Pushover, met: Met
+    found: static.RigidPush, control: ControlTable, path: procedures.Pushover, met: Met
 ) -> static.OtherLaw | None:
     """Return limit analysis by the other law of friction, if its multipliers differ by DIFFERS; None without a flow."""
     law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
     own = {0: found.alpha_onset, path.formed: found.mechanism.alpha, path.peak: found.alpha_0}
     try:
-        limits = {k: limit_in(path.model, path.direction, path.states[k], law) for k in own}
+        limits = {k: procedures.limit_in(path.model, path.direction, path.states[k], law) for k in own}
     except (mechanics.NoEquilibriumError, mechanics.ConvergenceError):  # the curve has its own multiplier
         return None
     if all(abs(limits[k].alpha - alpha) <= DIFFERS * abs(alpha) for k, alpha in own.items()):
@@ -172,7 +164,7 @@ def _other_law(
     return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
 
 
-def _curve(path: Pushover) -> static.Curve:
+def _curve(path: procedures.Pushover) -> static.Curve:
     """Return the points of a curve; displacements (m) are along x: towards −x they are negative."""
     along_x = sense(path.direction) * path.displacement + 0.0  # + 0.0: no −0.0
     return static.Curve(displacement_m=along_x.tolist(), multiplier=path.multiplier.tolist())
@@ -218,12 +210,16 @@ def push(
     A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
     """
     behaviour, parts = setting.behaviour, []
-    followed: tuple[ControlTable, Pushover] | None = None
+    followed: tuple[ControlTable, procedures.Pushover] | None = None
     for direction, control in zip(directions, controls, strict=True):
         began, found, image = time.perf_counter(), Found[Pushed](), None
         title = pushover_title(name, direction, behaviour)
         # where the control point of the first direction does not move, that of the other has its own curve
-        if followed is not None and followed[0] == controls[0] and (mirror := Mirror.of(model, behaviour)):
+        if (
+            followed is not None
+            and followed[0] == controls[0]
+            and (mirror := procedures.Mirror.of(model, behaviour))
+        ):
             image = mirror.pushover(followed[1])
         if image is not None:
             followed = control, image
@@ -258,8 +254,8 @@ def pushover_title(state: str, direction: Direction, behaviour: Behaviour) -> Me
 
 
 def _path(
-    title: str, control: ControlTable, follow: Callable[..., Pushover], found: Found[Pushed]
-) -> tuple[ControlTable, Pushover] | None:
+    title: str, control: ControlTable, follow: Callable[..., procedures.Pushover], found: Found[Pushed]
+) -> tuple[ControlTable, procedures.Pushover] | None:
     """Return the control point, or one that takes part where it does not, and its curve; the reason is in `found`."""
     try:
         try:
@@ -285,7 +281,7 @@ def _path(
 
 
 def add_curve(
-    title: str, setting: PushSetting, control: ControlTable, path: Pushover, found: Found[Pushed]
+    title: str, setting: PushSetting, control: ControlTable, path: procedures.Pushover, found: Found[Pushed]
 ) -> None:
     """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
     found.warnings += paths.crossings(title, path.crossed, setting.increment) + paths.lifts(title, path)
@@ -307,7 +303,7 @@ def add_curve(
         found.warnings.append(headed(title, end))
 
 
-def _rigid_notes(curve: static.RigidPush, path: Pushover) -> Iterator[Message]:
+def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator[Message]:
     """Yield what to know about a rigid curve: its onset, the other law of friction, local losses, its mechanism."""
     drawn = np.array_equal(path.states[0].positions, path.model.initial.positions)
     if drawn and curve.alpha_onset < (1.0 - MEETS) * curve.alpha_0:
@@ -370,12 +366,12 @@ def second_solver(
     found = Found[static.SecondSolver]()
     title = pushover_title(name, direction, "rigid")
     try:
-        linear = static_theorem(model, direction, activated)
+        linear = procedures.static_theorem(model, direction, activated)
     except mechanics.ArgumentError:
         return found
     own: float | None = None
     try:
-        own = limit_in(model, direction, activated, "associative").alpha
+        own = procedures.limit_in(model, direction, activated, "associative").alpha
     except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
         note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
         found.warnings.append(headed(title, note))
@@ -417,7 +413,7 @@ def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, 
         with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
             limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism
-        (x, z), block = farthest_corner(model, begun, moved, direction)
+        (x, z), block = procedures.farthest_corner(model, begun, moved, direction)
         name = CHOSEN[project.report.language].format(direction=direction)
         points.append(ControlTable(name=name, point_m=(float(x), float(z))))
         note = message(

@@ -11,19 +11,8 @@ from typing import Any
 import numpy as np
 
 from assessment.analyses.checks.governing import ENSEMBLE, shaken_corners
+from assessment.benchmark import measure as runner
 from assessment.benchmark.cases import structures
-from assessment.benchmark.measure import (
-    FAILURES,
-    Case,
-    Row,
-    exponent,
-    in_turn,
-    peak_memory,
-    piqp,
-    pushed_program,
-    rows_of,
-    seconds_of,
-)
 from mechanics import Assembly, limit_analysis, pushover
 from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.pushdown import Pushdown
@@ -38,7 +27,7 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12)
 ARCH, TRIUMPHAL = "buttressed-arch", "triumphal-arch"
 
 
-def statics(quick: bool) -> Iterator[Row]:
+def statics(quick: bool) -> Iterator[runner.Row]:
     """From one block to the triumphal arch; quick: without the latter, and fewer values."""
     cases = [
         rocking_rigid(),
@@ -59,10 +48,10 @@ def statics(quick: bool) -> Iterator[Row]:
             pushing(TRIUMPHAL, "rigid", FEWER, moved=True),
         ]
     for case in cases:
-        yield from rows_of(case)
+        yield from runner.rows_of(case)
 
 
-def rocking_rigid() -> Case:
+def rocking_rigid() -> runner.Case:
     """A rigid block: α = tan(arctan(B/H) − θ) at every point, zero at a displacement H sin(arctan(B/H))."""
     model, slenderness = structures.block_on_base(), float(np.arctan(0.2))
 
@@ -75,24 +64,24 @@ def rocking_rigid() -> Case:
         return pushover(model, (0.2, 1.0), increment=0.005 * times)
 
     exact = {"α": 1.0, "d_0": float(np.sin(slenderness))}
-    return Case("rocking block, pushover, rigid", run, "increment", INCREMENTS, measure, exact)
+    return runner.Case("rocking block, pushover, rigid", run, "increment", INCREMENTS, measure, exact)
 
 
 def _peak(curve: Pushover) -> dict[str, float]:
     return {"α_u": float(curve.multiplier.max())}
 
 
-def limit(name: str, model: Assembly) -> Case:
+def limit(name: str, model: Assembly) -> runner.Case:
     """Limit analysis by PIQP at several of its tolerances, against HiGHS."""
-    program, title = pushed_program(model), f"{name}, limit analysis"
+    program, title = runner.pushed_program(model), f"{name}, limit analysis"
     exact: Any = lp_highs.solve(program)
-    return Case(
+    return runner.Case(
         title, partial(qp_piqp.solve, program), "tolerance", TOLERANCES, lambda answer: {"α_0": answer[1]},
         {"α_0": exact[1]}, default=1e-9, baseline=lambda _: ([program], 1),
     )  # fmt: skip
 
 
-def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS) -> Case:
+def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS) -> runner.Case:
     """Pushdown to collapse: the movement at which the structure falls, and the reaction of the moved support."""
     movement = max(map(abs, structures.template(name).settlements[0].displacement_m))
 
@@ -103,12 +92,12 @@ def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENT
 
     title = f"{name.replace('-', ' ')}, pushdown, {contacts}"
     run = partial(structures.settled, name, contacts, to_collapse=True)
-    return Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
+    return runner.Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
 def pushing(
     name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS, moved: bool = False
-) -> Case:
+) -> runner.Case:
     """Pushover as drawn, or settled: rigid, where the multiplier comes down to zero; elastic, its peak."""
     at_rest = cache(lambda: structures.settled(name, contacts).final)
 
@@ -117,10 +106,10 @@ def pushing(
 
     title = f"{name.replace('-', ' ')}, {'settled, ' if moved else ''}pushover, {contacts}"
     measure = _peak if contacts == "elastic" else lambda curve: {"d_0": float(curve.displacement[-1])}
-    return Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
+    return runner.Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
-def beds(name: str, moved: Direction | None = None) -> Case:
+def beds(name: str, moved: Direction | None = None) -> runner.Case:
     """The elastic peak of beds of points and of the exact one, as drawn towards +x or settled towards `moved`."""
     at_rest = cache(lambda segments: structures.settled(name, "elastic", 1.0, segments).final)
 
@@ -132,10 +121,10 @@ def beds(name: str, moved: Direction | None = None) -> Case:
 
     title = f"{name.replace('-', ' ')}, {f'settled, {moved}' if moved else 'pushover'}, elastic"
     values = SETTLED_SEGMENTS if moved else SEGMENTS
-    return Case(title, run, "segments", values, _peak, reference=FINE, default=np.inf)
+    return runner.Case(title, run, "segments", values, _peak, reference=FINE, default=np.inf)
 
 
-def sliding(quick: bool) -> Iterator[Row]:
+def sliding(quick: bool) -> Iterator[runner.Row]:
     """α_0 and where the curve ends over variants, by structure and law of sliding, then by increment."""
     small = structures.running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
     x, z = map(float, small.blocks[-1].centroid)
@@ -163,7 +152,7 @@ def sliding(quick: bool) -> Iterator[Row]:
 def ends(
     model: Assembly, at: tuple[float, float], increment: float, law: Sliding, factors: Sequence[float] = (1.0,),
     frames: bool = False,
-) -> Row:  # fmt: skip
+) -> runner.Row:  # fmt: skip
     """Range (m) of ends that must not differ: of other increments, corners moved by rounding, units, origins."""
     tried = [(model, factor, 1.0, (0.0, 0.0), 1.0) for factor in factors]
     tried += [(shaken_corners(model, seed), 1.0, 1.0, (0.0, 0.0), 1.0) for seed in range(3)]
@@ -175,12 +164,14 @@ def ends(
         point = (length * at[0] + x, length * at[1] + z)
         step, moved = length * factor * increment, structures.in_frame(each, length, (x, z), weight)
         try:
-            taken, curve = seconds_of(partial(pushover, moved, point, "+x", "rigid", step, sliding=law))
-        except FAILURES:
+            taken, curve = runner.seconds_of(
+                partial(pushover, moved, point, "+x", "rigid", step, sliding=law)
+            )
+        except runner.FAILURES:
             continue
         seconds.append(taken)
         found.append(float(curve.displacement[-1]) / length)
-    row: Row = {"variants": len(tried), "not_solved": len(tried) - len(found)}
+    row: runner.Row = {"variants": len(tried), "not_solved": len(tried) - len(found)}
     if not found:
         return row | {"failed": "no variant is solved"}
     row |= {"least_end_m": min(found), "median_end_m": float(np.median(found)), "most_end_m": max(found)}
@@ -191,40 +182,40 @@ WALLS = {100: (10, 10), 300: (17, 17), 1000: (31, 31), 3000: (55, 54), 10000: (1
 COMPARED, FITTED, REPEATED = (400, 200, 3000)  # blocks: by HiGHS up to, fitted from, repeated up to
 
 
-def walls(quick: bool) -> Iterator[Row]:
+def walls(quick: bool) -> Iterator[runner.Row]:
     """A row for every running-bond wall, in a process of its own; last, the exponent of time over blocks."""
     rows = []
     for blocks, size in WALLS.items():
         if not quick or blocks <= 1000:
             rows.append(apart(*size))
             yield rows[-1]
-    fitted = exponent([row for row in rows if row["blocks"] >= FITTED], "seconds")
+    fitted = runner.exponent([row for row in rows if row["blocks"] >= FITTED], "seconds")
     yield {"case": f"exponent, from {FITTED} blocks", "seconds": fitted}
 
 
-def apart(columns: int, courses: int) -> Row:
+def apart(columns: int, courses: int) -> runner.Row:
     """The row of a wall, measured in another process."""
     command = [sys.executable, "-m", __name__, str(columns), str(courses)]
-    row: Row = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    row: runner.Row = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     return row
 
 
-def measured(columns: int, courses: int) -> Row:
+def measured(columns: int, courses: int) -> runner.Row:
     """Times (s) of building a wall and of its limit analysis; memory (MB), α_0, residual, error against HiGHS."""
     limit_analysis(structures.running_bond(8, 8), sliding="associative")  # what is imported and compiled once
-    building, model = seconds_of(lambda: structures.running_bond(columns, courses))
-    seconds, found = seconds_of(lambda: limit_analysis(model, sliding="associative"))
-    blocks, memory, program = int(model.movable.sum()), peak_memory(), pushed_program(model)
-    baseline = seconds_of(piqp(program))[0]
+    building, model = runner.seconds_of(lambda: structures.running_bond(columns, courses))
+    seconds, found = runner.seconds_of(lambda: limit_analysis(model, sliding="associative"))
+    blocks, memory, program = int(model.movable.sum()), runner.peak_memory(), runner.pushed_program(model)
+    baseline = runner.seconds_of(runner.piqp(program))[0]
     if blocks <= REPEATED:
         solve = partial(limit_analysis, model, sliding="associative")
-        seconds, baseline = map(float, in_turn(solve, piqp(program)))
-    row: Row = {"case": f"wall {columns} × {courses}", "blocks": blocks, "joints": len(model.contacts)}
+        seconds, baseline = map(float, runner.in_turn(solve, runner.piqp(program)))
+    row: runner.Row = {"case": f"wall {columns} × {courses}", "blocks": blocks, "joints": len(model.contacts)}
     row |= {"building_s": building, "seconds": seconds, "ratio": seconds / baseline, "memory_MB": memory}
     row |= {"alpha": found.alpha, "certificate": found.certificate.worst(1e-3 * model.size)}
     if blocks > COMPARED:
         return row | {"error": math.nan}
-    highs, answer = seconds_of(lambda: lp_highs.solve(program))
+    highs, answer = runner.seconds_of(lambda: lp_highs.solve(program))
     assert answer is not None
     return row | {"error": abs(found.alpha / answer[1] - 1.0), "highs_s": highs}
 

@@ -58,10 +58,6 @@ _OF = {"support": "layers", "control point": "control", "settlement": "settlemen
 LAST = 200  # row of a list down to which cells have a drop-down list
 
 
-class _Oversized(Exception):  # noqa: N818 - not an error of the file's form
-    """A sheet that is larger than any project's."""
-
-
 def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
     """Return the rows of every sheet with values of formulas, and with formulas.
 
@@ -74,9 +70,9 @@ def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
         warnings.simplefilter("ignore")  # of features of a spreadsheet that no project needs
         try:
             books = [load_workbook(archive, read_only=True, data_only=values) for values in (True, False)]
-            found = [[(sheet.title, _rows(sheet)) for sheet in book.worksheets] for book in books]
-        except _Oversized as error:
-            raise ProjectError(f"{path.name}: {error}") from None
+            found = [[(sheet.title, _rows(sheet, path)) for sheet in book.worksheets] for book in books]
+        except ProjectError:
+            raise
         except _UNREADABLE as error:
             raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from error
     for book in books:
@@ -119,18 +115,18 @@ def _archive(path: Path) -> BytesIO:
     return packed
 
 
-def _rows(sheet: Any) -> Rows:
-    """Return the rows of a sheet that hold something, by number; blank texts are None."""
+def _rows(sheet: Any, path: Path) -> Rows:
+    """Return the rows of a sheet that hold something, by number; blank texts are None. Raises ProjectError for many."""
     sheet.reset_dimensions()  # some programs store a wrong size
     rows: Rows = {}
     for number, row in enumerate(sheet.iter_rows(max_row=MOST_ROWS + 1, values_only=True), 1):
         values = tuple(None if isinstance(v, str) and not v.strip() else v for v in row)
         if number > MOST_ROWS:
             text = f"a row beyond the {MOST_ROWS}th; delete those below the last entry"
-            raise _Oversized(f'sheet "{sheet.title}": {text}')
+            raise ProjectError(f'{path.name}: sheet "{sheet.title}": {text}')
         if len(values) > WIDEST_ROW or any(value is not None for value in values[MOST_COLUMNS:]):
             text = f"more than {MOST_COLUMNS} columns; delete those right of the last key"
-            raise _Oversized(f'sheet "{sheet.title}", row {number}: {text}')
+            raise ProjectError(f'{path.name}: sheet "{sheet.title}", row {number}: {text}')
         if any(value is not None for value in values):
             rows[number] = values[:MOST_COLUMNS]
     return rows

@@ -8,14 +8,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Annotated, Any, Self, TypeVar, get_args, get_origin
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationError,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
-)
+import pydantic
 
 Name = TypeVar("Name")
 Value = TypeVar("Value")
@@ -25,12 +18,12 @@ Configuration = list[list[float]]
 """Of each block: displacement x, z (m) and rotation (rad) from the drawing."""
 
 
-def _kept(value: Any, checked: ValidatorFunctionWrapHandler) -> Any:
+def _kept(value: Any, checked: pydantic.ValidatorFunctionWrapHandler) -> Any:
     """Return a string as it is: of a message (a kind of string) pydantic makes a plain one."""
     return value if isinstance(value, str) else checked(value)
 
 
-Sentence = Annotated[str, WrapValidator(_kept)]
+Sentence = Annotated[str, pydantic.WrapValidator(_kept)]
 """A sentence for people; a message keeps what it is made of."""
 
 
@@ -101,18 +94,18 @@ def enter(name: str, annotation: Any, told: dict[str, Any]) -> None:
 def plain_value(annotation: Any) -> bool:
     """Return whether values are single ones: text, number or truth, or null."""
     return not any(
-        get_origin(each) in (list, dict) or (isinstance(each, type) and issubclass(each, BaseModel))
+        get_origin(each) in (list, dict) or (isinstance(each, type) and issubclass(each, pydantic.BaseModel))
         for each in (annotation, *get_args(annotation))
     )
 
 
-class Part(BaseModel):
+class Part(pydantic.BaseModel):
     """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
 
     Both are None as attributes; `cells` of assessment/results/table.py prints them differently.
     """
 
-    model_config = ConfigDict(
+    model_config = pydantic.ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
     )
 
@@ -137,12 +130,14 @@ def key(meaning: str, label: str = "", *, alias: str | None = None, **look: Any)
     `label`: what the quantity is called in headings, in Italian and English ("Picco|Peak") or in both alike ("d_0*");
     of a quantity that several tables have in one of them. `look`: see Quantity.
     """
-    return Field(description=meaning, alias=alias, json_schema_extra=named(label, **look))
+    return pydantic.Field(description=meaning, alias=alias, json_schema_extra=named(label, **look))
 
 
 def optional(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
     """Describe a key that is there only where it was asked for, or where it has a meaning; as `key`."""
-    return Field(default=None, description=meaning, alias=alias, json_schema_extra=named(label, **look))
+    return pydantic.Field(
+        default=None, description=meaning, alias=alias, json_schema_extra=named(label, **look)
+    )
 
 
 def present(found: Mapping[Name, Value | None]) -> dict[Name, Value]:
@@ -156,7 +151,7 @@ def known(value: Value | None) -> Value:
     return value
 
 
-def first_error(error: ValidationError) -> str:
+def first_error(error: pydantic.ValidationError) -> str:
     """Return the key of the first error, what is wrong there, and how many more there are."""
     errors = error.errors(include_url=False, include_input=False)
     place = ""
@@ -232,7 +227,7 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, BaseModel):
+    if isinstance(value, pydantic.BaseModel):
         return value.model_dump(by_alias=True, exclude_unset=True)
     return value.item() if hasattr(value, "item") else value
 

@@ -20,17 +20,7 @@ from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import Configuration
 from assessment.runtime.progress import SILENCE
 from assessment.runtime.tasks import Workers, large
-from assessment.studies.identification.fit import (
-    Fit,
-    Predict,
-    Sureness,
-    Unknowns,
-    best_length,
-    kinks,
-    refined,
-    sureness,
-    unknowns_of,
-)
+from assessment.studies.identification import fit as fitting
 from assessment.studies.variants import Study
 from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError
 from mechanics.messages import Message, headed, message
@@ -42,7 +32,7 @@ UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does
 IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
 
 
-def open_movements(unknowns: Unknowns, directions: Array) -> list[Message]:
+def open_movements(unknowns: fitting.Unknowns, directions: Array) -> list[Message]:
     """Return the movements that are not determined, of unit vectors (d, n) at right angles, in words.
 
     Components that are free by themselves stand alone; of the others those stand together that can change together.
@@ -53,7 +43,7 @@ def open_movements(unknowns: Unknowns, directions: Array) -> list[Message]:
     return [*alone, *(_together(unknowns, direction) for direction in together)]
 
 
-def kinked_components(unknowns: Unknowns, kinked: Mask) -> list[Message]:
+def kinked_components(unknowns: fitting.Unknowns, kinked: Mask) -> list[Message]:
     """Return the components (n, 2) whose prediction has a kink within a standard error, below or above, in words."""
     found = []
     for each, (below, above) in zip(unknowns.components, kinked.tolist(), strict=True):
@@ -67,7 +57,7 @@ def kinked_components(unknowns: Unknowns, kinked: Mask) -> list[Message]:
     return found
 
 
-def _together(unknowns: Unknowns, direction: Array) -> Message:
+def _together(unknowns: fitting.Unknowns, direction: Array) -> Message:
     """Return the components that can change together along a direction (n,)."""
     pairs = zip(unknowns.components, direction, strict=True)
     names = [_component(*each) for each, part in pairs if abs(part) > IN_IT]
@@ -96,7 +86,7 @@ def findings(found: parts.Identification) -> list[Message]:
     ]
 
 
-def not_followed(unknowns: Unknowns, reasons: Sequence[Message]) -> list[Message]:
+def not_followed(unknowns: fitting.Unknowns, reasons: Sequence[Message]) -> list[Message]:
     """Return that paths of a hypothesis were stopped by other errors than a collapse, and the first `reasons`."""
     if not reasons:
         return []
@@ -244,13 +234,13 @@ class MovementSearch:
     largest: float
     workers: Workers
     study: Study
-    stopped: dict[Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
+    stopped: dict[fitting.Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
 
     def residual(self, shown: Array) -> Array:
         """Return the residuals over σ of readings (…, m)."""
         return (shown - self.value) / self.sigma
 
-    def best(self, unknowns: Unknowns) -> Fit | None:
+    def best(self, unknowns: fitting.Unknowns) -> fitting.Fit | None:
         """Return the best fit of a hypothesis; None where no movement could be followed."""
         directions = unknowns.directions()
         length = FARTHEST * self.largest
@@ -258,27 +248,27 @@ class MovementSearch:
         starts: list[tuple[float, Array]] = []
         for direction, path in zip(directions, paths, strict=True):
             if len(path.share):
-                share, square = best_length(path.share, self.residual(path.shown))
+                share, square = fitting.best_length(path.share, self.residual(path.shown))
                 starts.append((square, share * length * direction))
         starts.sort(key=lambda each: each[0])
         fits = [fit for _, start in starts[:STARTS] if (fit := self._refined(unknowns, start)) is not None]
         return min(fits, key=lambda fit: fit.chi_squared, default=None)
 
-    def at(self, unknowns: Unknowns, u: Array) -> Followed:
+    def at(self, unknowns: fitting.Unknowns, u: Array) -> Followed:
         """Return the path to values u (n,), m, of the unknowns."""
         [found] = self._followed(unknowns, [u], FINE, "best movement")
         return found
 
-    def kinks(self, unknowns: Unknowns, fit: Fit, error: Array) -> Mask:
+    def kinks(self, unknowns: fitting.Unknowns, fit: fitting.Fit, error: Array) -> Mask:
         """Return whether the prediction has a kink within a standard error (n,), m, below and above: (n, 2)."""
-        return kinks(unknowns, fit, error, self._predict(unknowns))
+        return fitting.kinks(unknowns, fit, error, self._predict(unknowns))
 
-    def _refined(self, unknowns: Unknowns, start: Array) -> Fit | None:
+    def _refined(self, unknowns: fitting.Unknowns, start: Array) -> fitting.Fit | None:
         predict = self._predict(unknowns)
         [residual] = predict([start])
-        return None if residual is None else refined(unknowns, start, residual, predict)
+        return None if residual is None else fitting.refined(unknowns, start, residual, predict)
 
-    def _predict(self, unknowns: Unknowns) -> Predict:
+    def _predict(self, unknowns: fitting.Unknowns) -> fitting.Predict:
         def predict(values: Sequence[Array]) -> list[Array | None]:
             paths = self._followed(unknowns, values, FINE, "fit")
             return [None if path.configuration is None else self.residual(path.shown[-1]) for path in paths]
@@ -286,7 +276,7 @@ class MovementSearch:
         return predict
 
     def _followed(
-        self, unknowns: Unknowns, values: Sequence[Array], increments: int, what: str
+        self, unknowns: fitting.Unknowns, values: Sequence[Array], increments: int, what: str
     ) -> list[Followed]:
         tasks = [(self.model, unknowns.movements(u), increments, self.sliding, self.gauges) for u in values]
         titles = [f"{unknowns.title}, path {number}" for number in range(1, len(tasks) + 1)]
@@ -321,7 +311,7 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     law = project.contacts.sliding
     search = MovementSearch(model, law, tuple(found), value, sigma, largest, workers, study)
     table = project.identification
-    asked = [unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
+    asked = [fitting.unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
     show, workers.show = workers.show, SILENCE  # one line of progress for all of their many short paths
     show.begin("identification", len(asked), 0, float(len(asked)))
     hypotheses: list[parts.Explanation] = []
@@ -355,7 +345,7 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     return result
 
 
-def _explained(project: Project, search: MovementSearch, unknowns: Unknowns) -> parts.Explanation:
+def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unknowns) -> parts.Explanation:
     """Return the best movement of one hypothesis."""
     fit, n = search.best(unknowns), len(unknowns)
     freedom = len(project.measurement) - n
@@ -365,7 +355,7 @@ def _explained(project: Project, search: MovementSearch, unknowns: Unknowns) -> 
             probability=None, aic=None, distinguished=True, undetermined=[], kinked=[], contradicting=[],
             at_collapse=False, fit=[], configuration=None,
         )  # fmt: skip
-    sure = sureness(fit, search.largest)
+    sure = fitting.sureness(fit, search.largest)
     rows = [
         as_part(
             parts.Fitted,
@@ -401,7 +391,9 @@ def probability(chi_squared: float, freedom: int) -> float:
     return float(gammaincc(0.5 * freedom, 0.5 * chi_squared))
 
 
-def _movement(unknowns: Unknowns, fit: Fit, sure: Sureness) -> list[parts.FittedMovement]:
+def _movement(
+    unknowns: fitting.Unknowns, fit: fitting.Fit, sure: fitting.Sureness
+) -> list[parts.FittedMovement]:
     """Return the movement of each support with its standard errors."""
     errors = [float(error) if np.isfinite(error) else None for error in sure.error / unknowns.size]
     keys = {"x": "x_standard_error_m", "z": "z_standard_error_m", "rotation": "rotation_standard_error_rad"}

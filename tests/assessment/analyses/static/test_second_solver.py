@@ -50,7 +50,7 @@ def test_a_difference_above_one_in_a_million_is_warned_of(monkeypatch, share, wa
         limit = limit_in(model, direction, state, sliding)
         return replace(limit, alpha=limit.alpha / (1.0 + share))
 
-    monkeypatch.setattr(module, "limit_in", wrong)
+    monkeypatch.setattr(module.procedures, "limit_in", wrong)
     model = block_on_base()
     part = second_solver(model, "moved", "-x", model.initial, 0.2)
     assert part.value.relative_difference == pytest.approx(share, rel=1e-3)
@@ -69,7 +69,7 @@ def test_a_multiplier_of_zero_by_both_is_no_difference():
 
 
 def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
-    monkeypatch.setattr(module, "static_theorem", lambda *_: None)
+    monkeypatch.setattr(module.procedures, "static_theorem", lambda *_: None)
     model = block_on_base()
     part = second_solver(model, "original", "+x", model.initial, 0.2)
     assert part.value.alpha_linear_program is None and part.value.relative_difference is None
