@@ -69,7 +69,7 @@ def exact_wall(folder):
 
 
 @pytest.mark.parametrize("kind", ["lwpolyline", "polyline2d", "polyline3d"])
-@settings(max_examples=2)
+@settings(max_examples=2, derandomize=True)  # some walls take twenty times as long as others
 @given(seed=st.integers(0, 10**6), noise=st.floats(0.5, 1.5))
 def test_a_wall_drawn_by_hand_becomes_the_wall_that_was_meant(kind, seed, noise, tmp_path_factory):
     folder = tmp_path_factory.getbasetemp()
