@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from mechanics.kernels.dynamics.motion import GONE
 from mechanics.kernels.joint import H, U
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly
 from mechanics.model.contacts import Contacts
-from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Mask
 
 TURNED = 1.0  # rad from the drawing: a block that has turned so far does not come back
@@ -106,9 +106,7 @@ def passing_through(model: Assembly, x: Array) -> tuple[Message, ...]:
     first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     first, second = first[first < second], second[first < second]
     # on a grid: in plain numbers the overlay of blocks that only touch may be a whole block
-    common = shapely.area(
-        shapely.intersection(shapes[first], shapes[second], grid_size=STEP.no_overlap * model.size)
-    )
+    common = shapely.area(shapely.intersection(shapes[first], shapes[second], grid_size=GONE * model.size))
     share = common / np.minimum(shapely.area(shapes[first]), shapely.area(shapes[second]))
     if share.max(initial=0.0) <= THROUGH:
         return ()

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from mechanics.errors import require
+from mechanics.kernels.dynamics.motion import GONE
 from mechanics.kernels.joint import LEAST, H, U
 from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -143,7 +144,7 @@ class StaticSystem:
     @property
     def no_overlap(self) -> float:
         """Half the overlap (m) up to which faces do not overlap."""
-        return STEP.no_overlap * self.model.size
+        return GONE * self.model.size
 
     @property
     def least_force(self) -> float:

@@ -24,8 +24,8 @@ class StepTolerances:
     many steps is a fall, not a path of equilibrium.
 
     Contacts. `carrying`: least force of a joint that carries, as a share of the weight. As shares of the block size:
-    `rounding`, a motion or distance that is none; `no_overlap`, overlap that does not count; `inside`, least
-    penetration that counts; `look_ahead`, distance beyond a step within which contacts are looked for.
+    `rounding`, a motion or distance that is none; `inside`, least penetration that counts; `look_ahead`, distance
+    beyond a step within which contacts are looked for.
 
     Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
     that is none.
@@ -45,7 +45,6 @@ class StepTolerances:
     fall: float = 10.0
     carrying: float = 1e-6
     rounding: float = 1e-10
-    no_overlap: float = 1e-9
     inside: float = 1e-6
     look_ahead: float = 0.05
     slides: float = 1e-3

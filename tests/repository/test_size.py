@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 968,
     "mechanics/kernels": 3642,
     "mechanics/model": 3252,
-    "mechanics/procedures": 3449,
+    "mechanics/procedures": 3447,
     "mechanics/records": 1086,
     "mechanics/solvers": 1073,
     "mechanics/steps": 1888,
