@@ -45,7 +45,7 @@ def test_a_disk_that_refuses_leaves_the_earlier_result(project, capsys, monkeypa
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", str(project / "output"))
 
-    monkeypatch.setattr(output, "write_atomically", full)
+    monkeypatch.setattr(output.disk, "write_atomically", full)
     assert run(project, "--fresh") == 2
     assert "No space left on device" in capsys.readouterr().err
     assert contents(project) == before
