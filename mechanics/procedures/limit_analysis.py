@@ -17,7 +17,6 @@ dilation has one: its multiplier is returned with that dilation.
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -29,7 +28,7 @@ from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points
 from mechanics.program import BOUNDED, LARGEST_MULTIPLIER, Certificate, Program, Solution, certify
-from mechanics.solvers import GOOD, solve
+from mechanics.solvers import GOOD, USABLE, iterated, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate, with_dilation
 from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
@@ -186,17 +185,15 @@ def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
     """Return the flow of least multiplier that is found by Coulomb's law, the multiplier of the central one, and ψ."""
     for psi in (0.0, LIMIT.slight):
         program = with_dilation(closed.program, psi)
-        with suppress(ConvergenceError):
-            central, iterate = solve(program, closed.layout)
+        answer = iterated(program, closed.layout)
+        if answer is not None and (worst := answer[0].certificate.worst(program.step)) <= USABLE:
+            central, iterate = answer
             if central.alpha < 0.0:  # joints that a settlement has let slide may go on without a push
                 continue
-            if (
-                central.certificate.worst(program.step) > GOOD
-            ):  # no flow has more than the associative law (Radenković)
+            if worst > GOOD:  # no flow has more than the associative law (Radenković)
                 bound = _associative(closed)
-                if central.alpha > bound[1]:
-                    return bound
-            if psi > 0.0 or iterate is None or len(program.places) > LIMIT.most_joints:
+                return bound if central.alpha > bound[1] else (central, central.alpha, psi)
+            if psi > 0.0 or len(program.places) > LIMIT.most_joints:
                 return central, central.alpha, psi
             return _least(program, closed.layout, central, iterate) or central, central.alpha, 0.0
         if psi == 0.0 and len(program.places) <= LIMIT.most_joints:  # the central flow is one of many
@@ -265,8 +262,8 @@ def _of_other_frictions(
     law[:, FRICTION] = np.minimum(law[:, FRICTION], STEEP)
     law[:, FRICTION] *= 1.0 + LIMIT.other * chance.uniform() * chance.uniform(-1.0, 1.0, len(law))
     other = replace(program, law=law)
-    with suppress(ConvergenceError, NoEquilibriumError):
-        central, iterate = solve(other, layout)
-        if iterate is not None and central.certificate.worst(program.step) <= GOOD:
-            return central.displacement, flows_at(other, central.forces, iterate.gaps)
-    return None
+    answer = iterated(other, layout)
+    if answer is None or answer[0].certificate.worst(program.step) > GOOD:
+        return None
+    central, iterate = answer
+    return central.displacement, flows_at(other, central.forces, iterate.gaps)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 
@@ -29,25 +28,33 @@ DOUBTFUL = 1e-3  # of gravity: a smaller acceleration may be none
 OPEN = 100.0  # steps: gap of a joint that stays open; half of it is open too
 
 
-def solve(
-    program: Program, layout: Elimination, near: Iterate | None = None
-) -> tuple[Solution, Iterate | None]:
-    """Return the first certified solution, and its iterate as the start of a next one (None for a solution of PIQP).
-
-    The package's interior-point method is tried first, from `near` if it is given, then from a cold start; then PIQP,
-    if the program is quadratic. A solver's status is never relied on: the certificate decides. Raises
-    NoEquilibriumError if the loads cannot be balanced (a program of its own decides, see imbalance), ConvergenceError
-    if they can but no solver finds forces, or if that program is not solved either.
-    """
-    best: Solution | None = None
-    for start in chain([] if near is None else [near], interior.starts(program, layout)):
+def iterated(program: Program, layout: Elimination) -> tuple[Solution, Iterate] | None:
+    """Return the first certified solution of the interior point and its iterate, else the best; None if it has none."""
+    best: tuple[Solution, Iterate] | None = None
+    for start in interior.starts(program, layout):
         iterate, outcome = interior.run(program, layout, start, ACCEPTED)
         if not np.isfinite(outcome.force):
             continue
         found = interior.solution(program, iterate)
+        if best is None or found.certificate.worst(program.step) < best[0].certificate.worst(program.step):
+            best = found, iterate
         if found.certificate.worst(program.step) <= GOOD:
-            return found, iterate
-        best = _better(program, best, found)
+            break
+    return best
+
+
+def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | None]:
+    """Return the first certified solution, and its iterate as the start of a next one (None for a solution of PIQP).
+
+    The package's interior-point method is tried first; then PIQP, if the program is quadratic. A solver's status is
+    never relied on: the certificate decides. Raises NoEquilibriumError if the loads cannot be balanced (a program of
+    its own decides, see imbalance), ConvergenceError if they can but no solver finds forces, or if that program is not
+    solved either.
+    """
+    own = iterated(program, layout)
+    if own is not None and own[0].certificate.worst(program.step) <= GOOD:
+        return own
+    best = own[0] if own else None
     acceleration, undecided = 0.0, None
     if program.mass is None:
         try:
