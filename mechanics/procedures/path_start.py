@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,11 +13,8 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import Limit, limit_analysis
-from mechanics.procedures.step_control import reach
 from mechanics.program import Certificate
-from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.flow_step import slides
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem, held
@@ -35,14 +31,13 @@ class StartTolerances:
     ones where hinges of a settlement close under little; `settled`: first step from
     a settled state, whose open hinges may close first, as a share of an increment; `least`: length of a first step, as
     a share of the compression under gravity; `resolved`: of that compression, the last digit of a position that does
-    not hide it; `hair`: first step from a known rest, as shares of the block size: the first that is solved counts.
+    not hide it.
     """
 
     first: tuple[float, ...] = (0.02, 0.002, 0.0002)
     settled: float = 0.1
     least: float = 0.01
     resolved: float = 2e-6
-    hair: tuple[float, ...] = (1e-6, 1e-5, 1e-4, 1e-3)
 
 
 START = StartTolerances()
@@ -74,16 +69,11 @@ def mechanism_start(
 ) -> PathStart:
     """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises.
 
-    By Coulomb's law a state that a path has reached is pushed on from the forces that it has at rest: where joints
-    slide, these decide. `increment` (m): length of the curve's steps.
+    By Coulomb's law the least flow that is found in the state begins the curve, whatever forces a path has left there:
+    these may press joints that nothing presses. `increment` (m): length of the curve's steps.
     """
-    forces = state.forces if state is not None and sliding == "coulomb" else None
-    limit = limit_analysis(model, direction, state, sliding if forces is None else "associative")
+    limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
-    if state is not None and forces is not None:
-        pushed = _pushed_from_rest(model, direction, state, forces, rate, limit.alpha)
-        if pushed is not None:
-            return pushed
     yields = bool(np.isfinite(limit.contacts.strength[limit.contacts.ties]).any())
     flow = limit.sliding == "coulomb" and not (limit.dilation or yields)
     return PathStart(
@@ -115,55 +105,6 @@ def _flow_of(limit: Limit, increment: float) -> Equilibrium:
     gaps = np.column_stack([u - tilt, u + tilt, slip, -slip]).clip(0.0)
     assert start.iterate is not None
     return replace(start, alpha=limit.alpha, iterate=replace(start.iterate, alpha=limit.alpha, gaps=gaps))
-
-
-def _pushed_from_rest(
-    model: Assembly, direction: Direction, state: State, forces: Array, rate: Array, limit: float
-) -> PathStart | None:
-    """Return the start of a rigid curve by Coulomb's law: what follows a rest under gravity at once.
-
-    `forces` (j, 3): N, P and T of the drawn joints at rest; `rate` (b, 3) and `limit`: mechanism and multiplier by the
-    associative law. Of many multipliers that of a first short step from the forces at rest counts, or that of the rest,
-    0, where the step would have to be held back. None if no joint slides: both laws have one multiplier. Raises
-    UnstableError if the forces do not hold the structure, ConvergenceError if no such step is found.
-    """
-    size, lateral = LIMIT.onset * model.size, model.lateral_load(direction)
-    system = static_system(model, "rigid", "coulomb").around(state.positions, size)
-    still = StepProblem(system, state, model.dead_load, size)
-    rest = held(still, forces)
-    if max(rest.certificate.equilibrium, rest.certificate.cone) > USABLE:  # ties or loads have changed since
-        check_self_weight(model, state)
-        rest = find_equilibrium(still, state.positions, rest)
-    length, first = _first_after(rest, rate, lateral, system)
-    if not slides(first, length):
-        return None
-    onset = rest if first.alpha < 0.0 else replace(first, state=rest.state)
-    return PathStart(
-        rest.state,
-        onset.lifting,
-        onset,
-        onset.alpha,
-        onset.forces,
-        onset.contacts,
-        onset.certificate,
-        (first.state.positions - rest.state.positions) * float(abs(rate[:, :2]).max()) / length,
-        START.settled,
-        limit,
-    )
-
-
-def _first_after(
-    rest: Equilibrium, rate: Array, lateral: Array, system: StaticSystem
-) -> tuple[float, Equilibrium]:
-    """Return the shortest step from a rest along a rate (b, 3) that is solved: its length (m) and its end."""
-    model = system.model
-    for hair in START.hair:
-        length = hair * model.size
-        work = length / float(abs(rate[:, :2]).max())
-        problem = StepProblem(system, rest.state, model.dead_load, length, lateral, work)
-        with suppress(NoEquilibriumError, ConvergenceError):
-            return length, reach(problem, rest.state.positions + work * rate, rest, hair == START.hair[-1])[0]
-    raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
 
 
 def elastic_start(

@@ -359,7 +359,7 @@ class _Curve:
         now = self.states[-1]
         self.system = self.system.around(now.positions, 2.0 * work * fastest)
         load, size = self.model.dead_load, work * fastest
-        problem = StepProblem(self.system, now, load, size, self.lateral, work, along=self.drawn)
+        problem = StepProblem(self.system, now, load, size, self.lateral, work)
         last = self.steps[-1] if self.steps else self.first.step
         return reach(problem, now.positions + work * self.rate, last, shortest)
 

@@ -116,12 +116,12 @@ def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, A
     return np.asarray(found.x[:m]), np.asarray(found.x[m:]).reshape(-1, 4)
 
 
-def nearest_mechanism(program: Program, free: Mask, began: Mask) -> tuple[Array, Array] | None:
+def nearest_mechanism(program: Program, free: Mask, began: Mask, little: float) -> tuple[Array, Array] | None:
     """Return the least displacements (m,) of the program's work, and their gaps and slips (j, 4).
 
     `free` (j, 4) as in mechanism_of; `began` (j, 4): those of the flow so far: others begin where they must. Rotations
-    count times the block size. Rounding may leave a little of what is not free; where much is left, there are no such
-    displacements: the certificate tells. None if PIQP finds no numbers.
+    count times the block size. None if there are no such displacements: of what is not free more than a `little` (m)
+    is left.
     """
     change, begun = _gaps_and_slips(program)
     m, size = len(program.load), program.step
@@ -150,9 +150,10 @@ def nearest_mechanism(program: Program, free: Mask, began: Mask) -> tuple[Array,
     )  # fmt: skip
     solver.solve()
     x = size * np.array(solver.result.x)[:m]
-    if not np.isfinite(x).all():
+    left = begun + rows_of @ x
+    if not abs(left[held]).max(initial=0.0) <= little:  # nor numbers that are none
         return None
-    y = (begun + rows_of @ x).reshape(-1, 3)
+    y = left.reshape(-1, 3)
     gaps = np.column_stack([y[:, :2], y[:, 2], -y[:, 2]]).clip(0.0)
     return x * scale, np.where(free, gaps, 0.0)
 

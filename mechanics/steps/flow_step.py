@@ -46,9 +46,9 @@ def flows_at(program: Program, forces: Array, gaps: Array) -> Mask:
 
 
 def flows(problem: StepProblem, last: Equilibrium) -> bool:
-    """Whether a step may go on along the flow of the last one: of rigid joints that slide and do not crush or yield."""
+    """Whether a push may go on along the flow of its last step: rigid joints that slide and do not crush or yield."""
     system = problem.system
-    if not (problem.along and system.rigid and system.dilation == 0.0):
+    if problem.lateral is None or not (system.rigid and system.dilation == 0.0):
         return False
     return bool(np.isinf(system.law[:, STRENGTH]).all()) and slides(last, problem.size)
 
@@ -79,7 +79,8 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
         forces = interior.resultants(program, before)
         free = margins(program, forces) <= LIMIT.idle * program.weight
         began = before.gaps > STEP.touching * program.step
-        found = lp_highs.nearest_mechanism(program, free | flows_at(program, forces, before.gaps), began)
+        free |= flows_at(program, forces, before.gaps)
+        found = lp_highs.nearest_mechanism(program, free, began, STEP.touching * program.step)
         if found is None:
             raise ended
         displacement, gaps = found

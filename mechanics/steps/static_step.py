@@ -59,7 +59,7 @@ class StepProblem:
 
     With a `lateral` load the multiplier α is free, and the lateral load does the given `work` (kNm). `mass` (b, 3),
     Mg/s²: of a step from rest, the mass over the square of its time; None in statics. `dilation`: share of μ|slip| by
-    which sliding lifts; None: that of the system's law. `along`: whether the flow of the last step goes on (flow_step).
+    which sliding lifts; None: that of the system's law.
     """
 
     system: StaticSystem
@@ -70,7 +70,6 @@ class StepProblem:
     work: float = 0.0
     mass: Array | None = None
     dilation: float | None = None
-    along: bool = False
 
     @cached_property
     def slid(self) -> Array:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from assessment.benchmark.cases.structures import rectangle
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
-from mechanics.procedures import path_start
 
 MOVED = (0.03, -0.02)
 
@@ -110,24 +107,3 @@ def test_cracks_of_a_settled_state_are_open(direction, movement):
     curve = pushover(model, direction=direction, increment=1e-4, state=moved.final, until=0.99)
     assert curve.multiplier[0] == pytest.approx(curve.multiplier[1], rel=0.02)
     assert limit_analysis(model, direction, moved.final).alpha == pytest.approx(curve.multiplier[0], rel=1e-6)
-
-
-def test_a_rest_that_only_a_push_holds_in_motion_bears_no_push(monkeypatch):
-    """A structure that stands is not set in motion by a push that holds it back: its onset is the rest, with α = 0.
-
-    A member of the settled triumphal arch began with α = −0.0069, and its check had a complex return period.
-    """
-    model = portal()
-    settled = pushdown(model, "right", MOVED, increment=0.002).final
-    found = path_start._first_after
-
-    def held_back(*arguments):
-        length, first = found(*arguments)
-        return length, replace(first, alpha=-0.01)
-
-    monkeypatch.setattr(path_start, "_first_after", held_back)
-    monkeypatch.setattr(path_start, "slides", lambda *_: True)
-    start = path_start.mechanism_start(model, "+x", settled, 0.002, "coulomb")
-    assert start.alpha == 0.0
-    assert start.certificate.equilibrium < 1e-6
-    assert pushover(model, (2.0, 3.5), "+x", increment=0.002, state=settled, until=0.9).alpha_onset == 0.0
