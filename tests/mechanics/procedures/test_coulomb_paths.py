@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
-from mechanics import limit_analysis, pushover
+from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 from tests.support.random_masonry import small_wall
-from tests.support.structures import running_bond
+from tests.support.structures import rectangle, running_bond
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
@@ -33,3 +35,25 @@ def test_a_curve_goes_on_along_its_flow_whatever_the_increment():
     assert worst < 1e-7
     pressed = [step.forces[:, 0].min() for curve in curves for step in curve.steps]
     assert np.min(pressed) > -1e-9 * model.weight
+
+
+@pytest.mark.parametrize("movement", [(0.0, -0.005), (-0.005, 0.0)])
+def test_forces_that_a_settlement_has_left_do_not_raise_the_curve(movement):
+    """A wall in bond on two supports: what friction has pressed in held it up to 5 % above its least flow."""
+    stone = Material(18.0, 0.6)
+    bases = [
+        Block(rectangle(left, -0.3, left + 0.6, 0.0), 1.0, stone, support=name)
+        for left, name in ((0.0, "left"), (0.6, "right"))
+    ]
+    rows = [(0.0, 0.4, 0.8, 1.2), (0.0, 0.2, 0.6, 1.0, 1.2)]
+    bricks = [
+        Block(rectangle(left, 0.25 * course, right, 0.25 * (course + 1)), 1.0, stone)
+        for course in range(4)
+        for left, right in pairwise(rows[course % 2])
+    ]
+    model = Assembly([*bases, *bricks])
+    settled = pushdown(model, "right", movement, increment=0.001).final
+    curve = pushover(model, (0.0, 1.0), "-x", increment=0.004, state=settled)
+    drawn = limit_analysis(model, "-x").alpha
+    assert curve.alpha_onset == pytest.approx(limit_analysis(model, "-x", settled).alpha, rel=1e-6)
+    assert curve.alpha_0 < (1.0 + 1e-3) * drawn
