@@ -27,9 +27,9 @@ LINES = {
     "mechanics": 968,
     "mechanics/kernels": 3642,
     "mechanics/model": 3252,
-    "mechanics/procedures": 3447,
+    "mechanics/procedures": 3385,
     "mechanics/records": 1086,
-    "mechanics/solvers": 1073,
+    "mechanics/solvers": 1081,
     "mechanics/steps": 1888,
 }
 
