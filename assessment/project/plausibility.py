@@ -25,6 +25,7 @@ SUNK = 0.01  # of a block's height, by which its weight may press it into its be
 TURN = 0.5  # rad
 F0_RANGE, TC_RANGE = (2.2, 3.3), (0.1, 0.6)  # –; s: of all nodes of Allegato B, at any return period
 ROUNDED = 0.02  # of a_g: typed values are rounded
+LOCAL_FACTOR = 2.0  # behaviour factor q of local mechanisms, C8.7.1.2
 LC1 = 1.35  # confidence factor where crushing is left out (Circolare 7/2019, C8.7.1.2)
 ITALY = ((35.0, 48.0), (6.0, 19.0))  # latitude, longitude, degrees
 DEEPEST = 100.0  # m, out of plane
@@ -58,6 +59,18 @@ def implausible(project: Project, model: Assembly) -> list[Message]:
             factor=assessment.confidence_factor, least=LC1, meant=f"{LC1:g}",
         )  # fmt: skip
         found.append(("assessment.confidence_factor", low_factor))
+    if assessment and assessment.behaviour_factor > LOCAL_FACTOR:
+        large = message(
+            "{factor:g} is above {most:g}, the factor of local mechanisms (Circolare 7/2019, C8.7.1.2)",
+            factor=assessment.behaviour_factor, most=LOCAL_FACTOR,
+        )  # fmt: skip
+        found.append(("assessment.behaviour_factor", large))
+    if assessment and assessment.floor and project.dynamic_contacts:
+        ground = message(
+            "static checks contain what the building amplifies up to this height, motions only what their records do: "
+            "their PGA are not to be compared, unless the records are of the floor"
+        )
+        found.append(("assessment.floor", ground))
     return [headed(project.source, headed(key, text)) for key, text in found]
 
 

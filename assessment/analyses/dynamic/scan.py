@@ -246,8 +246,10 @@ class _Motions:
         for name, count in found.counts().items():
             self.counts[name] = self.counts.get(name, 0) + count
         self.worst = max(self.worst, found.worst)
-        for note in found.notes:
-            self.notes.setdefault(note.template, []).append(note)
+        for template, note in {
+            note.template: note for note in reversed(found.notes)
+        }.items():  # once a motion
+            self.notes.setdefault(template, []).append(note)
         end, fell = float(found.time[-1]), found.last.collapse_reason
         return _Member(found.time, found.displacement, found.collapsed, end, fell, found.integrator_share())
 

@@ -55,7 +55,8 @@ def as_built(project: Project, drawing: Drawing) -> Drawing:
             blocks.append(replace(block, **of_block(layer_of(project, table)), region=name))
     for key, region in zip(keys, project.region, strict=True):
         if not region.ignore and all(block.region != region.name for block in blocks):
-            raise ProjectError(f"{key}: no block has its centroid in it; correct its corners, in m")
+            text = "no block has its centroid in it, or a later region has it too; correct its corners, in m"
+            raise ProjectError(f"{key}: {text}")
     return replace(drawing, blocks=tuple(blocks))
 
 

@@ -85,6 +85,21 @@ CASES = {  # what is meant: text of the project, its replacement, the warning
         SITE, "SLV = {ag_g = 0.261", "SLV = {ag_g = 0.1",
         "assessment.site.SLV.ag_g: 0.1 g at SLV is below the 0.104 g of SLD, which comes more often",
     ),
+    "behaviour factor of a building": (
+        SITE, 'model = "none"', 'model = "none"\nbehaviour_factor = 6',
+        "assessment.behaviour_factor: 6 is above 2, the factor of local mechanisms",
+    ),
+    "records of the ground at height": (
+        SITE, "[pushover]", """[assessment.floor]
+height_m = 6
+building_height_m = 9
+storeys = 3
+[[history]]
+record = "wave.csv"
+contacts = "rigid"
+[pushover]""",
+        "assessment.floor: static checks contain what the building amplifies",
+    ),
     "confidence factor without crushing": (
         SITE, 'model = "none"', 'model = "none"\nconfidence_factor = 1.2',
         "assessment.confidence_factor: 1.2 is below 1.35, which Circolare 7/2019, C8.7.1.2, asks for",
@@ -103,6 +118,7 @@ def warned(folder: Path) -> list[str]:
 def test_what_was_probably_meant_is_said(tmp_path, case):
     text, old, new, said = CASES[case]
     folder = write_block(tmp_path / "block", text)
+    (folder / "wave.csv").touch()
     if case == "unit of the drawing":
         edit(folder, "[0.3, 4.2]", "[0.0003, 0.0042]")
         edit(folder, "[-0.3, 4.2]", "[-0.0003, 0.0042]")
