@@ -59,9 +59,8 @@ class State:
     `velocities` (b, 3): m/s and rad/s. `shear` (j,): tangential forces (kN) in the springs of the drawn joints; `met`
     (k, 3): the same for faces that came into contact, by their two edges. `carrying` (j,): which drawn joints carry in
     the equilibrium of this state; rigid ones count as closed whatever gap dilatant sliding has left. None: the state is
-    not from an equilibrium. `forces` (j, 3): N (kN), P (kNm) and T (kN) of the drawn joints in that equilibrium; a push
-    by Coulomb's law begins with them. `lengthened` (t,): by how much each tie has yielded, m; None: not at all.
-    `motion`: of the state at the end of a motion, None: the next one begins anew.
+    not from an equilibrium. `lengthened` (t,): by how much each tie has yielded, m; None: not at all. `motion`: of the
+    state at the end of a motion, None: the next one begins anew.
     """
 
     positions: Array
@@ -71,7 +70,6 @@ class State:
     carrying: Mask | None = None
     lengthened: Array | None = None
     motion: MotionMemory | None = None
-    forces: Array | None = None
 
     def __repr__(self) -> str:
         fastest = float(abs(self.velocities[:, :2]).max())

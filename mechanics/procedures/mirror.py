@@ -169,7 +169,6 @@ class Mirror:
             None,
             carrying,
             lengthened,
-            forces=None if state.forces is None else self._forces(state.forces),
         )
 
     def _step(self, step: Equilibrium) -> Equilibrium:

@@ -89,12 +89,4 @@ def state_at_rest(system: StaticSystem, at: Array, forces: Array, before: State)
     met = np.column_stack([system.contacts.edges, forces[:, 2]])[drawn:][carrying[drawn:]]
     shear = forces[:drawn, 2].copy() if system.law[:, SHEAR].any() else None
     lengthened = system.lengthened(at, forces, before)
-    return State(
-        at,
-        np.zeros_like(at),
-        shear,
-        met if len(met) else None,
-        carrying[:drawn],
-        lengthened,
-        forces=forces[:drawn].copy(),
-    )
+    return State(at, np.zeros_like(at), shear, met if len(met) else None, carrying[:drawn], lengthened)
