@@ -26,11 +26,11 @@ LINES = {
     "assessment/workflow": 953,
     "mechanics": 968,
     "mechanics/kernels": 3642,
-    "mechanics/model": 3252,
-    "mechanics/procedures": 3385,
+    "mechanics/model": 3250,
+    "mechanics/procedures": 3384,
     "mechanics/records": 1086,
     "mechanics/solvers": 1081,
-    "mechanics/steps": 1888,
+    "mechanics/steps": 1880,
 }
 
 
