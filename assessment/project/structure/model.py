@@ -53,14 +53,9 @@ class StateModel:
         if self.strengthened is None or not self.later:
             return reached
         longer: dict[str, Any] = {}
-        for key in (
-            "shear",
-            "carrying",
-            "forces",
-            "lengthened",
-        ):  # of contacts (n,) or (n, k): zeros at their end
+        for key in ("shear", "carrying", "lengthened"):  # of contacts and ties (n,): zeros at their end
             if (values := getattr(reached, key)) is not None:
-                longer[key] = np.pad(values, [(0, self.later), *[(0, 0)] * (values.ndim - 1)])
+                longer[key] = np.pad(values, (0, self.later))
         return replace(reached, **longer)
 
     def varied(self, settling: Assembly) -> Self:
