@@ -246,9 +246,8 @@ class _Motions:
         for name, count in found.counts().items():
             self.counts[name] = self.counts.get(name, 0) + count
         self.worst = max(self.worst, found.worst)
-        for template, note in {
-            note.template: note for note in reversed(found.notes)
-        }.items():  # once a motion
+        firsts = {note.template: note for note in reversed(found.notes)}  # a motion counts once
+        for template, note in firsts.items():
             self.notes.setdefault(template, []).append(note)
         end, fell = float(found.time[-1]), found.last.collapse_reason
         return _Member(found.time, found.displacement, found.collapsed, end, fell, found.integrator_share())

@@ -335,10 +335,10 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
 def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
     """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
 
-    Rigid joints may rest under whatever forces within their bounds balance, up to the associative multiplier, and move
-    from Coulomb's on. Motions take the central forces, which rest where they can.
+    Rigid joints may move from Coulomb's multiplier on. Up to the associative one they may also rest, for forces within
+    their bounds exist that balance; a motion rests wherever it can.
     """
-    began, found = time.perf_counter(), Found(1.0)
+    found = Found(1.0)
     for direction in get_args(Direction):
         with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
             moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
@@ -346,12 +346,11 @@ def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State)
             found.value = max(known(found.value), rests / max(moves, LEAST))
             if rests > RESTS_OR_MOVES * moves:
                 note = message(
-                    "{direction}: under α from {moves:.3g} to {rests:.3g} rigid joints may rest or move, as friction "
-                    "presses itself in: motions with rigid joints may be too small; run them with elastic joints too",
+                    "{direction}: under α from {moves:.3g} to {rests:.3g} rigid joints may rest, wedged by friction, "
+                    "or move: motions with rigid joints may be too small; run them with elastic joints too",
                     direction=direction, moves=moves, rests=rests,
                 )  # fmt: skip
                 found.warnings.append(headed(name, note))
-    found.seconds = time.perf_counter() - began
     return found
 
 
