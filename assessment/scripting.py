@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.analyses.dynamic.fragility import Dispersion, RecordLevel, over_records
-from assessment.analyses.dynamic.histories import Scatter
-from assessment.analyses.dynamic.scan import Reach, scan
-from assessment.analyses.dynamic.time_history import Setting
+from assessment.analyses.fragility import Dispersion, RecordLevel, over_records
+from assessment.analyses.histories import Scatter
+from assessment.analyses.scan import Reach, scan
+from assessment.analyses.time_history import Setting
 from assessment.project.catalogue.new_project import TEMPLATES, new_project, template_options
+from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, MotionTable
-from assessment.project.structure.model import build_model
 from mechanics import Assembly, ConvergenceError, Material, Record, State
 from mechanics.types import Array, Mask
 

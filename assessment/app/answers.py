@@ -32,7 +32,7 @@ def schema(session: Session, _: Sent) -> dict[str, Any]:
 @cache
 def page_words(language: str) -> dict[str, Any]:
     """Return the words of the page in a language; `keys`: name, as in the report, and meaning (in English empty)."""
-    from assessment.report.text.language import Words, key_name, plain_text  # late: the page comes first
+    from assessment.report.language import Words, key_name, plain_text  # late: the page comes first
 
     found = tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
     words = Words.of(language)

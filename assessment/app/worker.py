@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 
 if TYPE_CHECKING:
-    from assessment.project.structure.model import ProjectModel
+    from assessment.project.model import ProjectModel
     from mechanics import Following
 
 LIMITS = {"model": 120.0, "live": 120.0, "repair": 300.0}  # s, of an answer
@@ -158,9 +158,9 @@ class Live:
     def _begun(self, folder: Path, tag: str, support: str, whole: bool) -> Following:
         """Return the structure as drawn, with the ties that are there as the support moves."""
         from assessment.app.editing import drawing_tag
+        from assessment.project.model import build_model
         from assessment.project.project import survey_project
         from assessment.project.schema import ORIGINAL
-        from assessment.project.structure.model import build_model
         from mechanics import Following
 
         project = survey_project(folder)[0]
@@ -185,7 +185,7 @@ def followed(follow: Following) -> dict[str, Any]:
     import numpy as np
 
     from assessment.app.pictures import bilingual
-    from assessment.results.configurations.joint_states import EDGE, IDLE, shares
+    from assessment.results.joint_states import EDGE, IDLE, shares
     from mechanics.model import end_gaps, end_points
 
     step, model = follow.equilibrium, follow.model

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from assessment.benchmark.cases import motions, skips, statics, whole
+from assessment.benchmark import motions, statics, whole
 from assessment.benchmark.measure import Row, as_csv, load, machine, table
 from assessment.runtime.console import say
 from assessment.runtime.errors import nearest
@@ -49,7 +49,7 @@ BENCHMARKS = {
         "where rigid curves end, by both laws, by variants that may not matter, then by multiples of the increment.",
         statics.sliding,
     ),
-    "skips": Benchmark("what is not computed, and how far the answer is from that without the skip.", skips.skips),
+    "skips": Benchmark("what is not computed, and how far the answer is from that without the skip.", whole.skips),
 }  # fmt: skip
 
 

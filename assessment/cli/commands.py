@@ -72,13 +72,13 @@ def check(options: argparse.Namespace) -> int:
     With `--repair` first write a repaired drawing beside the project's, list every change, and check that one.
     """
     from assessment.cli.summary import model_summary, warning_lines
+    from assessment.project.model import with_repaired_drawing
     from assessment.project.motions import described
     from assessment.project.project import load_project
-    from assessment.project.structure.model import with_repaired_drawing
     from assessment.report.chapters.judgement import refuse_unreadable
-    from assessment.report.figures.drawings.model import draw_faults, draw_model
+    from assessment.report.figures.drawing import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
-    from assessment.report.text.language import Words
+    from assessment.report.language import Words
     from assessment.workflow.checking import checked, expected_line
     from mechanics.faults import FaultyDrawingError
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from assessment.ntc.tables import INDEXED
 from assessment.report.chapters.lead import lead
-from assessment.report.text.language import Words, plain_text
+from assessment.report.language import Words, plain_text
 from assessment.results.schema import Results
 from assessment.results.schema.dynamic import Campaign
 from assessment.results.schema.part import plain

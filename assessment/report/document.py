@@ -21,11 +21,10 @@ from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.judgement import all_warnings
 from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
-from assessment.report.formats.pdf import command, load_weasyprint
 from assessment.report.formats.viewer import Viewer, viewer
-from assessment.report.text.fonts import embedded_faces, file_faces
-from assessment.report.text.language import Words, joined, sentence, translated, words_of
-from assessment.results.configurations.hand_check import mechanisms
+from assessment.report.language import Words, joined, sentence, translated, words_of
+from assessment.report.printing import command, embedded_faces, file_faces, load_weasyprint
+from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.results.summary import coulomb, limit_states
 from assessment.runtime.files import read_picture, write_atomically

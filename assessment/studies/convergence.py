@@ -9,12 +9,12 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from assessment.analyses.checks.capacity import assess, capacities
-from assessment.analyses.checks.demand import Demands
+from assessment.analyses.capacity import assess, capacities
+from assessment.analyses.demand import Demands
 from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order, refined
-from assessment.analyses.static.states import StateResult, curves
+from assessment.analyses.states import StateResult, curves
+from assessment.project.model import StateModel
 from assessment.project.project import Project
-from assessment.project.structure.model import StateModel
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.table import cells

@@ -11,14 +11,14 @@ from math import inf, isfinite
 from operator import itemgetter
 from typing import Any
 
-from assessment.analyses.checks.capacity import assess, capacities, told
-from assessment.analyses.checks.demand import Demands
+from assessment.analyses.capacity import assess, capacities, told
+from assessment.analyses.demand import Demands
 from assessment.analyses.found import Found, finest, refined
-from assessment.analyses.static.states import Request, StateResult, analyse_states, curves
+from assessment.analyses.states import Request, StateResult, analyse_states, curves
 from assessment.ntc.tables import QUOTED
+from assessment.project.model import StateModel, build_model
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ProjectTable, SettlementTable
-from assessment.project.structure.model import StateModel, build_model
 from assessment.results.schema import StateResults, studies
 from assessment.results.schema.checks import Capacity
 from assessment.results.schema.part import known

@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.analyses.checks.chosen_mechanism import refused_as_drawn
-from assessment.analyses.checks.demand import Demands, demand_spectra
+from assessment.analyses.chosen_mechanism import refused_as_drawn
+from assessment.analyses.demand import Demands, demand_spectra
 from assessment.analyses.found import accuracy_of
-from assessment.analyses.static.lateral import with_control
-from assessment.analyses.static.paths import pressed_in, stand
+from assessment.analyses.lateral import with_control
+from assessment.analyses.paths import pressed_in, stand
 from assessment.ntc.tables import psi_2
 from assessment.project import motions as base
+from assessment.project.masonry import table_of
+from assessment.project.model import ProjectModel, build_model
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project, load_project, spelt
 from assessment.project.schema import ORIGINAL, StatesTable
 from assessment.project.schema.motions import SensitivityTable
-from assessment.project.structure.masonry import table_of
-from assessment.project.structure.model import ProjectModel, build_model
-from assessment.results.configurations.joint_states import described
+from assessment.results.joint_states import described
 from assessment.results.schema import FORMAT, Results, StateResults
 from assessment.results.schema import model as parts
 from assessment.results.schema.dynamic import Incremental

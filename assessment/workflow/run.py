@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.report.formats.pdf import printable
+from assessment.report.printing import printable
 from assessment.runtime import cache
 from assessment.runtime import files as disk
 from assessment.runtime.cache import FOLDER, Store, unpacked
@@ -167,8 +167,8 @@ def _make(
     from assessment.report.chapters.judgement import NAME, judgement
     from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
     from assessment.report.figures.index import pictures, write_figures, write_images
+    from assessment.report.language import words_of
     from assessment.report.tables import write_tables
-    from assessment.report.text.language import words_of
     from assessment.results.file import as_bytes
 
     opinion = judgement(results, words_of(results), folder)
@@ -263,7 +263,7 @@ def carry_out(
     with locked(folder):
         disk.clear(folder)
         show = Journal(folder, show)
-        from assessment.project.structure.model import build_model
+        from assessment.project.model import build_model
         from assessment.report.chapters.judgement import refuse_unreadable
         from assessment.runtime.cache import FOLDER, Store
         from assessment.workflow.stages import run

@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from assessment.analyses.checks import demand
-from assessment.analyses.checks.capacity import Assessed, assess
-from assessment.analyses.checks.chosen_mechanism import assess_chosen
-from assessment.analyses.checks.governing import Governed, Run, governed, members
-from assessment.analyses.dynamic.histories import histories
-from assessment.analyses.dynamic.time_history import MotionInputs, motion_part, starts_of, ultimates
+from assessment.analyses import demand
+from assessment.analyses.capacity import Assessed, assess
+from assessment.analyses.chosen_mechanism import assess_chosen
 from assessment.analyses.found import Found, joined, quality_of, refined
-from assessment.analyses.static.lateral import rests_or_moves, second_solver
-from assessment.analyses.static.paths import pressed_in, stand
-from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.analyses.governing import Governed, Run, governed, members
+from assessment.analyses.histories import histories
+from assessment.analyses.lateral import rests_or_moves, second_solver
+from assessment.analyses.paths import pressed_in, stand
+from assessment.analyses.states import Request, StateResult, analyse_states
+from assessment.analyses.time_history import MotionInputs, motion_part, starts_of, ultimates
+from assessment.project.model import ProjectModel, StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
-from assessment.project.structure.model import ProjectModel, StateModel
 from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Campaign
@@ -32,11 +32,11 @@ from assessment.results.table import comparison, strengthened
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
-from assessment.studies.campaign import summary as searches
-from assessment.studies.campaign.scans import Scans
-from assessment.studies.campaign.stage import campaign
+from assessment.studies import searches
+from assessment.studies.campaign import campaign
 from assessment.studies.convergence import Converged, converge
-from assessment.studies.identification.stage import identification
+from assessment.studies.identification import identification
+from assessment.studies.scans import Scans
 from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Checked, read_inputs
 from mechanics import Assembly, State

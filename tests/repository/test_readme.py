@@ -22,7 +22,7 @@ from assessment.project.schema import (
     table_at,
     tables_of,
 )
-from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
+from assessment.report.printing import APT_COMMAND, COMMANDS
 from tests import ROOT
 
 FILES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]

@@ -14,7 +14,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from assessment.benchmark.cases.structures import assembly
+from assessment.benchmark.structures import assembly
 from assessment.project.catalogue.new_project import TEMPLATES
 from mechanics import Assembly, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, UnstableError

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.analyses.dynamic.histories import Scatter
-from assessment.analyses.dynamic.scan import Reach, scan
-from assessment.analyses.dynamic.time_history import Setting, respond
+from assessment.analyses.histories import Scatter
+from assessment.analyses.scan import Reach, scan
+from assessment.analyses.time_history import Setting, respond
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
-from assessment.studies.campaign.scans import LOOKED_TO, LOOKS, level_found, observed_in
+from assessment.studies.scans import LOOKED_TO, LOOKS, level_found, observed_in
 from mechanics import Assembly, Block, Material, read_record
 from tests.support.structures import column, rectangle
 

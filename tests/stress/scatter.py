@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from assessment.analyses.checks.governing import ENSEMBLE, shaken_corners
+from assessment.analyses.governing import ENSEMBLE, shaken_corners
 from mechanics import Assembly, ControlError, pushover
 from mechanics.steps.static_system import Sliding
 from tests.stress.harness import Case

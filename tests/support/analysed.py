@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from assessment.project.catalogue.new_project import new_project
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.file import as_bytes
 from assessment.workflow.stages import run
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from assessment.report.document import render_html
 from assessment.report.figures.index import pictures
 from assessment.report.figures.style import save_svg
-from assessment.report.text.language import LANGUAGES, Words
+from assessment.report.language import LANGUAGES, Words
 from assessment.results.schema import Results
 
 EMPTY = '<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9"/>'

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from assessment.benchmark.cases.structures import block_on_base, in_frame, rectangle, running_bond
+from assessment.benchmark.structures import block_on_base, in_frame, rectangle, running_bond
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
-from assessment.project.structure.model import build_model
 from assessment.results.schema.studies import Identification
 from assessment.runtime.tasks import Workers
-from assessment.studies.identification.stage import identification
+from assessment.studies.identification import identification
 from assessment.studies.variants import Study
 from mechanics import Assembly, pushdown
 from mechanics.model import V, end_gaps

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assessment.report.text.language import Words, translated
+from assessment.report.language import Words, translated
 
 
 def in_italian(text: str) -> str:

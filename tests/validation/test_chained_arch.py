@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests import ROOT

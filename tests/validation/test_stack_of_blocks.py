@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases.motions import ShakenCase
+from assessment.benchmark.motions import ShakenCase
 from mechanics import Assembly, Block, Material
 from tests.support.contact_dynamics import motion
 from tests.support.structures import rectangle

@@ -86,7 +86,7 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
         with naming(folder / DRAWING):
             write_drawing(fresh / DRAWING, layout)
         if options:
-            from assessment.project.structure.model import build_model  # late: the mechanics take their time
+            from assessment.project.model import build_model  # late: the mechanics take their time
             from mechanics.errors import DrawingError
 
             try:

@@ -12,9 +12,9 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import CHECKS, renamed
 from assessment.report.chapters.grids import Grid
+from assessment.report.language import Words, check_name, heading, translated
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables.rows import capacities
-from assessment.report.text.language import Words, check_name, heading, translated
 from assessment.results.schema import Results
 from assessment.results.schema.model import Line as Step
 from assessment.results.summary import determined_indices

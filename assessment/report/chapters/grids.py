@@ -10,14 +10,13 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_period
+from assessment.report import language
 from assessment.report.chapters.remarks import worked_by_hand
 from assessment.report.tables import capacity as checked
-from assessment.report.tables import dynamic, equilibrium, structure, studies
+from assessment.report.tables import dynamic, mechanisms, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
-from assessment.report.tables.mechanisms import mechanism_name, mechanisms, second_solver
 from assessment.report.tables.rows import TABLES, without
-from assessment.report.text import language
-from assessment.results.configurations import hand_check
+from assessment.results import hand_check
 from assessment.results.schema import Results, present
 from assessment.results.schema.part import QUANTITIES
 from assessment.results.summary import index_limit, index_of, least_row, printed
@@ -66,8 +65,8 @@ def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
         survey_table(results),
         _mechanisms(results, words),
         structure.tie_demands(results),
-        equilibrium.reactions(results),
-        equilibrium.balance(results),
+        mechanisms.reactions(results),
+        mechanisms.balance(results),
         structure.reported_pressures(results),
         _action(results),
         *checked.reported_indices(results),
@@ -77,8 +76,8 @@ def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
         _checked(checked.chosen_checks(results), "mechanism state limit_state"),
         *studies.reported_studies(results),
         *dynamic.reported_campaign(results),
-        equilibrium.hand_check(results),
-        without(second_solver(results), "sliding"),
+        mechanisms.hand_check(results),
+        without(mechanisms.second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
         ranges_table(studies.static_ranges(results).rows, words, reference_of(results)),
         *(TABLES[name](results) for name in AS_THEY_ARE.split()),
@@ -136,11 +135,11 @@ def macro_block_grids(
 
 def _mechanisms(results: Results, words: language.Words) -> Table:
     """Return the mechanisms by name, with the multiplier of the first motion beside the largest."""
-    table = without(mechanisms(results), "hinges", "sliding_joints", "sliding_residual")
+    table = without(mechanisms.mechanisms(results), "hinges", "sliding_joints", "sliding_residual")
     rows = []
     for row in table.rows:
         where = row["state"], row["direction"]
-        named = Markup.escape(mechanism_name(results, *where, words))
+        named = Markup.escape(mechanisms.mechanism_name(results, *where, words))
         rows.append(
             row | {"mechanism": named} | cells(hand_check.rigid_push(results, *where), ["alpha_onset"])
         )

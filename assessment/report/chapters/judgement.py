@@ -14,12 +14,12 @@ from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
-from assessment.report.tables.equilibrium import balance
+from assessment.report.language import Words, check_name, merged, plain_text
+from assessment.report.tables.mechanisms import balance
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
-from assessment.report.text.language import Words, check_name, merged, plain_text
-from assessment.results.configurations.hand_check import hand_checks, rigid_push
+from assessment.results.hand_check import hand_checks, rigid_push
 from assessment.results.schema import Results, present
 from assessment.results.summary import determined_indices
 from assessment.results.table import among_known, compared, reference_of

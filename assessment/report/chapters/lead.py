@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.report.text.language import Words, direction_name, indexed, label, written
+from assessment.report.language import Words, direction_name, indexed, label, written
 from assessment.results import summary
 from assessment.results.schema import Results, SummaryRow, known
 from assessment.results.table import ORIGINAL

@@ -9,14 +9,13 @@ from collections.abc import Iterator, Sequence
 from markupsafe import Markup
 
 from assessment.ntc.verification import THRUSTING_A_G
+from assessment.report.language import Words, translated
 from assessment.report.tables import structure
 from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.report.tables.rows import capacities
-from assessment.report.text.language import Words, translated
-from assessment.results import summary
-from assessment.results.configurations import hand_check
+from assessment.results import hand_check, summary
 from assessment.results.schema import Behaviour, Direction, Results, RigidPush
 from assessment.results.summary import UNLIKELY, best_of, fits, settlement_lines, told_of
 from assessment.results.table import ORIGINAL

@@ -6,10 +6,10 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
+from assessment.report.language import Words, direction_name, heading, written
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
-from assessment.report.text.language import Words, direction_name, heading, written
-from assessment.results.configurations.hand_check import rigid_push
+from assessment.results.hand_check import rigid_push
 from assessment.results.schema import Results, SummaryRow
 from assessment.results.summary import coulomb, governing_view, index_limit, least_row
 from assessment.results.table import ORIGINAL

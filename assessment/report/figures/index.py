@@ -9,15 +9,14 @@ from typing import Any, TypeVar
 
 from matplotlib.figure import Figure
 
-from assessment.report.figures import curves, motions
-from assessment.report.figures.drawings import deformed
-from assessment.report.figures.drawings.model import draw_model
-from assessment.report.figures.studies import draw_scenarios, draw_tornado, varied
+from assessment.report.figures import curves, deformed, motions
+from assessment.report.figures.curves import draw_scenarios, draw_tornado, varied
+from assessment.report.figures.drawing import draw_model
 from assessment.report.figures.style import save_png, save_svg
+from assessment.report.language import slug, words_of
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.structure import printed
-from assessment.report.text.language import slug, words_of
-from assessment.results.configurations.joint_states import situations
+from assessment.results.joint_states import situations
 from assessment.results.schema import Results, known
 from assessment.results.summary import governing_view, worst_settled
 from assessment.runtime.pool import Pool, result_of
@@ -67,7 +66,7 @@ def _draw(results: Results, folder: Path, number: int, save: Callable[..., None]
 
 
 def _write_drawing(results: Results, path: Path) -> None:
-    from assessment.report.figures.drawings import deformed_dxf  # late: ezdxf is for nothing else here
+    from assessment.report.figures import deformed_dxf  # late: ezdxf is for nothing else here
 
     deformed_dxf.write_deformed(results, path)
 

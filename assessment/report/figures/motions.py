@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from assessment.report.figures.drawings.parts import draw_ties, ghost_handle, moved_ends, tie_handles
+from assessment.report.figures.drawing import draw_ties, ghost_handle, moved_ends, tie_handles
 from assessment.report.figures.style import DASHES, LEGEND, chart, comma_ticks, key, sheet, state_style
-from assessment.report.text.language import COARSE, Words, label, scale
-from assessment.results.configurations.joint_states import outlines
+from assessment.report.language import COARSE, Words, label, scale
+from assessment.results.joint_states import outlines
 from assessment.results.schema import Results, dynamic
 from assessment.results.schema.part import known
 from mechanics.pictures import fill_roles, ghost

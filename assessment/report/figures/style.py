@@ -21,8 +21,8 @@ from matplotlib.ticker import Formatter
 from matplotlib.transforms import Bbox
 from PIL import Image
 
-from assessment.report.text.fonts import with_fonts
-from assessment.report.text.language import Words
+from assessment.report.language import Words
+from assessment.report.printing import with_fonts
 from assessment.runtime.files import write_atomically
 from mechanics.pictures import STYLE, nice
 

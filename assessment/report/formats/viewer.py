@@ -11,10 +11,10 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.ntc.tables import QUOTED
+from assessment.report.language import Words, label, scale
 from assessment.report.tables.rows import moves, pushes
-from assessment.report.text.language import Words, label, scale
-from assessment.results.configurations.frames import ties_of
-from assessment.results.configurations.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
+from assessment.results.frames import ties_of
+from assessment.results.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
 from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension
 
 VALUES = 15  # of a joint at a frame

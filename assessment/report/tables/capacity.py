@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from assessment.ntc.tables import CHECKS, LINEAR
+from assessment.report.language import Words
 from assessment.report.tables.rows import TABLES, Curves, Found, capacities, curves, table, without
-from assessment.report.text.language import Words
 from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line

@@ -9,8 +9,8 @@ import shapely
 
 from assessment.report.tables.rows import Found, table
 from assessment.report.tables.structure import printed
-from assessment.results.configurations.hand_check import block_size
-from assessment.results.configurations.joint_states import faces_of
+from assessment.results.hand_check import block_size
+from assessment.results.joint_states import faces_of
 from assessment.results.schema import Point, Results
 from assessment.results.schema.part import named
 from assessment.results.table import Table, columns_of

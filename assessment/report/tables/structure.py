@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Annotated
 
+from assessment.report.language import Words
 from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table
-from assessment.report.text.language import Words
-from assessment.results.configurations.hand_check import outline_area
-from assessment.results.configurations.joint_states import joint_states, loaded
+from assessment.results.hand_check import outline_area
+from assessment.results.joint_states import joint_states, loaded
 from assessment.results.schema import Results
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import WORST, DrawnBlock, LayerLoads

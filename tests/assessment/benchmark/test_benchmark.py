@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases import motions, skips, statics
-from assessment.benchmark.cases.motions import ShakenCase, pulse, rocking_freely
+from assessment.benchmark import motions, statics, whole
 from assessment.benchmark.command import BENCHMARKS
 from assessment.benchmark.measure import Case, history_baseline, path_baseline, rows_of
+from assessment.benchmark.motions import ShakenCase, pulse, rocking_freely
 from assessment.cli import main as arguments
 from mechanics import ConvergenceError, pushover, time_history
 from mechanics.procedures.time_history import HistoryTolerances
@@ -26,12 +26,12 @@ def overturning():
     return ShakenCase("block", block_on_base(), "rigid", (0.2, 1.0), 1.0, pulse(0.3, 0.5))
 
 
-@pytest.mark.parametrize("skip", skips.all_skips(), ids=lambda skip: skip.name)
+@pytest.mark.parametrize("skip", whole.all_skips(), ids=lambda skip: skip.name)
 def test_the_answer_is_the_same_with_and_without(skip):
     if skip.name == "a stage of unchanged inputs":
         skip.answer(True)
     (answer, count), (whole_answer, count_without) = map(skip.answer, (True, False))
-    assert skips.difference(answer, whole_answer) <= skip.tolerance
+    assert whole.difference(answer, whole_answer) <= skip.tolerance
     assert count < count_without
 
 
@@ -113,7 +113,7 @@ def limited(monkeypatch):
         counts = dict.fromkeys(("programs", "iterations", "halvings", "cold", "collapsed"), 1)
         return SimpleNamespace(**shape, **counts, energy=energy)
 
-    monkeypatch.setattr("assessment.benchmark.cases.motions.time_history", run)
+    monkeypatch.setattr("assessment.benchmark.motions.time_history", run)
     return most
 
 

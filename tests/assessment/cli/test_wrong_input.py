@@ -148,7 +148,7 @@ def test_an_error_of_python_or_numpy_is_never_passed_off_as_the_users(project, m
     own = {"__name__": "mechanics.made_up", "numpy": np}
     exec("def raise_it(): raise ValueError('geometry.dxf: wrong; mend it')", own)
     exec(f"def tolerance(blocks): {expression}", own)
-    monkeypatch.setattr("assessment.project.structure.model.default_tolerance", own["tolerance"])
+    monkeypatch.setattr("assessment.project.model.default_tolerance", own["tolerance"])
     if is_fault:
         with pytest.raises(ValueError, match=r"NaN|broadcast"):
             main(["check", str(project)])

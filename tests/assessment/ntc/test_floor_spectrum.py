@@ -134,8 +134,8 @@ def test_modes_are_added_by_the_root_of_their_squares_by_hand():
 @pytest.mark.parametrize("circular", [2019, 2009])
 def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     """It divided by zero."""
+    from assessment.project.model import build_model
     from assessment.project.project import load_project
-    from assessment.project.structure.model import build_model
 
     site = f'[assessment.site]\nsoil = "B"\n{HAZARD}'
     floor = f"[assessment.floor]\nheight_m = 0\nbuilding_height_m = {H}\nstoreys = 2\nperiod_s = 0.3\n"
@@ -157,7 +157,7 @@ def test_period_of_the_building_by_hand():
 
 def test_the_period_of_the_building_follows_from_its_height_where_it_is_not_given(tmp_path):
     """H = 10 m, T_1 = 0.281171 s; with 0.4 s given that counts, and no formula is printed."""
-    from assessment.analyses.checks.demand import demand_parts, demand_spectra
+    from assessment.analyses.demand import demand_parts, demand_spectra
     from assessment.project.project import load_project
 
     site = f'[assessment]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n{HAZARD}'

@@ -5,12 +5,12 @@ import pytest
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.tables import psi_2
 from assessment.ntc.verification import vertical_component
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import vertical as vertical_sentences
+from assessment.report.language import Words
 from assessment.report.tables.capacity import vertical
 from assessment.report.tables.structure import reported_loads
-from assessment.report.text.language import Words
 from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis

@@ -9,8 +9,8 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import template_layout
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from tests.support.dxf import drawing, outline
 
 SCALE = {"mm": 1e3, "cm": 1e2, "m": 1.0}

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import new_project, write_drawing
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from tests.support.block_project import block
 from tests.support.structures import rectangle
 

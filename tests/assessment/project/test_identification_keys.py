@@ -2,8 +2,8 @@
 
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import ProjectError, load_project
-from assessment.project.structure.model import build_model
 from tests.support.surveyed_arch import CROWN, PIER, SPRINGING, entry, write_surveyed
 
 GOOD = '[{ destro = ["x"] }]'

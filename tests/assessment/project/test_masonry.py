@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon, box
 
+from assessment.project.masonry import running
+from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.project.schema import BondTable
-from assessment.project.structure.masonry import running
-from assessment.project.structure.model import build_model
-from assessment.results.configurations.hand_check import weights
+from assessment.results.hand_check import weights
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.checking import describe
 from mechanics.errors import DrawingError

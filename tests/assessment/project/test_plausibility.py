@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from assessment.cli.main import main
+from assessment.project.model import build_model
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
+from assessment.report.language import Words, cell
 from assessment.report.tables.structure import layers
-from assessment.report.text.language import Words, cell
 from assessment.workflow.checking import describe
 from tests import ROOT
 from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block

@@ -9,13 +9,13 @@ import pytest
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.analyses.checks.kinematics import virtual_work
+from assessment.analyses.kinematics import virtual_work
 from assessment.cli.main import main
 from assessment.project.catalogue import walls
 from assessment.project.catalogue.new_project import TEMPLATES, made, new_project, template_layout
+from assessment.project.masonry import chosen_mechanisms
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.masonry import chosen_mechanisms
-from assessment.project.structure.model import build_model
 from mechanics import Assembly, limit_analysis
 from tests.support.template_assembly import template_assembly, with_ties
 

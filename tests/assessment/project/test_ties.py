@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from assessment.analyses.static.states import Request, _beginnings
+from assessment.analyses.states import Request, _beginnings
+from assessment.project.model import build_model, tie_lengths
 from assessment.project.project import ProjectError, load_project
-from assessment.project.structure.model import build_model, tie_lengths
-from assessment.results.configurations.frames import determined
+from assessment.results.frames import determined
 from assessment.runtime.tasks import Workers
 from tests import ROOT
 from tests.support.block_project import PROJECT, TURNED, block, write_block

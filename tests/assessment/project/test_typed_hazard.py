@@ -2,9 +2,9 @@
 
 import pytest
 
-from assessment.analyses.checks.demand import demand_return_periods
+from assessment.analyses.demand import demand_return_periods
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.summary import printed
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.stages import run

@@ -12,12 +12,12 @@ import pytest
 from assessment.cli.summary import capacities
 from assessment.report.chapters.remarks import onsets
 from assessment.report.figures.curves import draw_pushover
-from assessment.report.figures.drawings.deformed import draw_thrust
+from assessment.report.figures.deformed import draw_thrust
 from assessment.report.formats.viewer import viewer
+from assessment.report.language import direction_name, words_of
 from assessment.report.tables import tables
-from assessment.report.text.language import direction_name, words_of
-from assessment.results.configurations.hand_check import hand_checks
-from assessment.results.configurations.joint_states import situations
+from assessment.results.hand_check import hand_checks
+from assessment.results.joint_states import situations
 from assessment.results.table import sense
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed

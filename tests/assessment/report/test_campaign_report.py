@@ -12,8 +12,8 @@ from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.lead import lead
 from assessment.report.document import render_html
 from assessment.report.figures.motions import draw_campaign_curves
+from assessment.report.language import words_of
 from assessment.report.tables.dynamic import static_dynamic
-from assessment.report.text.language import words_of
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example

@@ -14,8 +14,8 @@ from assessment.report.chapters.lead import lead
 from assessment.report.chapters.synthesis import basis, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
 from assessment.report.figures.index import pictures, write_figures
-from assessment.report.formats.pdf import APT_COMMAND, COMMANDS
-from assessment.report.text.language import LANGUAGES, NO_BREAK, Words, words_of
+from assessment.report.language import LANGUAGES, NO_BREAK, Words, words_of
+from assessment.report.printing import APT_COMMAND, COMMANDS
 from assessment.runtime.pool import Pool
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example

@@ -4,12 +4,12 @@ import tomllib
 
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
-from assessment.project.structure.model import build_model
 from assessment.report.chapters.remarks import ready_lines
+from assessment.report.language import words_of
 from assessment.report.tables import tables
-from assessment.report.text.language import words_of
 from assessment.results.summary import fits
 from assessment.workflow.run import select
 from assessment.workflow.stages import run

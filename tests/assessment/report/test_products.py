@@ -9,9 +9,9 @@ from PIL import Image
 
 from assessment.report.document import render_html
 from assessment.report.figures.style import PNG_DPI
-from assessment.report.tables.equilibrium import balance, hand_check, reactions
-from assessment.report.text.language import cell, words_of
-from assessment.results.configurations.hand_check import figures_of, virtual_work_table
+from assessment.report.language import cell, words_of
+from assessment.report.tables.mechanisms import balance, hand_check, reactions
+from assessment.results.hand_check import figures_of, virtual_work_table
 from assessment.results.summary import governing_view
 from assessment.workflow.run import write
 from tests.assessment.report.test_document import one_direction, without_assessment, without_settlement

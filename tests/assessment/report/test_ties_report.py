@@ -7,14 +7,14 @@ import json
 import numpy as np
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.chapters.grids import macro_block_grids, printed_tables
-from assessment.report.figures.drawings.deformed import draw_mechanisms, draw_overturned
-from assessment.report.figures.drawings.model import draw_model
+from assessment.report.figures.deformed import draw_mechanisms, draw_overturned
+from assessment.report.figures.drawing import draw_model
 from assessment.report.formats.viewer import viewer
+from assessment.report.language import Words
 from assessment.report.tables import tables
-from assessment.report.text.language import Words
 from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics.pictures import TIE

@@ -6,8 +6,8 @@ from assessment.cli.summary import summary
 from assessment.report.chapters.grids import check_grids, printed_tables
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.synthesis import synthesis_grid
+from assessment.report.language import words_of
 from assessment.report.tables.capacity import indices, interventions, verification
-from assessment.report.text.language import words_of
 from assessment.results.summary import checks_asked, undetermined
 from assessment.runtime.tasks import Outcome
 from tests.support.judgement.claims import hold

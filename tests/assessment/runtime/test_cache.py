@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.found import Found
-from assessment.analyses.static.paths import Settled, settle
+from assessment.analyses.paths import Settled, settle
 from assessment.results.schema.model import QualityRow
 from assessment.runtime.cache import Store, packed, unpacked
 from assessment.runtime.cache import fingerprint as digest

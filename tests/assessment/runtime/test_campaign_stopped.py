@@ -19,8 +19,8 @@ from pathlib import Path
 import pytest
 
 from assessment.cli.main import main
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import read_journal

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.schema.part import plain
 from assessment.runtime import pool as cluster
 from assessment.runtime.cache import FOLDER, Store

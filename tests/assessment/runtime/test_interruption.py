@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 
 import mechanics
-from assessment.analyses.static import states
+from assessment.analyses import states
 from assessment.cli.main import main
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.figures import index as figures
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import FOLDER, Store
@@ -139,7 +139,7 @@ def test_a_killed_process_is_told_and_costs_nothing_that_is_finished(project, ca
         patch.setattr(figures, "write_figures", as_good_as_empty)
         patch.setattr(figures, "write_images", IMAGES)  # the report asks for them
         killed = (
-            "assessment.analyses.static.states.push"
+            "assessment.analyses.states.push"
             if what == "pushover"
             else "assessment.report.document.write_pdf"
         )

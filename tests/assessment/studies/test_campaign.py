@@ -10,16 +10,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment.analyses.dynamic.scan import Reach, Scan
+from assessment.analyses.scan import Reach, Scan
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.schema.dynamic import CampaignCombination, Level
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import Show
-from assessment.studies.campaign import stage
-from assessment.studies.campaign.scans import Asked, Scans
-from assessment.studies.campaign.summary import loss_of, standard_of
+from assessment.studies import campaign as stage
+from assessment.studies.scans import Asked, Scans
+from assessment.studies.searches import loss_of, standard_of
 from assessment.workflow.stages import run as workflow
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless

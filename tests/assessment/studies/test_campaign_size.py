@@ -13,10 +13,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from assessment.analyses.dynamic import scan
-from assessment.analyses.dynamic.time_history import ENERGIES, Response
+from assessment.analyses import scan
+from assessment.analyses.time_history import ENERGIES, Response
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.file import as_bytes
 from assessment.results.schema.part import plain
 from assessment.runtime import tasks

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from assessment.analyses.checks.demand import Demands
+from assessment.analyses.demand import Demands
 from assessment.analyses.found import Found, refined
-from assessment.analyses.static.lateral import Pushed
-from assessment.analyses.static.states import Request, StateResult, analyse_states
+from assessment.analyses.lateral import Pushed
+from assessment.analyses.states import Request, StateResult, analyse_states
 from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
+from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
-from assessment.project.structure.model import build_model
 from assessment.results.schema.part import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.tasks import Workers

@@ -7,12 +7,12 @@ open, so that a path predicts what any other path to the same movement does.
 import numpy as np
 import pytest
 
-from assessment.project.structure.masonry import Gauge, readings
+from assessment.project.masonry import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
-from assessment.studies.identification import stage as search_module
-from assessment.studies.identification.fit import Fit, Unknowns, kinks, refined, sureness
-from assessment.studies.identification.stage import follow, probability
+from assessment.studies import identification as search_module
+from assessment.studies.fit import Fit, Unknowns, kinks, refined, sureness
+from assessment.studies.identification import follow, probability
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.procedures import SupportMovement, pushdown_together

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.schema.part import plain
 from assessment.results.schema.studies import SensitivityRun
 from assessment.studies.variants import scatter, with_factor, without_effect

@@ -3,8 +3,8 @@
 import pytest
 
 from assessment.project.catalogue.new_project import new_project
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.workflow.checking import expected, read_inputs
 from tests import ROOT
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.masonry import chosen_mechanisms, gauges
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.masonry import chosen_mechanisms, gauges
-from assessment.project.structure.model import build_model
-from assessment.results.configurations.hand_check import hand_checks, macro_blocks
+from assessment.results.hand_check import hand_checks, macro_blocks
 from assessment.workflow.stages import run
 from tests.support.block_project import TURNED, block
 from tests.support.tied_project import TIE

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import mechanics
-from assessment.analyses.checks import capacity
+from assessment.analyses import capacity
 from assessment.cli.main import main
 from assessment.ntc.curve_fit import CapacityError
 from assessment.project.catalogue.new_project import write_drawing

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.figures import index as figures
 from assessment.results.schema.part import plain
 from assessment.runtime import cache

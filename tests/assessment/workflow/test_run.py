@@ -185,7 +185,7 @@ def test_a_pdf_that_could_not_be_made_is_made_once_its_libraries_are_there(proje
         raise OSError("cannot load library 'libpango-1.0-0'")
 
     with monkeypatch.context() as patch:
-        for place in ("formats.pdf", "document"):
+        for place in ("printing", "document"):
             patch.setattr(f"assessment.report.{place}.load_weasyprint", lacking)
         assert main(["run", str(project), "--fresh"]) == 0
         assert "report.pdf" in capsys.readouterr().out

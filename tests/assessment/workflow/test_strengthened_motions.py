@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.results.schema import Results
 from assessment.workflow.stages import run
 from tests.support.block_project import PUSHED, TURNED, block, write_block

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.analyses.static import paths as settlement
+from assessment.analyses import paths as settlement
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
-from assessment.report.tables.equilibrium import balance
-from assessment.results.configurations.hand_check import hand_checks
+from assessment.report.tables.mechanisms import balance
+from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results
 from assessment.workflow.stages import run as run_stages
 from mechanics import UnstableError

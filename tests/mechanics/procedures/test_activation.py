@@ -5,17 +5,16 @@ import json
 import numpy as np
 import pytest
 
-from assessment.analyses.checks.capacity import activation_of
-from assessment.analyses.static.lateral import PushSetting, push
-from assessment.benchmark.cases.structures import assembly, rectangle, template
+from assessment.analyses.capacity import activation_of
+from assessment.analyses.lateral import PushSetting, push
+from assessment.benchmark.structures import assembly, rectangle, template
 from assessment.ntc.capacity_curve import participation
 from assessment.project.schema import ControlTable
-from assessment.report.figures.drawings.deformed import found_mechanism
-from assessment.report.tables.equilibrium import balance, hand_check, reactions
-from assessment.report.tables.mechanisms import mechanisms
+from assessment.report.figures.deformed import found_mechanism
+from assessment.report.tables.mechanisms import balance, hand_check, mechanisms, reactions
 from assessment.report.tables.structure import pushover_curves
-from assessment.results.configurations.hand_check import weights
-from assessment.results.configurations.joint_states import outlines, situations
+from assessment.results.hand_check import weights
+from assessment.results.joint_states import outlines, situations
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.pictures import field, place

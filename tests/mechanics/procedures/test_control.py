@@ -2,7 +2,7 @@
 
 import pytest
 
-from assessment.benchmark.cases.structures import assembly, rectangle, template
+from assessment.benchmark.structures import assembly, rectangle, template
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from mechanics.procedures import Mirror, farthest_corner
 from tests.support.structures import running_bond

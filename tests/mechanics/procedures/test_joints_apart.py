@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.analyses.dynamic.time_history import Setting, respond
+from assessment.analyses.time_history import Setting, respond
+from assessment.project.model import build_model
 from assessment.project.motions import history_motions
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from mechanics import Assembly, Block, Material, State, time_history
 from tests.support.analysed import arch
 from tests.support.structures import rectangle

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import new_project
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushover
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.procedures.pushover import PushoverTolerances

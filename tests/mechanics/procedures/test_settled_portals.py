@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases.structures import rectangle
+from assessment.benchmark.structures import rectangle
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 
 MOVED = (0.03, -0.02)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases.structures import assembly
+from assessment.benchmark.structures import assembly
 from mechanics import Assembly, Block, Material, TimeHistory, time_history
 from mechanics.procedures.time_history import HISTORY, Integrator, _notes
 from mechanics.types import Array

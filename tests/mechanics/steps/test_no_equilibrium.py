@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from assessment.benchmark.cases.structures import rectangle
+from assessment.benchmark.structures import rectangle
 from mechanics import Assembly, Block, Material, NoEquilibriumError
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.static_step import StepProblem

@@ -11,12 +11,12 @@ from markupsafe import Markup
 
 from assessment.report.chapters.judgement import RESIDUALS, all_warnings, draft_judgement
 from assessment.report.chapters.lead import lead
+from assessment.report.language import NO_BREAK, check_name, direction_name, words_of, written
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import mechanisms as mechanism_tables
 from assessment.report.tables import structure
 from assessment.report.tables import studies as study_tables
-from assessment.report.tables.equilibrium import balance, hand_check
-from assessment.report.text.language import NO_BREAK, check_name, direction_name, words_of, written
+from assessment.report.tables.mechanisms import balance, hand_check
 from assessment.results.schema.part import QUANTITIES
 from assessment.results.table import reference_of
 from tests.support.results_example import results_example

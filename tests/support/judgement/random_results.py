@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from assessment.analyses.checks.demand import governing, safety_index
+from assessment.analyses.demand import governing, safety_index
 from assessment.analyses.found import quality_of
 from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables.mechanisms import SECOND_SOLVER

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from ezdxf.math import Matrix44
 
-from assessment.analyses.checks.capacity import assess, capacities, told
-from assessment.analyses.checks.chosen_mechanism import assess_chosen
-from assessment.analyses.checks.demand import demand_parts, demand_spectra, governing
+from assessment.analyses.capacity import assess, capacities, told
+from assessment.analyses.chosen_mechanism import assess_chosen
+from assessment.analyses.demand import demand_parts, demand_spectra, governing
 from assessment.cli.main import main
 from assessment.ntc.hazard import RETURN_PERIODS
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.chapters.calculation_annex import traces
+from assessment.report.language import Words, words_of
 from assessment.report.tables.capacity import scalings, trace, verification
-from assessment.report.text.language import Words, words_of
 from assessment.results.file import as_bytes
 from assessment.results.schema.part import plain
 from assessment.results.summary import summary_of

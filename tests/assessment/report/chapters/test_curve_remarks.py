@@ -6,9 +6,9 @@ from markupsafe import Markup
 
 from assessment.report.chapters.remarks import fitted_above, lost_before_zero, onsets
 from assessment.report.figures.curves import draw_pushover
-from assessment.report.figures.drawings.deformed import draw_overturned
+from assessment.report.figures.deformed import draw_overturned
+from assessment.report.language import words_of
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity, excesses
-from assessment.report.text.language import words_of
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 

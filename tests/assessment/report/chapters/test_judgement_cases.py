@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.figures.curves import draw_pushdown
-from assessment.report.figures.drawings.deformed import draw_settlement
-from assessment.report.text.language import NO_BREAK, words_of
+from assessment.report.figures.deformed import draw_settlement
+from assessment.report.language import NO_BREAK, words_of
 from tests.support.judgement.claims import Results, hold
 from tests.support.judgement.random_results import summed_up
 from tests.support.results_example import SETTLED, results_example

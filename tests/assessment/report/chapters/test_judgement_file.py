@@ -7,7 +7,7 @@ import pytest
 from assessment.cli.main import main
 from assessment.report.chapters.judgement import NAME, judgement, to_html
 from assessment.report.figures.index import write_figures
-from assessment.report.text.language import words_of
+from assessment.report.language import words_of
 from assessment.runtime.pool import Pool
 from assessment.workflow.run import write
 from tests.support.results_example import results_example
@@ -96,7 +96,7 @@ def test_markdown_of_a_judgement(text, html):
 def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):
     monkeypatch.setattr("assessment.report.figures.index.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    monkeypatch.setattr("assessment.report.figures.drawings.deformed_dxf.write_deformed", lambda *_: None)
+    monkeypatch.setattr("assessment.report.figures.deformed_dxf.write_deformed", lambda *_: None)
     write_figures(Pool(0, typed(results)), tmp_path / "figures")
     write(typed(results), tmp_path, report=False)
     path = tmp_path / NAME

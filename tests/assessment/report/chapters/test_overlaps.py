@@ -3,7 +3,7 @@
 from markupsafe import Markup
 
 from assessment.report.chapters.remarks import overlaps
-from assessment.report.text.language import words_of
+from assessment.report.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 

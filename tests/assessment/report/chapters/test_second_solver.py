@@ -6,8 +6,8 @@ import pytest
 
 from assessment.report.chapters.remarks import agreement
 from assessment.report.chapters.remarks import second_solver as comparison
+from assessment.report.language import cell, words_of
 from assessment.report.tables.mechanisms import second_solver
-from assessment.report.text.language import cell, words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 

@@ -10,9 +10,9 @@ from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
 from assessment.report.chapters.synthesis import basis, synthesis_grid
+from assessment.report.language import Words, direction_name, plain_text, written
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanisms
-from assessment.report.text.language import Words, direction_name, plain_text, written
 from assessment.results.schema import SummaryCheck
 from assessment.results.schema.static import Strengthening
 from assessment.results.summary import index_limit, worst_settled

@@ -4,8 +4,8 @@ from markupsafe import Markup
 
 from assessment.report.chapters.remarks import nearly_yielding, slackened
 from assessment.report.figures.motions import draw_shapes
+from assessment.report.language import words_of
 from assessment.report.tables.structure import shaken_ties
-from assessment.report.text.language import words_of
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 

@@ -5,8 +5,8 @@ import pytest
 from ezdxf.entitydb import EntityDB
 from ezdxf.filemanagement import readfile
 
-from assessment.report.figures.drawings.deformed_dxf import shapes, write_deformed
-from assessment.results.configurations.joint_states import outlines
+from assessment.report.figures.deformed_dxf import shapes, write_deformed
+from assessment.results.joint_states import outlines
 from tests.support.analysed import analysed
 from tests.support.typed import typed
 

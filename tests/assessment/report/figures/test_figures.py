@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.project.structure.model import build_model
 from assessment.report.figures.curves import draw_pushdown
-from assessment.report.figures.drawings.deformed import draw_settlement, round_force
+from assessment.report.figures.deformed import draw_settlement, round_force
 from assessment.report.figures.index import write_figures
 from assessment.report.figures.style import MM, SCALES, sheet
-from assessment.report.text.language import slug, words_of
-from assessment.results.configurations.joint_states import outlines
+from assessment.report.language import slug, words_of
+from assessment.results.joint_states import outlines
 from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
 from mechanics.pictures import Shape, magnification, nice

@@ -6,8 +6,8 @@ import pytest
 
 from assessment.report.figures.curves import ELASTIC, draw_spectra
 from assessment.report.figures.style import typeset
+from assessment.report.language import words_of
 from assessment.report.tables.mechanisms import elastic_capacity
-from assessment.report.text.language import words_of
 from mechanics.pictures import STYLE
 from tests.support.results_example import results_example
 from tests.support.typed import typed

@@ -9,7 +9,7 @@ from lxml import html
 
 from assessment.report.document import CHAPTERS, write_docx, write_page
 from assessment.report.figures.index import write_images
-from assessment.report.text.language import words_of
+from assessment.report.language import words_of
 from assessment.runtime.pool import Pool, result_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import results_example

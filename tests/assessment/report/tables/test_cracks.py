@@ -7,10 +7,10 @@ from matplotlib.text import Text
 
 from assessment.report.chapters.remarks import cracks as crack_sentences
 from assessment.report.chapters.remarks import survey as survey_sentences
-from assessment.report.figures.drawings.deformed import draw_cracks
+from assessment.report.figures.deformed import draw_cracks
+from assessment.report.language import words_of
 from assessment.report.tables.cracks import SEEN, cracks, survey_table
 from assessment.report.tables.structure import PRINTED
-from assessment.report.text.language import words_of
 from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

@@ -4,9 +4,9 @@ import pytest
 from markupsafe import Markup
 
 from assessment.report.chapters.grids import grid
+from assessment.report.language import Words
 from assessment.report.tables import write_tables
 from assessment.report.tables.rows import TABLES, table
-from assessment.report.text.language import Words
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import QUANTITIES, key
 from tests.support.results_example import results_example

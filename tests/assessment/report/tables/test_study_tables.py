@@ -7,8 +7,8 @@ from markupsafe import Markup
 
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.document import render_html
+from assessment.report.language import joined, words_of
 from assessment.report.tables.studies import scenarios, tornado
-from assessment.report.text.language import joined, words_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed

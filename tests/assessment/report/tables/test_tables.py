@@ -7,11 +7,11 @@ import pytest
 
 from assessment.project.project import json_schema
 from assessment.report.chapters.remarks import indices as index_sentences
+from assessment.report.language import LANGUAGES, Words, cell
 from assessment.report.tables import write_tables
 from assessment.report.tables.capacity import summary, verification
-from assessment.report.tables.equilibrium import hand_check
+from assessment.report.tables.mechanisms import hand_check
 from assessment.report.tables.structure import layers
-from assessment.report.text.language import LANGUAGES, Words, cell
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
 

@@ -1,0 +1,379 @@
+"""Capacity and checks of every state, computed from its pushover curves."""
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from assessment.analyses.demand import (
+    Demands,
+    confidence_source,
+    demand_return_periods,
+    ground_of,
+    site_acceleration,
+)
+from assessment.analyses.found import Found, as_part, lines
+from assessment.analyses.lateral import FRICTION
+from assessment.analyses.paths import loss_sentence
+from assessment.analyses.states import PAST_PEAK
+from assessment.ntc import capacity_curve as oscillator
+from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
+from assessment.ntc.hazard import HazardCurve
+from assessment.ntc.spectrum import Spectrum
+from assessment.ntc.tables import QUOTED
+from assessment.ntc.verification import THRUSTING_A_G, Method, Verification, verify, vertical_component
+from assessment.project.project import Project
+from assessment.results.schema import checks as parts
+from assessment.results.schema import static
+from assessment.results.schema.checks import Capacity, Direction
+from assessment.results.schema.part import finite, known
+from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
+from assessment.results.table import sense
+from mechanics import Assembly
+from mechanics.messages import Message, linked, message
+
+Kind = TypeVar("Kind", bound=parts.Check)
+BLOCKS = "pushover with rigid contacts, d* of the blocks over Γ*"  # where α0 and d_0 of the curve come from
+OTHER_LAW = "pushover with rigid contacts, times α0 of the other law of friction over its own"
+TOLD = 0.02  # relative difference of ζ_E between the two laws of friction that is reported
+CONTRADICTION = 0.5  # relative difference of virtual work from the curve: another mechanism moves
+
+
+class Assessed(NamedTuple):
+    """The capacity in a direction, with the curves that it is of: the elastic one has the fitted yield point."""
+
+    curves: Pushovers
+    capacity: Capacity
+
+
+def assess(
+    project: Project, model: Assembly, pushovers: Mapping[Direction, Pushovers], demands: Demands
+) -> dict[Direction, Found[Assessed]]:
+    """Return capacity and checks of one state by direction, from its curves (Circolare 7/2019, C8.7.1.2).
+
+    The failures of a direction say why its capacity is not defined.
+    """
+    found: dict[Direction, Found[Assessed]] = {}
+    for direction, curves in pushovers.items():
+        try:
+            found[direction] = _assessed(project, model, direction, curves, demands)
+        except CapacityError as refusal:
+            found[direction] = Found(failures=[refusal.message])
+    return found
+
+
+def capacities(assessed: Mapping[Direction, Found[Assessed]]) -> dict[Direction, Capacity]:
+    """Return the capacities alone."""
+    return {direction: each.value.capacity for direction, each in assessed.items() if each.value}
+
+
+def told(assessed: Mapping[Direction, Found[Assessed]]) -> list[Message]:
+    """Return what is to be told of each direction: why it has no capacity, or what to know about it."""
+    return [
+        towards(direction, text)
+        for direction, each in assessed.items()
+        for text in (*map(refused, each.failures), *each.warnings)
+    ]
+
+
+def other_mechanism(work: float, alpha: float) -> Message:
+    """Return that virtual work gives another multiplier than the curve."""
+    return message(
+        "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
+        "slide or move by themselves there, and e*, Γ* are not those of a mechanism", work=work, alpha=alpha,
+    )  # fmt: skip
+
+
+def towards(direction: str, text: str) -> Message:
+    """Return a note on a direction."""
+    return message("{direction}: {text}", direction=direction, text=text)
+
+
+def refused(reason: str) -> Message:
+    """Return why there is no capacity."""
+    return message("no capacity: {reason}", reason=reason)
+
+
+def _assessed(
+    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands
+) -> Found[Assessed]:
+    """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
+    assessment, rigid, elastic = known(project.assessment), curves.rigid, curves.elastic
+    if rigid is None:
+        raise CapacityError(message("it needs the rigid pushover curve"))
+    # no finite multiplier is a contradiction too: the horizontal load does no work on the mechanism
+    alpha, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
+    virtual_work = math.inf if by_work is None else by_work
+    if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
+        raise CapacityError(other_mechanism(virtual_work, alpha))
+    asked = project.pushover is not None and "elastic" in project.pushover.contacts
+    if elastic is None and assessment.model != "none" and asked:
+        raise CapacityError(
+            message(
+                "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
+                '{model} curve needs it; mend that, or set model = "none" (rigid branch alone)',
+                model=assessment.model,
+            )
+        )
+    curve = project, model, direction, curves, demands
+    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
+    other = None
+    if (law := _other_law(rigid)) is not None:
+        with suppress(CapacityError):
+            other = _by_law(*curve, law)
+    capacity, checks, method = own.capacity, own.checks, own.method
+    notes = list(dict.fromkeys(note for check in checks.values() for note in check.notes))
+    given, loss = assessment.local_displacement_limit_m, rigid.local_loss
+    if loss is not None and given is not None and given > loss.displacement_m:
+        beyond = message(
+            "local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
+            given=given,
+            reason=loss_sentence(loss),
+        )
+        notes.insert(0, beyond)
+
+    fit, moving = capacity.fit, own.law.mechanism
+    made = Capacity(
+        sliding=own.law.sliding,
+        mechanism=parts.Count(hinges=moving.hinges, sliding_joints=len(moving.sliding_joints)),
+        alpha_0=fit.alpha_0, e_star=own.part.e_star, gamma_star=own.part.gamma_star,
+        T_0_s=finite(capacity.T_0), model=fit.model, d_0_star_m=finite(capacity.d_0_star),
+        notes=list(fit.notes), curve=curve_of(capacity),
+        trace=lines((*own.part.steps(), *capacity.steps()[2:])),
+    ).with_checks(checks_of(capacity, checks))  # fmt: skip
+    if curves.run is not None:
+        made = made.replace(run=curves.run)
+    if other is not None:
+        beside = OtherLaw(sliding=other.law.sliding, alpha_0=other.law.mechanism.alpha)
+        if ratios := _apart(checks, other.checks):
+            ratio = {name: check.zeta_E for name, check in other.checks.items() if check.zeta_E is not None}
+            beside = beside.replace(zeta_E=ratio)
+            notes.append(message("by {law} {ratios}", law=FRICTION[other.law.sliding], ratios=linked(ratios)))
+        made = made.replace(other_law=beside)
+    if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
+        made = made.replace(vertical=vertical)
+    if demands.hazard is not None and "SLV" in demands.spectra:
+        made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
+    if project.incremental or project.campaign:
+        made = made.replace(nominal=nominal_check(capacity, demands.spectra, method))
+    if elastic is not None and fit.alpha_y is not None and fit.way is not None:
+        d_y = float(fit.way.control_point(known(fit.d_y)))
+        d_star = (capacity.gamma_star * fit.way.blocks(along_push(elastic.curve, direction)[0])).tolist()
+        fitted = elastic.replace(alpha_y=fit.alpha_y, d_y_m=d_y, d_star_m=d_star)
+        curves = curves.replace(elastic=fitted)
+    return Found(Assessed(curves, made), warnings=notes)
+
+
+class _Law(NamedTuple):
+    """A law of friction with its mechanism, what is activated first by it, and its α0 over that of the curve."""
+
+    sliding: static.Sliding
+    mechanism: static.Mechanism
+    activation: oscillator.Activation | None
+    factor: float = 1.0
+
+
+def _other_law(rigid: RigidPush) -> _Law | None:
+    """Return the law that the rigid curve is not of, of which limit analysis alone is known; None where it is alike."""
+    other = rigid.other_law
+    if other is None or other.mechanism is None:
+        return None
+    first = None
+    if other.onset is not None and other.alpha_onset is not None:
+        first = oscillator.Activation(other.alpha_onset, known(other.onset.e_star))
+    return _Law(other.sliding, other.mechanism, first, other.mechanism.alpha / rigid.mechanism.alpha)
+
+
+class _ByLaw(NamedTuple):
+    """Capacity and checks by one law of friction."""
+
+    law: _Law
+    part: oscillator.Participation
+    capacity: oscillator.CapacityCurve
+    method: Method
+    checks: Mapping[str, Verification]
+
+
+def _by_law(
+    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands, law: _Law
+) -> _ByLaw:
+    """Return what follows from the curves, for another law times its α0 over theirs. Raises CapacityError."""
+    assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
+    displacements = np.array(law.mechanism.displacements)
+    part = oscillator.mechanism_participation(model, displacements, law.mechanism.control_displacement_x)
+    way = way_of_blocks(rigid, part.gamma_star, direction)
+    d, alpha = rigid_branch(rigid, way)
+    branch = None
+    if elastic is not None:
+        d_elastic, alpha_elastic = way.curve(along_push(elastic.curve, direction))
+        branch = d_elastic, law.factor * np.asarray(alpha_elastic)
+    fit = fit_curve(assessment.model, (d, law.factor * np.asarray(alpha)), branch)
+    end = _elastic_end(elastic) if assessment.model != "none" else None
+    fit = replace(fit, source=BLOCKS if law.factor == 1.0 else OTHER_LAW, elastic_end=end, way=way)
+    factor, source = assessment.confidence_factor, confidence_source(assessment)
+    capacity = oscillator.capacity_curve(fit, part.e_star, part.gamma_star, factor, source, law.activation)
+    method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
+    return _ByLaw(law, part, capacity, method, verify(capacity, demands.spectra, method))
+
+
+def _apart(checks: Mapping[str, Verification], others: Mapping[str, Verification]) -> list[Message]:
+    """Return the checks whose ratios by two laws differ by more than TOLD."""
+    pairs = ((name, check.zeta_E, others[name].zeta_E) for name, check in checks.items() if name in others)
+    return [
+        message("{check} has the ratio {other:.3g}, not {own:.3g}", check=name, other=other, own=own)
+        for name, own, other in pairs
+        if own is not None and other is not None and abs(other - own) > TOLD * own
+    ]
+
+
+def activation_of(rigid: RigidPush) -> oscillator.Activation | None:
+    """Return what activates the first mechanism, where that of α0 moves only once blocks have met others (C8.7.1.2)."""
+    if rigid.onset is None:
+        return None
+    return oscillator.Activation(rigid.alpha_onset, known(rigid.onset.e_star))
+
+
+def _elastic_end(elastic: ElasticPush | None) -> float | None:
+    """Return the displacement (m) at which the elastic curve ends; None if it was cut beyond its peak.
+
+    An end that is not decided limits as a loss of equilibrium does: no equilibrium is known beyond it.
+    """
+    if elastic is None:
+        return None
+    multiplier = elastic.curve.multiplier
+    cut = multiplier[-1] <= PAST_PEAK * max(multiplier)
+    if cut and not (elastic.lost or elastic.reached_zero):
+        return None
+    return max(map(abs, elastic.curve.displacement_m))
+
+
+def _scalings(
+    capacity: oscillator.CapacityCurve, used: Verification, spectrum: Spectrum, method: Method
+) -> dict[str, parts.ScaledCheck]:
+    """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
+    ways, common = {"shape": "demand-shape", "return_period": "grid"}, len(capacity.steps())
+    found = {ways[method.scaling]: check_of(parts.ScaledCheck, replace(used, trace=()), 0, used=True)}
+    for scaling in ways.keys() - {method.scaling}:
+        other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
+        found[ways[scaling]] = check_of(parts.ScaledCheck, other, common, used=False)
+    return found
+
+
+def _vertical(
+    model: Assembly,
+    capacity: oscillator.CapacityCurve,
+    linear: Verification | None,
+    demands: Mapping[str, Spectrum],
+) -> parts.VerticalCheck | None:
+    """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
+
+    None with loads without mass or joints that crush: strength is then not proportional to the weights.
+    """
+    ground = ground_of(demands["SLV"]) if linear is not None else None
+    proportional = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks) and all(
+        np.isinf(block.material.compressive_strength) for block in model.blocks
+    )
+    if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
+        return None
+    demand = known(linear.demand_a_star_g)
+    made = vertical_component(ground, capacity.activation.alpha, capacity.a_0_star, demand)
+    return as_part(parts.VerticalCheck, made)
+
+
+def nominal_check(
+    capacity: oscillator.CapacityCurve, demands: Mapping[str, Spectrum], method: Method
+) -> parts.NominalCheck:
+    """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
+
+    A dynamic analysis shakes the model at the surface: its PGA at collapse contains neither F_C nor S.
+    """
+    limit = next(limit for limit in QUOTED if limit in demands)
+    check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
+    return check_of(parts.NominalCheck, check, 0, limit_state=limit)
+
+
+def along_push(curve: static.Curve, direction: Direction) -> Curve:
+    """Return a curve of the results with displacements (m) positive along the push."""
+    return sense(direction) * np.array(curve.displacement_m), np.array(curve.multiplier)
+
+
+def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> Way:
+    """Return d*/Γ* of the blocks over the displacement of the control point along a rigid curve."""
+    d, _ = along_push(rigid.curve, direction)
+    return Way(np.asarray(d), np.array(known(rigid.d_star_m)) / gamma_star)
+
+
+def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
+    """Return the rigid curve from its peak on, over growing d*/Γ* (m).
+
+    If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0. The
+    last multiplier of a curve that reaches zero is none.
+    """
+    multiplier = np.array(rigid.curve.multiplier)
+    if rigid.reached_zero:
+        multiplier[-1] = 0.0
+    peak = int(np.argmax(multiplier))
+    d, alpha = way.equivalent[peak:], multiplier[peak:]
+    grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
+    d, alpha = d[grows], alpha[grows]
+    if rigid.lost:
+        d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
+    return d, alpha
+
+
+def method_of(project: Project, hazard: HazardCurve | None) -> Method:
+    """Return how the checks of a project are made."""
+    assessment = project.assessment
+    assert assessment is not None
+    limit = assessment.local_displacement_limit_m
+    return Method(
+        behaviour_factor=assessment.behaviour_factor, circular=str(assessment.circular),
+        scaling="return_period" if assessment.method == "grid" else "shape",
+        displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
+        hazard=hazard, site_acceleration=site_acceleration(project),
+        return_periods=demand_return_periods(project),
+        local_limits={} if limit is None else dict.fromkeys(("SLV", "SLC"), limit),
+        local_reason=assessment.local_displacement_reason,
+    )  # fmt: skip
+
+
+def with_loss(method: Method, loss: LocalLoss | None) -> Method:
+    """Return the method with the local loss of the path as its limit, if the project gives no limit (C8.7.1.2)."""
+    if loss is None or method.local_limits:
+        return method
+    first, second = loss.blocks
+    return replace(
+        method,
+        local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m),
+        local_reason=message(
+            "pushover, the faces of blocks {first} and {second} slide off each other",
+            first=first,
+            second=second,
+        ),
+    )
+
+
+def check_of(kind: type[Kind], check: Verification, common: int, **more: Any) -> Kind:
+    """Return a check as a part of the results of that kind, with what such a part has `more`; null: not finite.
+
+    Its trace leaves out the `common` first steps, those of the capacity curve.
+    """
+    return as_part(kind, check, **{"trace": lines(check.trace[common:])} | more)
+
+
+def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, Verification]) -> dict[str, parts.Check]:
+    """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
+    common = len(curve.steps())
+    linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
+    return {
+        name: check_of(parts.Check, check, common, **(linear if check.method == "linear" else {}))
+        for name, check in checks.items()
+    }
+
+
+def curve_of(curve: oscillator.CapacityCurve) -> parts.OscillatorCurve:
+    """Return a capacity curve as a part of the results: d* (m) and a* (g), divided by the confidence factor."""
+    return parts.OscillatorCurve(d_star_m=curve.displacement.tolist(), a_star_g=curve.acceleration.tolist())

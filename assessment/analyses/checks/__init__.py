@@ -1,1 +1,0 @@
-"""Demand on a project, and the checks of every mechanism against it."""

@@ -1,1 +1,0 @@
-"""Time histories and incremental dynamic analyses of every state."""

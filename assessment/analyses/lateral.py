@@ -1,0 +1,427 @@
+"""A state pushed over by lateral loads, direction by direction: curves, mechanisms, α0 by a second solver."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import get_args
+
+import numpy as np
+
+import mechanics
+from assessment.analyses import paths
+from assessment.analyses.found import Found, as_part
+from assessment.ntc.capacity_curve import mass_share, mechanism_participation
+from assessment.ntc.curve_fit import CapacityError, yield_point
+from assessment.project.project import Project
+from assessment.project.schema import ControlTable
+from assessment.results import frames
+from assessment.results.joint_states import Met
+from assessment.results.schema import static
+from assessment.results.schema.part import finite, known
+from assessment.results.table import sense
+from mechanics import procedures
+from mechanics.messages import Message, headed, message
+from mechanics.model import Behaviour, Direction
+from mechanics.steps import Sliding
+
+STILL = 1e-6  # of the largest virtual displacement: a control point that moves less takes no part
+RESTS_OR_MOVES = 1.1  # ratio of the laws' multipliers up to which motions of rigid joints are not too small
+DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
+
+
+def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.RigidPush:
+    """Return a rigid curve; the mechanism is that at the point of α0 (C8.7.1.2).
+
+    With the multiplier by the other law of friction: of a curve by the associative one where joints slide in it.
+    """
+    model, direction, at, met = path.model, path.direction, path.states[path.formed], Met(path.model)
+    mechanism = _mechanism(control, met, path.formed, float(path.multiplier[path.formed]), at, path)
+    delta = np.array(mechanism.displacements)
+    by_work = procedures.virtual_work_multiplier(model, delta, direction)
+    if model.ties:  # those that yield do work too
+        pulled, longer = frames.tensions(model, path.forces), frames.lengthenings(model, at.positions, delta)
+        lateral = float((model.lateral_load(direction) * delta)[model.movable].sum())
+        by_work += float(np.where(frames.yielding(model, pulled), pulled, 0.0) @ longer) / lateral
+    found = as_part(
+        static.RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
+        # if equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
+        d_0_m=float(path.displacement[-1]) if path.reached_zero or path.lost else None,
+        local_loss=paths.local_loss(model, path.states, path.displacement, path.forces, path.lost),
+        curve=_curve(path), d_star_m=_way_of_blocks(path, mechanism), mechanism=mechanism,
+        virtual_work_alpha=finite(by_work), mechanism_configuration=paths.configuration(model, at),
+        final_configuration=paths.configuration(model, path.states[-1]),
+        frames=frames.pushover_frames(model, path, met),
+    )  # fmt: skip
+    if path.formed:
+        first = procedures.limit_in(model, direction, path.states[0], path.sliding)
+        onset = _mechanism(control, met, 0, float(path.multiplier[0]), path.states[0], first)
+        found = found.replace(onset=onset)
+    carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
+    carried[path.formed] = path.forces
+    moved = list(np.diff([state.positions for state in path.states], axis=0))
+    moved = [*(moved[:1] or [path.mechanism]), *moved]
+    moved[path.formed] = path.mechanism
+    if ties := frames.along_path(model, path, carried, path.formed, None, frames.determined(model, moved)):
+        found = found.replace(ties=ties)
+    # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
+    slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
+    if (slides or path.sliding == "coulomb") and (other := _other_law(found, control, path, met)):
+        found = found.replace(other_law=other)
+    return found
+
+
+def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
+    """Return an elastic curve: its peak (α_u at d_u, m), its yield point and its end.
+
+    A check against the standard replaces the yield point by that of the capacity curve that it fits.
+    """
+    model = path.model
+    yields = None  # where the control point does not advance as the load grows
+    with suppress(CapacityError):
+        yields = yield_point((path.displacement, path.multiplier))
+    found = as_part(
+        static.ElasticPush, path, alpha_u=float(path.multiplier[path.peak]),
+        d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
+        alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
+        rest_configuration=paths.configuration(model, path.states[0]),
+        peak_configuration=paths.configuration(model, path.states[path.peak]),
+        frames=frames.pushover_frames(model, path, Met(model)),
+    )  # fmt: skip
+    carried = [step.forces for step in path.steps]
+    ties = frames.along_path(model, path, carried, path.peak, carried[0])
+    return found.replace(ties=ties) if ties else found
+
+
+def _mechanism(
+    control: ControlTable,
+    met: Met,
+    point: int,
+    alpha: float,
+    at: mechanics.State,
+    moving: procedures.Pushover | mechanics.Limit,
+) -> static.Mechanism:
+    """Return what is `moving` at a point of a curve of `alpha` and state `at`; new faces that slide go to `met`."""
+    model, moved, contacts = moving.model, moving.mechanism, moving.contacts
+    block, fastest = model.block_at(control.point_m), float(abs(moved[:, :2]).max())
+    small = 1e-6 * model.size / fastest
+    shift = model.point_displacement(control.point_m, block, at.positions + small * moved)
+    rate = float((shift - model.point_displacement(control.point_m, block, at.positions))[0]) / small
+    # 1 m of the control point along ±x; if that takes no part, the largest displacement is 1 m
+    size = abs(rate) if abs(rate) > STILL * fastest else fastest
+    displacements, control_dx = moved / size, rate / size
+    found = procedures.hinges(model, contacts, at, displacements, moving.forces)
+    slides = np.isin(np.arange(len(contacts)), found.sliding)
+    e_star = gamma_star = None  # where they are not defined the capacity is refused later, with its reason
+    with suppress(CapacityError):
+        e_star = mass_share(model, displacements)
+        gamma_star = mechanism_participation(model, displacements, control_dx).gamma_star
+    return static.Mechanism(
+        point=point, alpha=alpha, hinges=len(found.points), e_star=e_star, gamma_star=gamma_star,
+        displacements=displacements.tolist(), control_displacement_x=control_dx,
+        hinge_points_m=model.as_drawn(found.points).tolist(),
+        sliding_joints=met.numbers(contacts, slides)[found.sliding].tolist(),
+        moving_weight_kN=float(found.moving_weight),
+    )  # fmt: skip
+
+
+def _way_of_blocks(path: procedures.Pushover, mechanism: static.Mechanism) -> list[float] | None:
+    """Return d* (k,) m of the blocks that move: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed.
+
+    Of a mechanism that goes on as it begins u = δ d_C, and that is Γ* d_C (C8.7.1.2), as it is taken to be before. None
+    where Γ* is not defined.
+    """
+    if mechanism.gamma_star is None:
+        return None
+    weighed = path.model.lateral_load(path.direction)[:, 0] * np.array(mechanism.displacements)[:, 0]
+    x = np.array([state.positions[:, 0] for state in path.states])
+    gone = sense(path.direction) * ((x - x[path.formed]) @ weighed) / float(weighed.sum())
+    gone[: path.formed] = mechanism.gamma_star * (
+        path.displacement[: path.formed] - path.displacement[path.formed]
+    )
+    way: list[float] = (mechanism.gamma_star * path.displacement[path.formed] + gone).tolist()
+    return way
+
+
+def _other_law(
+    found: static.RigidPush, control: ControlTable, path: procedures.Pushover, met: Met
+) -> static.OtherLaw | None:
+    """Return limit analysis by the other law of friction, if its multipliers differ by DIFFERS; None without a flow."""
+    law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
+    own = {0: found.alpha_onset, path.formed: found.mechanism.alpha, path.peak: found.alpha_0}
+    try:
+        limits = {k: procedures.limit_in(path.model, path.direction, path.states[k], law) for k in own}
+    except (mechanics.NoEquilibriumError, mechanics.ConvergenceError):  # the curve has its own multiplier
+        return None
+    if all(abs(limits[k].alpha - alpha) <= DIFFERS * abs(alpha) for k, alpha in own.items()):
+        return None
+    moving = {
+        k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k])
+        for k in dict.fromkeys((path.formed, 0))
+    }
+    other = static.OtherLaw(sliding=law, alpha_0=limits[path.peak].alpha, mechanism=moving[path.formed])
+    return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
+
+
+def _curve(path: procedures.Pushover) -> static.Curve:
+    """Return the points of a curve; displacements (m) are along x: towards −x they are negative."""
+    along_x = sense(path.direction) * path.displacement + 0.0  # + 0.0: no −0.0
+    return static.Curve(displacement_m=along_x.tolist(), multiplier=path.multiplier.tolist())
+
+
+FRICTION: dict[Sliding, Message] = {
+    "coulomb": message("Coulomb friction, which does not lift what slides,"),
+    "associative": message("associative friction, which lifts what slides,"),
+}
+AGREE = 1e-6  # relative difference of the multipliers of two solvers from which there is a warning
+LEAST = 1e-2  # a multiplier below which differences are relative to this: solvers know α to 1e-9, not its digits at 0
+CHOSEN = {"it": "scelto {direction}", "en": "chosen {direction}"}  # name of a control point
+MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises where blocks meet others
+
+
+@dataclass(frozen=True)
+class PushSetting:
+    """How a state is pushed over: behaviour and friction law of the joints, step of the control point (`increment`, m).
+
+    `until`: share of the peak of an elastic curve at which it is followed no further.
+    """
+
+    behaviour: Behaviour
+    sliding: Sliding
+    increment: float
+    until: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """A curve in plain numbers, and where a rigid one has its largest multiplier (`activated`)."""
+
+    curves: static.Pushovers
+    activated: mechanics.State | None = None
+
+
+def push(
+    model: mechanics.Assembly, name: str, state: mechanics.State | None, setting: PushSetting,
+    directions: tuple[Direction, ...], controls: tuple[ControlTable, ...],
+) -> list[Found[Pushed]]:  # fmt: skip
+    """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
+
+    A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
+    """
+    behaviour, parts = setting.behaviour, []
+    followed: tuple[ControlTable, procedures.Pushover] | None = None
+    for direction, control in zip(directions, controls, strict=True):
+        began, found, image = time.perf_counter(), Found[Pushed](), None
+        title = pushover_title(name, direction, behaviour)
+        # where the control point of the first direction does not move, that of the other has its own curve
+        if (
+            followed is not None
+            and followed[0] == controls[0]
+            and (mirror := procedures.Mirror.of(model, behaviour))
+        ):
+            image = mirror.pushover(followed[1])
+        if image is not None:
+            followed = control, image
+        else:
+            follow = partial(
+                mechanics.pushover, model, direction=direction, contacts=behaviour, increment=setting.increment,
+                state=state, until=setting.until, sliding=setting.sliding,
+            )  # fmt: skip
+            followed = _path(title, control, follow, found)
+        if followed is not None:
+            try:
+                add_curve(title, setting, *followed, found)
+            except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
+                # checks are of the first motion: no curve without it
+                reason = message(
+                    "the mechanism of the first motion is not found: {reason}", reason=error.message
+                )
+                found.failures.append(headed(title, reason))
+        path = followed[1] if followed and image is None else None
+        found.quality.append(paths.quality_row(name, f"pushover, {behaviour}", path))
+        found.seconds = time.perf_counter() - began
+        parts.append(found)
+    return parts
+
+
+def pushover_title(state: str, direction: Direction, behaviour: Behaviour) -> Message:
+    """Return the beginning of the warnings of a pushover."""
+    return message(
+        "{state}, pushover {direction}, {contacts} contacts", state=state, direction=direction,
+        contacts=behaviour,
+    )  # fmt: skip
+
+
+def _path(
+    title: str, control: ControlTable, follow: Callable[..., procedures.Pushover], found: Found[Pushed]
+) -> tuple[ControlTable, procedures.Pushover] | None:
+    """Return the control point, or one that takes part where it does not, and its curve; the reason is in `found`."""
+    try:
+        try:
+            return control, follow(control.point_m)
+        except mechanics.ControlError:
+            path = follow()
+    except (
+        mechanics.UnstableError,
+        mechanics.ConvergenceError,
+        mechanics.NoEquilibriumError,
+        mechanics.ControlError,
+    ) as error:
+        found.failures.append(headed(title, error.message))
+        return None
+    x, z = path.control.tolist()
+    other = ControlTable(name=f"({x:.4g}, {z:.4g}) m", point_m=(x, z))
+    reason = message(
+        'control point "{name}" takes no part: that of block {block} at {point} is followed, which goes farthest along '
+        "the push", name=control.name, block=path.block, point=other.name,
+    )  # fmt: skip
+    found.warnings.append(headed(title, reason))
+    return other, path
+
+
+def add_curve(
+    title: str, setting: PushSetting, control: ControlTable, path: procedures.Pushover, found: Found[Pushed]
+) -> None:
+    """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
+    found.warnings += paths.crossings(title, path.crossed, setting.increment) + paths.lifts(title, path)
+    found.scatters = paths.turns_on_rounding(path)
+    rigid = setting.behaviour == "rigid"
+    curves = static.Pushovers(control=control.name, control_m=list(control.point_m))
+    if rigid:
+        curve = rigid_push(control, path)
+        found.value = Pushed(curves.replace(rigid=curve), path.states[path.peak])
+        found.warnings += [headed(title, note) for note in _rigid_notes(curve, path)]
+    else:
+        found.value = Pushed(curves.replace(elastic=elastic_push(path)))
+    # of an elastic curve the part up to its peak is used, of a rigid one the whole
+    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
+        end = message(
+            "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
+            displacement=float(path.displacement[-1]), multiplier=float(path.multiplier[-1]), reason=path.end,
+        )  # fmt: skip
+        found.warnings.append(headed(title, end))
+
+
+def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator[Message]:
+    """Yield what to know about a rigid curve: its onset, the other law of friction, local losses, its mechanism."""
+    drawn = np.array_equal(path.states[0].positions, path.model.initial.positions)
+    if drawn and curve.alpha_onset < (1.0 - MEETS) * curve.alpha_0:
+        yield message(
+            "blocks move from α = {onset:.4g} on; by d = {displacement:.3g} m they have met others or slide in another "
+            "way, and α0 = {multiplier:.4g} is that of what moves then; the former activates the first mechanism: "
+            "linear checks are of it",
+            onset=curve.alpha_onset,
+            displacement=float(path.displacement[path.peak]),
+            multiplier=curve.alpha_0,
+        )
+    other = curve.other_law  # it may be the onset alone that differs
+    if other is not None and abs(other.alpha_0 - curve.alpha_0) > DIFFERS * abs(curve.alpha_0):
+        yield message(
+            "by {law} α0 is {other:.4g}, not {multiplier:.4g}", law=FRICTION[other.sliding],
+            other=other.alpha_0, multiplier=curve.alpha_0,
+        )  # fmt: skip
+    if curve.local_loss is not None:
+        yield paths.loss_sentence(curve.local_loss)
+    if path.formed != path.peak:
+        yield message(
+            "the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
+            "check are those of d = {displacement:.4g} m, α = {multiplier:.4g}",
+            displacement=float(path.displacement[path.formed]),
+            multiplier=float(path.multiplier[path.formed]),
+        )
+
+
+def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
+    """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
+
+    Rigid joints may move from Coulomb's multiplier on. Up to the associative one they may also rest, for forces within
+    their bounds exist that balance; a motion rests wherever it can.
+    """
+    found = Found(1.0)
+    for direction in get_args(Direction):
+        with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
+            moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
+            rests = mechanics.limit_analysis(model, direction, start, "associative").alpha
+            found.value = max(known(found.value), rests / max(moves, LEAST))
+            if rests > RESTS_OR_MOVES * moves:
+                note = message(
+                    "{direction}: under α from {moves:.3g} to {rests:.3g} rigid joints may rest, wedged by friction, "
+                    "or move: motions with rigid joints may be too small; run them with elastic joints too",
+                    direction=direction, moves=moves, rests=rests,
+                )  # fmt: skip
+                found.warnings.append(headed(name, note))
+    return found
+
+
+def second_solver(
+    model: mechanics.Assembly, name: str, direction: Direction, activated: mechanics.State, alpha_0: float
+) -> Found[static.SecondSolver]:
+    """Compare the associative multipliers of two programs in the state `activated`; `alpha_0`: of the curve there.
+
+    With Coulomb's law no linear program has the multiplier. Nothing is `found` where joints crush.
+    """
+    began = time.perf_counter()
+    found = Found[static.SecondSolver]()
+    title = pushover_title(name, direction, "rigid")
+    try:
+        linear = procedures.static_theorem(model, direction, activated)
+    except mechanics.ArgumentError:
+        return found
+    own: float | None = None
+    try:
+        own = procedures.limit_in(model, direction, activated, "associative").alpha
+    except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
+        note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
+        found.warnings.append(headed(title, note))
+    if linear is None:
+        note = message("the linear program of limit analysis has no optimum by HiGHS")
+        found.warnings.append(headed(title, note))
+    difference = None
+    if own is not None and linear is not None:
+        difference = (linear - own) / max(abs(own), LEAST)
+        if abs(difference) > AGREE:
+            note = message(
+                "limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart (HiGHS) "
+                "{linear:.8g}: relative difference {difference:.2g}", own=own, linear=linear,
+                difference=difference,
+            )  # fmt: skip
+            found.warnings.append(headed(title, note))
+    found.value = static.SecondSolver(
+        alpha_0=alpha_0, alpha_program=own, alpha_linear_program=linear, relative_difference=difference
+    )
+    found.seconds = time.perf_counter() - began
+    return found
+
+
+def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, list[Message]]:
+    """Return the project with a control point for each direction where it needs one and has none, and which these are.
+
+    It is the corner that goes farthest along the push in the first mechanism of the structure as drawn, `model`: the
+    same in every state, so that their displacements can be compared.
+    """
+    needed = project.pushover or project.history or project.incremental or project.campaign
+    if project.control or not needed:
+        return project, []
+    directions: tuple[Direction, ...] = project.pushover.directions if project.pushover else ("+x",)
+    points, notes = [], []
+    for direction in directions:
+        begun = model.initial.positions
+        # that of the highest corner where nothing moves
+        moved = begun + np.where(model.movable[:, None], (1.0, 0.0, 0.0), 0.0)
+        with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
+            limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
+            moved = begun + 1e-6 * model.size * limit.mechanism
+        (x, z), block = procedures.farthest_corner(model, begun, moved, direction)
+        name = CHOSEN[project.report.language].format(direction=direction)
+        points.append(ControlTable(name=name, point_m=(float(x), float(z))))
+        note = message(
+            "no control point given: towards {direction} that of block {block} at ({x:.4g}, {z:.4g}) m is followed, "
+            "which goes farthest along the push", direction=direction, block=block, x=float(x), z=float(z),
+        )  # fmt: skip
+        notes.append(note)
+    changed: dict[str, object] = {"control": tuple(points)}
+    if project.pushover:
+        by_direction = {way: point.name for way, point in zip(directions, points, strict=True)}
+        changed["pushover"] = project.pushover.model_copy(update={"control": by_direction})
+    return project.model_copy(update=changed), notes

@@ -1,0 +1,286 @@
+"""Movements of supports, and what every path of equilibria tells: certificate, warnings, configuration, local loss.
+
+A local loss (C8.7.1.2) is a joint that carries and whose faces part.
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+
+import mechanics
+from assessment.analyses.found import Found
+from assessment.project.schema import ControlTable, SettlementTable
+from assessment.results.frames import along_path, determined, pushdown_frames
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.static import LocalLoss, PushdownPath
+from mechanics.messages import Message, headed, message
+from mechanics.model import Behaviour, H
+from mechanics.procedures import PATH, Pushdown, Pushover, settled, whole_movement
+from mechanics.program import Certificate
+from mechanics.steps import Sliding, check_self_weight, unpressed
+from mechanics.types import Array
+
+AT_LIMIT = 1e-5  # of the friction limit: a joint whose T is closer to it slides
+PARTING = 0.02  # of the overlap at the start: most that a joint has left where its loss fells the structure
+BEARS = 1e-3  # of the weight of the model: least force of a joint that carries
+SLIDING_CARRIES = 1e-3  # of the weight of the model: the slide of a joint that carries less has no effect
+
+
+def quality_row(state: str, stage: str, path: Pushdown | Pushover | None) -> QualityRow:
+    """Return the worst certificate of the programs of a path; None: there is no path."""
+    certificates, steps = (path.certificates, path.steps) if path is not None else ((), ())
+    worst = reduce(Certificate.joined, certificates, Certificate(0.0, 0.0, 0.0, 0.0, 0.0))
+    return QualityRow(
+        state=state, stage=stage, solves=sum(step.solves for step in steps) + len(certificates) - len(steps),
+        worst_equilibrium_residual=worst.equilibrium,
+        worst_penetration_m=max([worst.penetration, *(step.penetration for step in steps)]),
+        worst_complementarity=worst.complementarity, worst_cone_violation=worst.cone,
+        lifting=(path.lifting or None) if path is not None else None,
+    )  # fmt: skip
+
+
+def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
+    """Return a warning if points of a path were solved with a dilation."""
+    if not path.lifting:
+        return []
+    text = message(
+        "Coulomb's law was not solved at {count} of {points} points: what slides lifts there; try a smaller increment",
+        count=path.lifting,
+        points=len(path.states),
+    )
+    return [headed(title, text)]
+
+
+def stand(model: mechanics.Assembly) -> Message | None:
+    """Return why the structure cannot stand under its own weight; None if it can."""
+    try:
+        check_self_weight(model)
+    except mechanics.UnstableError as error:
+        return error.message
+    return None
+
+
+def pressed_in(model: mechanics.Assembly) -> list[Message]:
+    """Return a warning that names the blocks that friction alone holds in a structure that stands, if there are any."""
+    held = unpressed(model).tolist()
+    if not held:
+        return []
+    return [
+        message(
+            "stands only if pressed in: nothing presses the faces that hold these blocks: {blocks}; rigid joints "
+            "may hold them by friction, elastic ones let them fall",
+            blocks=", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else ""),
+        )
+    ]
+
+
+def turns_on_rounding(path: Pushdown | Pushover) -> bool:
+    """Whether a path amplifies the last digits of its input: a joint that carries slides, or a part jumps."""
+    if len(path.crossed):
+        return True
+    least = SLIDING_CARRIES * path.model.weight
+    for step in path.steps:
+        carries = (step.forces[:, 0] > least) & ~step.contacts.ties
+        N, T = step.forces[carries, 0], step.forces[carries, 2]
+        if (abs(T) >= (1.0 - AT_LIMIT) * step.contacts.friction[carries] * N).any():
+            return True
+    return False
+
+
+def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[Message]:
+    """Return a warning for each stretch (n, 2) m in which a part moves by itself; adjoining stretches are joined.
+
+    A stretch shorter than 1/32 of the increment (m) is below the accuracy of the path and left out.
+    """
+    stretches: list[list[float]] = []
+    for left, held in np.sort(crossed, axis=1):
+        if held - left < 0.99 * PATH.shortest(increment):
+            continue
+        if stretches and left <= stretches[-1][1]:
+            stretches[-1][1] = max(held, stretches[-1][1])
+        else:
+            stretches.append([left, held])
+    return [
+        headed(
+            title,
+            message(
+                "between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again",
+                start=left,
+                end=held,
+            ),
+        )
+        for left, held in stretches
+    ]
+
+
+def configuration(model: mechanics.Assembly, state: mechanics.State) -> list[list[float]]:
+    """Return displacements (m) and rotations (rad) (b, 3) of the blocks from the drawing."""
+    moved: NDArray[np.float64] = state.positions - model.initial.positions
+    rows: list[list[float]] = moved.tolist()
+    return rows
+
+
+def local_loss(
+    model: mechanics.Assembly,
+    states: Sequence[mechanics.State],
+    displacement: Array,
+    forces: Array,
+    falls: bool,
+) -> LocalLoss | None:
+    """Return the first loss along a path: a drawn joint that carries, and whose faces overlap no longer.
+
+    `displacement` (k,) m of the points `states`; `forces` (j, 3), kN, kNm, of the drawn joints, and others, by which
+    they carry: those at α0, or at the start of a movement; `falls`: no equilibrium lies beyond the last point. The
+    displacement of the loss is interpolated between two points, or is that of the last point if the structure falls as
+    the faces part; `overlap_m`: of the joint at the start. None if there is no loss.
+    """
+    drawn = model.contacts
+    overlap = np.array([2.0 * drawn.places(state.positions)[:, H] for state in states])
+    bears = (forces[: len(drawn), 0] > BEARS * model.weight) & (overlap[0] > 0.0)
+    gone = (overlap <= 0.0) & bears
+    if not gone.any():
+        left = np.where(bears, overlap[-1] / np.where(bears, overlap[0], 1.0), np.inf)
+        joint = int(np.argmin(left))
+        return _loss(model, joint, displacement[-1], overlap) if falls and left[joint] < PARTING else None
+    at = int(np.argmax(gone.any(axis=1)))
+    before, after = overlap[at - 1], overlap[at]
+    share = np.where(gone[at], before / np.where(gone[at], before - after, 1.0), np.inf)
+    joint = int(np.argmin(share))
+    d_1, d_2 = displacement[at - 1], displacement[at]
+    return _loss(model, joint, d_1 + share[joint] * (d_2 - d_1), overlap)
+
+
+def _loss(model: mechanics.Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
+    drawn = model.contacts
+    return LocalLoss(
+        displacement_m=float(displacement), joint=joint, blocks=[int(drawn.a[joint]), int(drawn.b[joint])],
+        overlap_m=float(overlap[0, joint]),
+    )  # fmt: skip
+
+
+def loss_sentence(loss: LocalLoss) -> Message:
+    """Return the text of a local loss for messages."""
+    first, second = loss.blocks
+    return message(
+        "the faces of blocks {first} and {second} slide off each other at d = {displacement:.4g} m",
+        first=first, second=second, displacement=loss.displacement_m,
+    )  # fmt: skip
+
+
+BACK = 1e-6  # of a block's size: supports nearer to where they were are there again
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """A movement in plain numbers, and the state that it `reached`, at rest; None: the structure falls before."""
+
+    path: PushdownPath
+    reached: mechanics.State | None
+
+
+def settle(
+    model: mechanics.Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding,
+    control: ControlTable | None, start: mechanics.State | None = None,
+) -> Found[Settled]:  # fmt: skip
+    """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
+    began = time.perf_counter()
+    found = Found[Settled]()
+    title, moves = (
+        path_title(settlement.name, behaviour),
+        (settlement.displacement_m, settlement.rotation_rad),
+    )
+    whole = whole_movement(model, settlement.support, *moves)
+    increment, reached, path = whole / settlement.increments, None, None
+    try:
+        path = mechanics.pushdown(
+            model, settlement.support, *moves, increment, behaviour, settlement.to_collapse, sliding,
+            state=start,
+        )  # fmt: skip
+        reached = path.final
+    except mechanics.CollapseError as collapse:
+        found.failures.append(headed(title, collapse.message))
+        assert isinstance(collapse.path, Pushdown)
+        path = collapse.path
+    except (mechanics.UnstableError, mechanics.ConvergenceError, mechanics.NoEquilibriumError) as error:
+        found.failures.append(headed(title, error.message))
+    if path is not None:
+        moved = _pushdown_path(path, whole, behaviour, control)
+        found.value = Settled(moved, reached)
+        if settlement.to_collapse and path.ultimate is None:
+            none = message(
+                "no ultimate movement up to {reached:.3g} m ({reason})",
+                reached=float(path.movement[-1]),
+                reason=path.end,
+            )
+            found.warnings.append(headed(title, none))
+        found.warnings += crossings(title, path.crossed, increment) + lifts(title, path)
+        found.scatters = turns_on_rounding(path)
+        found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))
+        if moved.local_loss is not None:
+            found.warnings.append(headed(title, loss_sentence(moved.local_loss)))
+    found.seconds = time.perf_counter() - began
+    return found
+
+
+def rest_as_drawn(model: mechanics.Assembly, sliding: Sliding) -> mechanics.State | Message:
+    """Return the rest under gravity that a structure as drawn comes to on elastic joints, or why it has none."""
+    try:
+        return settled(model, None, sliding).state
+    except (mechanics.UnstableError, mechanics.ConvergenceError) as error:
+        return error.message
+
+
+def not_back(
+    model: mechanics.Assembly, reached: mechanics.State, where: Message, before: mechanics.State
+) -> Message | None:
+    """Return what does not come back to `before`, the state `where` says, though all supports do; else None."""
+    moved = reached.positions - before.positions
+    if abs(moved[~model.movable]).max() > BACK * model.size:
+        return None
+    distance = np.hypot(*moved[:, :2].T)
+    block = int(np.argmax(distance))
+    if distance[block] <= BACK * model.size:
+        return message("the supports are again where they were {where}, and so are the blocks", where=where)
+    return message(
+        "the supports are again where they were {where}; the blocks stay away by up to {distance:.3g} m (block "
+        "{block}, turned by {turn:.3g} rad)", where=where, distance=float(distance[block]), block=block,
+        turn=float(moved[block, 2]),
+    )  # fmt: skip
+
+
+def path_title(state: str, behaviour: Behaviour) -> Message:
+    """Return the beginning of the warnings of a movement."""
+    return message("{state}, {contacts} contacts", state=state, contacts=behaviour)
+
+
+def _pushdown_path(
+    path: Pushdown, whole: float, behaviour: Behaviour, control: ControlTable | None
+) -> PushdownPath:
+    """Return reactions, configurations and the movement at collapse; `whole` (m): the movement that was asked for."""
+    model, falls = path.model, path.ultimate is not None
+    lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
+    along = None
+    if control:  # displacements (k, 2) of the control point from the beginning of the path, m
+        point, block = control.point_m, model.block_at(control.point_m)
+        moved_to = [model.point_displacement(point, block, state.positions) for state in path.states]
+        along = [(each - moved_to[0]).tolist() for each in moved_to]
+    found = PushdownPath(
+        sliding=path.sliding, movement_m=path.movement.tolist(), reaction_x_kN=path.reaction[:, 0].tolist(),
+        reaction_z_kN=path.reaction[:, 1].tolist(), ultimate_movement_m=path.ultimate, local_loss=lost,
+        applied_movement_m=whole, end=path.end, configuration=configuration(model, path.final),
+        ultimate_configuration=configuration(model, path.states[-1]) if falls else None,
+        control_displacement_m=along, frames=pushdown_frames(model, path, whole),
+    )  # fmt: skip
+    asked = int(np.argmin(abs(path.movement - whole)))
+    carried = [step.forces for step in path.steps]
+    if not carried or not model.ties:
+        return found
+    if behaviour == "elastic":
+        return found.replace(ties=along_path(model, path, carried, asked, carried[0]))
+    moved = list(np.diff([state.positions for state in path.states], axis=0))
+    known = determined(model, [*(moved[:1] or [np.zeros_like(path.states[0].positions)]), *moved])
+    return found.replace(ties=along_path(model, path, carried, asked, None, known))

@@ -1,0 +1,285 @@
+"""P(collapse | level) of one record from one state: which levels are run, and what they came to.
+
+Collapse of rocking masonry comes in bands of the level: no bisection finds the lowest. Levels form a lattice, a factor
+`ratio` apart (5 % at most), through the record's own PGA:
+
+    outwards from where collapse is expected, in strides that double, until a level on the other side is found
+    every level down to DOWN of the lowest that collapses; a collapse there begins this again
+    upwards, until CERTAIN levels in a row above the highest that stands collapse
+    around the lowest bracket the levels half-way, one for each member of an ensemble after the first
+    the lowest bracket is halved to the width asked for
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
+from assessment.analyses.time_history import Setting, respond, thinned
+from assessment.project.motions import BaseMotion
+from assessment.results.schema.dynamic import Counts, Level, MemberCurve
+from mechanics import Assembly, ConvergenceError, State
+from mechanics.messages import Message, message
+from mechanics.progress import stretch
+
+SPACING = 1.05  # the largest ratio of levels
+DOWN = 0.7  # of the lowest collapse: down to there every level is run
+CERTAIN = 2  # levels in a row above all that stand
+FARTHEST = 8  # levels: the longest stride on the way to the first collapse
+LEAST = 1e-3  # g: the lowest level
+CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
+EXPECTED = 14  # motions of a scan, about
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Which levels are run: up to `max_scale` times the record's PGA, a factor `ratio` apart.
+
+    The lowest bracket is no wider than `width` (g); `members`: see above. `stripes`: these levels (PGA, g) alone.
+    """
+
+    max_scale: float
+    ratio: float = SPACING
+    width: float = math.inf
+    members: int = 1
+    stripes: tuple[float, ...] = ()
+
+
+@dataclass
+class Scan:
+    """The `points` of every level (PGA, g) that was run, and the time step (s) of its motions.
+
+    `reason`: why there is no answer; `failures`: why it could not be completed. `notes`: warnings of the motions, and
+    levels whose outcome is not known. `counts` of all motions, their worst residual, and the seconds that they took.
+    """
+
+    points: list[Level] = field(default_factory=list)
+    time_step: float = 0.0
+    stripes: bool = False
+    reason: Message | None = None
+    failures: list[Message] = field(default_factory=list)
+    notes: list[Message] = field(default_factory=list)
+    counts: Counts | None = None
+    worst: float = 0.0
+    seconds: float = 0.0
+
+
+def scan(
+    model: Assembly,
+    motion: BaseMotion,
+    setting: Setting,
+    start: State,
+    scatter: Scatter,
+    reach: Reach,
+    near: float | None = None,
+    curves: tuple[int, ...] = (),
+) -> Scan:
+    """Run the levels of a record from a state at rest.
+
+    `near` (g): where collapse is expected, None: not known. `curves`: numbers of the motions of a level whose curves
+    are kept. Whether a level that cannot be completed collapses is not known; of stripes it ends the scan.
+    """
+    levels = _Motions(model, motion, setting, start, scatter, reach, curves)
+    found = Scan(time_step=motion.record.time_step, stripes=bool(reach.stripes))
+    began = time.perf_counter()
+    try:
+        if reach.stripes:
+            for pga in reach.stripes:
+                levels.collapses(pga)
+        else:
+            scan_levels(levels.collapses, motion.pga, reach, near)
+    except ConvergenceError as error:
+        found.reason = error.message
+    found.points = [levels.points[pga] for pga in sorted(levels.points)]
+    if levels.refused and len(levels.refused) == len(found.points):
+        found.reason = next(iter(levels.refused.values()))
+    found.failures = [found.reason] if found.reason else []
+    found.notes = [
+        message(
+            "{count} of {all} motions: {text}", count=len(alike), all=levels.counts["motions"], text=alike[0]
+        )
+        for alike in levels.notes.values()
+    ]
+    if levels.refused and found.reason is None:
+        text = message(
+            "whether it collapses at {levels:.3g} g is not known and counts as neither: {reason}",
+            levels=list(levels.refused),
+            reason=next(iter(levels.refused.values())),
+        )
+        found.notes.append(text)
+    if levels.counts["motions"]:
+        found.counts = Counts(**levels.counts)
+    found.worst, found.seconds = levels.worst, time.perf_counter() - began
+    return found
+
+
+def scan_levels(
+    falls: Callable[[float], bool | None], pga: float, reach: Reach, near: float | None = None
+) -> None:
+    """Ask at which levels (g) a structure `falls`, None: not known, near the lowest; `pga` (g): of the record."""
+    lattice = _Lattice(falls, pga, reach)
+    # outwards from the level expected: upwards until one falls, or downwards until one stands
+    place, stride, fell = lattice.nearest(near or pga), 1, None
+    while (now := lattice.run(place)) in (fell, None) or fell is None:
+        fell = fell if now is None else now
+        end = lattice.top if fell is False else lattice.bottom
+        if place == end:
+            break
+        place = min(place + stride, end) if fell is False else max(place - stride, end)
+        stride = min(2 * stride, FARTHEST)
+    _run_missing(lattice)
+    if reach.members > 1 and (fallen := lattice.those(True)):
+        low = min(fallen)
+        half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
+        for half in half_way[: reach.members - 1]:
+            lattice.run(half)
+        _run_missing(lattice)
+    known: bool | None = True
+    while known is not None and (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
+        known = lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
+
+
+class _Lattice:
+    """The levels pga·ratio^k, up to the largest; places k that were run, with whether the structure fell."""
+
+    def __init__(self, falls: Callable[[float], bool | None], pga: float, reach: Reach) -> None:
+        self.falls, self.pga, self.ratio = falls, pga, reach.ratio
+        self.largest = reach.max_scale * pga
+        step = math.log(reach.ratio)
+        self.top = math.ceil(math.log(reach.max_scale) / step - 1e-9)
+        self.bottom = min(math.ceil(math.log(LEAST / pga) / step), self.top)
+        self.depth = math.ceil(math.log(1.0 / DOWN) / step - 1e-9)
+        self.tried: dict[float, bool | None] = {}
+        self.levels: dict[float, bool | None] = {}
+
+    def nearest(self, level: float) -> int:
+        """Return the place of a level (g)."""
+        return min(max(round(math.log(level / self.pga) / math.log(self.ratio)), self.bottom), self.top)
+
+    def run(self, place: float) -> bool | None:
+        """Whether the structure falls at a place; half a place lies between two."""
+        if place not in self.tried:
+            self.tried[place] = self.at(min(self.pga * self.ratio**place, self.largest))
+        return self.tried[place]
+
+    def at(self, level: float) -> bool | None:
+        """Whether the structure falls at a level (g)."""
+        if level not in self.levels:
+            self.levels[level] = self.falls(level)
+        return self.levels[level]
+
+    def those(self, fell: bool) -> list[float]:
+        """Places at which the structure falls, or stands."""
+        return [place for place, outcome in self.tried.items() if outcome is fell]
+
+    def bracket(self) -> tuple[float, float] | None:
+        """Return the largest level (g) below all collapses, 0: none, and the lowest collapse; None without one."""
+        fallen = [level for level, fell in self.levels.items() if fell]
+        if not fallen:
+            return None
+        low = min(fallen)
+        below = (level for level, fell in self.levels.items() if fell is False and level < low)
+        return max(below, default=0.0), low
+
+
+def _run_missing(lattice: _Lattice) -> None:
+    """Run the places that have still to be run, the next ones by what the last has shown."""
+    while True:
+        low = math.ceil(min(lattice.those(True), default=lattice.top + 1))
+        high = math.floor(max(lattice.those(False), default=low - 1))
+        below = range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1)
+        above = range(low + 1, min(max(high, low - 1) + CERTAIN, lattice.top) + 1)
+        place = next((each for each in (*below, *above) if each not in lattice.tried), None)
+        if place is None:
+            return
+        lattice.run(place)
+
+
+@dataclass(frozen=True, eq=False)
+class _Member(Track):
+    """A motion: when it ended (s of the window), why it `fell`, and the share of the integrator."""
+
+    end: float
+    fell: str
+    integrator: float
+
+
+@dataclass
+class _Motions:
+    """The motions of a scan, level by level (g)."""
+
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    start: State
+    scatter: Scatter
+    reach: Reach
+    curves: tuple[int, ...]
+    points: dict[float, Level] = field(default_factory=dict)
+    notes: dict[str, list[Message]] = field(default_factory=dict)  # by their template
+    refused: dict[float, Message] = field(default_factory=dict)  # why a level could not be completed
+    counts: dict[str, int] = field(default_factory=lambda: {"motions": 0})
+    worst: float = 0.0
+
+    def collapses(self, pga: float) -> bool | None:
+        """Run the motions of a level, of stripes the members of an ensemble; whether any collapses, None: not known."""
+        scatter = self.scatter if self.reach.stripes else replace(self.scatter, members=1)
+        members: list[_Member] = []
+        try:
+            while not enough(members, scatter, self.model.size):
+                members.append(self._run(pga, len(members)))
+        except ConvergenceError as error:
+            if self.reach.stripes:
+                raise
+            self.refused[pga] = error.message
+        self.points[pga] = self._point(pga, members)
+        return self.points[pga].collapsed
+
+    def _run(self, pga: float, number: int) -> _Member:
+        factor = self.scatter.strongest_first[number] * pga / self.motion.pga
+        done = self.counts["motions"]
+        expected = max(len(self.reach.stripes) or EXPECTED, done + 1)
+        with stretch(done / expected, (done + 1) / expected):
+            found = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
+        self.counts["motions"] += 1
+        for name, count in found.counts().items():
+            self.counts[name] = self.counts.get(name, 0) + count
+        self.worst = max(self.worst, found.worst)
+        firsts = {note.template: note for note in reversed(found.notes)}  # a motion counts once
+        for template, note in firsts.items():
+            self.notes.setdefault(template, []).append(note)
+        end, fell = float(found.time[-1]), found.last.collapse_reason
+        return _Member(found.time, found.displacement, found.collapsed, end, fell, found.integrator_share())
+
+    def _point(self, pga: float, members: Sequence[_Member]) -> Level:
+        """Return what the motions of a level come to; it counts as a collapse if any collapses."""
+        first = min((each for each in members if each.collapsed), key=lambda each: each.end, default=None)
+        peaks = [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
+        low, _, high = lowest_median_highest(peaks or [None])
+        found = Level(
+            pga_g=pga,
+            peak_displacement_m=high,
+            peak_displacement_m_range=[low, high],
+            residual_displacement_m=None
+            if first or not members
+            else max(abs(float(m.displacement[-1])) for m in members),
+            members=len(members),
+            members_collapsed=peaks.count(None),
+            collapsed=first is not None if members else None,
+            time_of_collapse_s=self.motion.start + first.end if first else None,
+            reason=first.fell if first else self.refused.get(pga),
+            integrator_share=max((each.integrator for each in members), default=None),
+        )
+        return found.replace(curves=list(self._curves(members))) if self.curves else found
+
+    def _curves(self, members: Sequence[_Member]) -> Iterator[MemberCurve]:
+        for number in sorted(number for number in self.curves if number <= len(members)):
+            member = members[number - 1]
+            kept = thinned(member.displacement, CURVE_POINTS)
+            yield MemberCurve(
+                member=number,
+                factor=self.scatter.strongest_first[number - 1],
+                time_s=(self.motion.start + member.time[kept]).round(6).tolist(),
+                displacement_m=member.displacement[kept].round(7).tolist(),
+            )

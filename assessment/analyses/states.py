@@ -1,0 +1,379 @@
+"""Analysis of states: all settlements first, then the pushover in every direction from the states at rest.
+
+A strengthening has the settlement of the state that it strengthens: its ties are set, and its layers changed, at rest.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
+
+from assessment.analyses.found import Found, joined
+from assessment.analyses.lateral import Pushed, PushSetting, push, pushover_title
+from assessment.analyses.paths import (
+    Settled,
+    configuration,
+    not_back,
+    path_title,
+    rest_as_drawn,
+    settle,
+)
+from assessment.project.model import StateModel
+from assessment.project.project import Project
+from assessment.project.schema import ControlTable, SettlementTable
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import Configuration, known
+from assessment.results.schema.static import PushdownPath, Pushovers, Run
+from assessment.runtime.tasks import Workers, large
+from mechanics import Assembly, State
+from mechanics.messages import Message, headed, message
+from mechanics.model import Behaviour, Direction
+from mechanics.procedures import Mirror
+from mechanics.steps import Sliding
+
+PAST_PEAK = 0.25  # of the peak of an elastic curve
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name.
+
+    `member`: its number in the ensemble of the state, 1: the run itself.
+    """
+
+    project: Project
+    model: StateModel
+    settlement: SettlementTable | None
+    behaviour: Behaviour
+    what: str = ""
+    member: int = 1
+
+    def within(self, project: Project) -> Self:
+        """Return the request for a state of the project in a project of other increments, the settlement's too."""
+        return replace(self, project=project, settlement=project.settlement_of(self.state))
+
+    @property
+    def state(self) -> str:
+        """Name of the state."""
+        return self.model.name
+
+    @property
+    def strengthens(self) -> bool:
+        """Whether it is a state that is strengthened after its settlement."""
+        return self.model.strengthened is not None
+
+    @property
+    def settling(self) -> "Settling | None":
+        """The settlement of the request; requests that settle alike share it. None: as drawn."""
+        if self.settlement is None:
+            return None
+        last = None
+        for each in (*self.project.movements_to(self.settlement.name)[:-1], self.settlement):
+            last = Settling(self.project, self.model.settling, each, self.behaviour, last)
+        return last
+
+    @property
+    def title(self) -> str:
+        """What is analysed, for people."""
+        return f"{self.what}{path_title(self.state, self.behaviour)}"
+
+    @property
+    def sliding(self) -> Sliding:
+        """How its joints slide."""
+        return self.project.contacts.sliding
+
+    @property
+    def directions(self) -> tuple[Direction, ...]:
+        """Directions of the pushover, none where the project has none under this behaviour."""
+        table = self.project.pushover
+        return table.directions if table and self.behaviour in table.contacts else ()
+
+
+@dataclass(frozen=True)
+class Settling:
+    """One settlement of an assembly under one behaviour; `before`: that in whose state it begins, None: as drawn."""
+
+    project: Project = field(compare=False)
+    model: Assembly
+    settlement: SettlementTable
+    behaviour: Behaviour
+    before: "Settling | None" = None
+
+
+Pushing = tuple[Request, tuple["Direction", ...]]
+"""A request, and the directions in which its curves are followed in one task."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """What is pushed, or shaken, and from where: `state` at rest, None: as drawn."""
+
+    model: Assembly
+    state: State | None
+
+
+@dataclass
+class StateResult:
+    """One state under one behaviour: its movement and its curves by direction, each with what is to be told of it.
+
+    `model`: what is pushed; `from_drawing`: as drawn. `reached`: the settled state, at rest; None where the structure
+    collapses before; `configuration`: its displacements from the drawing. `member`: its number in the ensemble of the
+    state. `scatters`: whether a path amplifies the last digits of its input.
+    """
+
+    state: str
+    behaviour: Behaviour
+    model: Assembly | None = None
+    moved: Found[Settled] | None = None
+    pushed: dict[Direction, Found[Pushed]] = field(default_factory=dict)
+    reached: State | None = None
+    configuration: Configuration | None = None
+    from_drawing: bool = False
+    member: int = 1
+    scatters: bool = False
+    own_failures: list[Message] = field(default_factory=list)
+    coarser_seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def pushdown(self) -> PushdownPath | None:
+        """The movement that leads to the state."""
+        return self.moved.value.path if self.moved and self.moved.value else None
+
+    @property
+    def pushover(self) -> dict[Direction, Pushovers]:
+        """The curves that were found, by direction."""
+        return {way: each.value.curves for way, each in self.pushed.items() if each.value}
+
+    @property
+    def parts(self) -> dict[str, list[Found[Any]]]:
+        """What was found, by stage."""
+        found: dict[str, list[Found[Any]]] = {"pushdown": [self.moved]} if self.moved else {}
+        return found | ({"pushover": list(self.pushed.values())} if self.pushed else {})
+
+    @property
+    def warnings(self) -> list[Message]:
+        """What to know about movement and curves."""
+        return [text for parts in self.parts.values() for each in parts for text in each.warnings]
+
+    @property
+    def failures(self) -> list[Message]:
+        """Why analyses could not be completed."""
+        found = [text for parts in self.parts.values() for each in parts for text in each.failures]
+        return [*found, *self.own_failures]
+
+    @property
+    def quality(self) -> list[QualityRow]:
+        """The worst certificate of each stage."""
+        rows = ([row for each in parts for row in each.quality] for parts in self.parts.values())
+        return [joined(each[0].state, each[0].stage, each) for each in rows if each]
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Computing time by stage, that of coarser runs of the state included."""
+        own = {stage: sum(each.seconds for each in parts) for stage, parts in self.parts.items()}
+        before = self.coarser_seconds
+        return {stage: own.get(stage, 0.0) + before.get(stage, 0.0) for stage in {**before, **own}}
+
+
+def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "") -> list[StateResult]:
+    """Settle the structure as each request asks, then push over the states at rest; `study`: for titles."""
+    prefix = f"{study}: " if study else ""
+    settled = _settled(requests, workers, prefix)
+    begun, restless = _beginnings(requests, settled, workers, prefix)
+    pushing = [(each, together) for each in begun for together in _together(each, begun[each])]
+    pushing.sort(key=lambda each: each[0].behaviour, reverse=True)  # rigid first: they take longest
+    pushed = _pushed(pushing, begun, workers, prefix)
+    again = _of_other_points(begun, pushed)
+    pushed |= _pushed(again, begun, workers, prefix, again)
+    for request, (way,) in _of_other_points(begun, pushed):
+        title = pushover_title(request.state, way, request.behaviour)
+        nothing = message(
+            "the control point of the rigid curve takes no part; give one that moves with elastic joints"
+        )
+        pushed[request, way] = Found(failures=[headed(title, nothing)])
+    results = []
+    for request in requests:
+        movement = settled.get(request.settling) if request.settling else None
+        result = _result(request, movement, begun.get(request))
+        for way in (way for way in request.directions if (request, way) in pushed):
+            found = pushed[request, way]
+            if found.value is not None:
+                run = Run(increment_m=known(request.project.pushover).increment_m, member=request.member)
+                found = replace(found, value=replace(found.value, curves=found.value.curves.replace(run=run)))
+            result.pushed[way] = found
+            result.scatters |= found.scatters
+        if request in restless:
+            title = path_title(request.state, request.behaviour)
+            result.own_failures.append(headed(title, restless[request]))
+        results.append(result)
+    return results
+
+
+def _pushed(
+    pushing: Iterable[Pushing], begun: Mapping[Request, Beginning], workers: Workers, prefix: str,
+    points: Mapping[Pushing, ControlTable] | None = None,
+) -> dict[tuple[Request, Direction], Found[Pushed]]:  # fmt: skip
+    """Return the curves of requests by direction; `points`: where not that of the project is followed."""
+    tasks, arguments = list(pushing), []
+    for request, together in tasks:
+        project, point, own = request.project, (points or {}).get((request, together)), begun[request]
+        controls = tuple(point or project.pushover_control(direction) for direction in together)
+        # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
+        whole = request.behaviour == "rigid" or (
+            project.assessment and project.assessment.model == "bilinear"
+        )
+        increment, until = known(project.pushover).increment_m, 0.0 if whole else PAST_PEAK
+        setting = PushSetting(request.behaviour, request.sliding, increment, until)
+        arguments.append((own.model, request.state, own.state, setting, together, controls))
+    titles = [f"{request.title}, {' and '.join(together)}" for request, together in tasks]
+    models = (begun[request].model for request, _ in tasks)
+    found = workers.each(f"{prefix}pushover", push, arguments, titles, large(*models))
+    return {
+        (request, direction): part
+        for (request, together), parts in zip(tasks, found, strict=True)
+        for direction, part in zip(together, parts, strict=True)
+    }
+
+
+def _of_other_points(
+    requests: Iterable[Request], pushed: Mapping[tuple[Request, Direction], Found[Pushed]]
+) -> dict[Pushing, ControlTable]:
+    """Return elastic curves of another control point than the rigid ones beside them, with the points of these."""
+    followed = [
+        (request, way, value.curves)
+        for request in requests
+        for way in request.directions
+        if (value := pushed[request, way].value) is not None
+    ]
+    rigid = {
+        (r.what, r.state, r.member, way): curves for r, way, curves in followed if r.behaviour == "rigid"
+    }
+    other: dict[Pushing, ControlTable] = {}
+    for request, way, own in followed:
+        beside = rigid.get((request.what, request.state, request.member, way), own)
+        if own.control != beside.control:
+            x, z = known(beside.control_m)
+            other[request, (way,)] = ControlTable(name=beside.control, point_m=(x, z))
+    return other
+
+
+def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict[Settling, Found[Settled]]:
+    """Return the settlements of all requests, each once, those that begin in the state of another one after it."""
+    waiting: dict[Settling, Request] = {}
+    for request in requests:
+        each = request.settling
+        while each is not None:
+            waiting.setdefault(each, request)
+            each = each.before
+    found: dict[Settling, Found[Settled]] = {}
+    while ready := [
+        each for each in waiting if each not in found and (not each.before or each.before in found)
+    ]:
+        for each in ready:
+            if each.before and _reached(found[each.before]) is None:
+                missing = message("the state that the movement begins in was not reached")
+                title = path_title(each.settlement.name, each.behaviour)
+                found[each] = Found(failures=[headed(title, missing)])
+        followed = [each for each in ready if each not in found]
+        tasks = []
+        for each in followed:
+            whole = each.settlement.model_copy(update={"steps": None})  # it knows no sweep
+            control = next(iter(each.project.control), None)
+            start = _reached(found[each.before]) if each.before else None
+            tasks.append((each.model, whole, each.behaviour, waiting[each].sliding, control, start))
+        titles = [
+            f"{waiting[each].what}{path_title(each.settlement.name, each.behaviour)}" for each in followed
+        ]
+        moved = workers.each(
+            f"{prefix}pushdown", settle, tasks, titles, large(*(each.model for each in followed))
+        )
+        for each, path in zip(followed, moved, strict=True):
+            reached = _reached(path)
+            told = _not_back(each, reached, found) if reached is not None else []
+            found[each] = replace(path, warnings=[*path.warnings, *told])
+    return found
+
+
+def _reached(movement: Found[Settled]) -> State | None:
+    return movement.value.reached if movement.value else None
+
+
+def _not_back(last: Settling, reached: State, found: Mapping[Settling, Found[Settled]]) -> list[Message]:
+    """Return what does not come back where all supports are where they were, as drawn or after an earlier movement."""
+    places: list[tuple[Message, State]] = []
+    earlier = last.before
+    while earlier is not None:
+        if (state := _reached(found[earlier])) is not None:
+            places.append((message("after {state}", state=earlier.settlement.name), state))
+        earlier = earlier.before
+    if places:
+        places.append((message("as drawn"), last.model.initial))
+    told = (not_back(last.model, reached, where, state) for where, state in places)
+    return [headed(path_title(last.settlement.name, last.behaviour), text) for text in told if text][:1]
+
+
+def _beginnings(
+    requests: Sequence[Request], settled: Mapping[Settling, Found[Settled]], workers: Workers, prefix: str
+) -> tuple[dict[Request, Beginning], dict[Request, Message]]:
+    """Return where each request is pushed from, and why others find no rest; not those that collapse before."""
+    resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
+    tasks = [(request.model.settling, request.sliding) for request in resting]
+    titles = [f"{request.title}, at rest" for request in resting]
+    models = (request.model.settling for request in resting)
+    rests = workers.each(f"{prefix}rest", rest_as_drawn, tasks, titles, large(*models))
+    at_rest = dict(zip(resting, rests, strict=True))
+    found, restless = {}, {}
+    for request in requests:
+        moved = settled[request.settling] if request.settling else None
+        reached = _reached(moved) if moved else at_rest.get(request)
+        if isinstance(reached, Message):
+            restless[request] = reached
+        elif reached is not None:
+            found[request] = Beginning(request.model.tied_at(reached), request.model.taken_over(reached))
+        elif moved is None:
+            found[request] = Beginning(request.model.assembly, None)
+    return found, restless
+
+
+def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
+    """Return the pushover of one state by direction, the curves of every behaviour together."""
+    found: dict[Direction, Pushovers] = {}
+    for result in results:
+        for direction, pushed in result.pushover.items():
+            own = found.setdefault(direction, pushed)
+            found[direction] = own.replace(**pushed.by_contacts)
+    return found
+
+
+def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]:
+    """Return the directions of a request; two whose curves are mirror images of each other are one task."""
+    alone: list[tuple[Direction, ...]] = [(direction,) for direction in request.directions]
+    if len(alone) < 2 or begun.state is not None:
+        return alone
+    mirror = Mirror.of(begun.model, request.behaviour)
+    one, other = (request.project.pushover_control(direction).point_m for direction in request.directions)
+    if mirror is None or not mirror.swaps(one, other):
+        return alone
+    return [request.directions]
+
+
+def _result(request: Request, settled: Found[Settled] | None, begun: Beginning | None) -> StateResult:
+    """Return the result of a request without curves; the movement before a strengthening is of the state before."""
+    model = begun.model if begun else request.model.assembly
+    result = StateResult(request.state, request.behaviour, model, member=request.member)
+    if settled is not None:
+        result.scatters = settled.scatters
+        if not request.strengthens:
+            result.moved = settled
+            if (moved := settled.value) and request.settlement:
+                increment = moved.path.applied_movement_m / request.settlement.increments
+                path = moved.path.replace(run=Run(increment_m=increment, member=request.member))
+                result.moved = replace(settled, value=replace(moved, path=path))
+        elif begun is None:
+            title = path_title(request.state, request.behaviour)
+            missing = message("the state that it strengthens was not reached")
+            result.own_failures.append(headed(title, missing))
+    if begun is not None:
+        result.from_drawing, result.reached = begun.state is None, begun.state
+        if begun.state is not None and settled is not None:
+            result.configuration = configuration(begun.model, begun.state)
+    return result

@@ -1,1 +1,0 @@
-"""Settlements and pushover of every state."""

@@ -1,0 +1,236 @@
+"""From a project's tables and drawing to an assembly of blocks, that of every state, and a repaired drawing."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from assessment.project import masonry
+from assessment.project.plausibility import implausible
+from assessment.project.project import Project
+from assessment.project.schema import StrengtheningTable, TieTable
+from assessment.runtime.errors import ProjectError, nearest
+from assessment.runtime.files import write_atomically
+from mechanics import Assembly, DrawingError, State, Tie
+from mechanics.faults import Fault, FaultyDrawingError
+from mechanics.messages import Message, headed, layer_key, message
+from mechanics.model import Layer, default_tolerance, repair_drawing, survey_drawing, survey_layout
+from mechanics.types import Array
+
+
+@dataclass(frozen=True, eq=False)
+class StateModel:
+    """The assembly of a state: `settling` as its support moves, or as drawn.
+
+    `strengthened`: what is pushed and shaken where the state is a strengthening, its last ties, `later` of them, as
+    long as drawn; None where nothing strengthens it.
+    """
+
+    name: str
+    settling: Assembly
+    strengthened: Assembly | None = None
+    later: int = 0
+
+    @property
+    def assembly(self) -> Assembly:
+        """What is pushed and shaken; ties that are set after the movement are as long as drawn."""
+        return self.strengthened or self.settling
+
+    def tied_at(self, reached: State | None) -> Assembly:
+        """Return what is pushed and shaken from a state (None: as drawn), where the last ties are set without slack."""
+        if self.strengthened is None or reached is None or not self.later:
+            return self.assembly
+        ties = self.strengthened.ties
+        lengths = tie_lengths(self.strengthened, reached.positions)
+        first = len(ties) - self.later
+        taut = [replace(ties[k], length=float(lengths[k])) for k in range(first, len(ties))]
+        return self.strengthened.tied((*ties[:first], *taut))
+
+    def taken_over(self, reached: State) -> State:
+        """Return the settled state as one of the strengthened assembly: ties that are set there remember nothing."""
+        if self.strengthened is None or not self.later:
+            return reached
+        longer: dict[str, Any] = {}
+        for key in ("shear", "carrying", "lengthened"):  # of contacts and ties (n,): zeros at their end
+            if (values := getattr(reached, key)) is not None:
+                longer[key] = np.pad(values, (0, self.later))
+        return replace(reached, **longer)
+
+    def varied(self, settling: Assembly) -> Self:
+        """Return the model of another assembly that settles: `settling` with corners elsewhere."""
+        if self.strengthened is None:
+            return replace(self, settling=settling)
+        blocks = [
+            replace(block, vertices=other.vertices)
+            for block, other in zip(self.strengthened.blocks, settling.blocks, strict=True)
+        ]
+        return replace(self, settling=settling, strengthened=replace(self.strengthened, blocks=blocks))
+
+
+def tie_lengths(model: Assembly, positions: Array) -> Array:
+    """Return the distance (t,) m of the ends of each tie at positions (b, 3)."""
+    found = []
+    for tie, blocks in zip(model.ties, model.tie_blocks.tolist(), strict=True):
+        ends = [
+            point + model.point_displacement(point, block, positions)
+            for point, block in zip(tie.points, blocks, strict=True)
+        ]
+        found.append(float(np.hypot(*(ends[1] - ends[0]))))
+    return np.array(found)
+
+
+def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
+    """Return the assembly of every state by name; `drawn`: without ties.
+
+    Raises ProjectError for a wrong tie or layer.
+    """
+    known: dict[tuple[str, ...], Assembly] = {(): drawn}
+    found = {}
+    for name in project.states:
+        there, later = project.ties_of(name)
+        names = tuple(tie.name for tie in there)
+        if names not in known:  # one assembly for all states of the same ties
+            known[names] = _tied(project, drawn, there)
+        found[name] = StateModel(name, known[names])
+        if made := project.strengthening_of(name):
+            changed = _with_changed_layers(project, known[names], made)
+            strengthened = _tied(project, changed, (*there, *later))
+            found[name] = StateModel(name, known[names], strengthened, len(later))
+    return found
+
+
+def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Assembly:
+    """Return the assembly with ties. Raises ProjectError for one that does not join two of its blocks."""
+    ties = []
+    for each in tables:
+        key = f"{project.source}: tie.{each.name}"
+        blocks = [masonry.block_at(model, f"{key}.{end}", getattr(each, end)) for end in ("from_m", "to_m")]
+        if blocks[0] == blocks[1]:
+            text = f"both ends are in block {blocks[0]}; write a point of another one"
+            raise ProjectError(f"{key}.to_m: {text}")
+        if not model.movable[blocks].any():
+            text = "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
+            raise ProjectError(f"{key}.to_m: {text}")
+        bar = (each.yield_force_kN, each.stiffness_kN_m, each.pretension_kN)
+        ties.append(Tie(each.name, each.from_m, each.to_m, *bar))
+    return model.tied(ties)
+
+
+def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningTable) -> Assembly:
+    """Return the assembly with the joints of some layers changed."""
+    changes: dict[str, dict[str, float]] = {}
+    layers = {layer_key(block.layer): block.layer for block in model.blocks}
+    for layer, table in made.layers.items():
+        if layer_key(layer) not in layers:
+            key = f"{project.source}: strengthening[{project.strengthening.index(made) + 1}].layers.{layer}"
+            raise ProjectError(f"{key}: no block on that layer; {nearest(layer, sorted(layers.values()))}")
+        given = {key: getattr(table, key) for key in type(table).model_fields}
+        changes[layer_key(layer)] = {
+            masonry.MATERIAL[key]: value for key, value in given.items() if value is not None
+        }
+    if not changes:
+        return model
+    changed = [
+        replace(block, material=replace(block.material, **changes.get(layer_key(block.layer), {})))
+        for block in model.blocks
+    ]
+    return replace(model, blocks=changed)
+
+
+UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are mended"
+
+
+@dataclass(frozen=True, eq=False)
+class ProjectModel:
+    """The blocks and joints of a project as drawn, the assembly of every state by name, warnings about the drawing.
+
+    `cracks`: lines (n, 2), m, that the drawing has of a survey.
+    """
+
+    assembly: Assembly
+    states: Mapping[str, StateModel]
+    warnings: tuple[Message, ...]
+    cracks: tuple[Array, ...] = ()
+
+
+def build_model(project: Project) -> ProjectModel:
+    """Read the drawing, check it, and place control points and ties.
+
+    Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
+    that is no assembly, and ProjectError for a control point in a support, one, the end of a tie or a measurement
+    outside every block, a crack or slip at no joint, or a mechanism whose blocks are not there.
+    """
+    geometry = project.geometry
+    drawing = masonry.as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))
+    name, blocks, faults = geometry.drawing, drawing.blocks, drawing.faults
+    if not blocks:
+        raise FaultyDrawingError(name, faults, drawing.outlines)
+    if not faults and all(block.support is not None for block in blocks):
+        noticed = "".join(f" ({warning})" for warning in drawing.warnings)
+        text = f"every block is a support; put the movable ones on other layers{noticed}"
+        raise FaultyDrawingError(name, [Fault("layer", text)], drawing.outlines)
+    tolerance = geometry.tolerance_m or default_tolerance(blocks)
+    layout = survey_layout(blocks, tolerance, whole=not faults)
+    if faults or layout.faults:
+        remedy = layout.hint if not faults else UNSEEN
+        raise FaultyDrawingError(name, (*faults, *layout.faults), drawing.outlines, remedy)
+    warnings = drawing.warnings + layout.warnings
+    unset = sorted({block.layer for block in blocks if block.material.normal_stiffness is None})
+    if unset and project.elastic:
+        raise ProjectError(
+            f"{project.source}: layers.{unset[0]}.normal_stiffness_kN_m3: missing ({', '.join(unset)}), "
+            "and elastic analyses need it for every block; give it there or in [material]"
+        )
+    collisions = project.contacts.collisions
+    try:
+        assembly = Assembly(blocks, geometry.segments_per_joint, tolerance, collisions)
+    except ValueError as error:  # a block too light beside the others
+        raise DrawingError(f"{name}: {error}") from None
+    unit = "".join(f" ({warning})" for warning in drawing.warnings if "$INSUNITS" in warning)
+    for point in project.control:
+        key = f"{project.source}: control.{point.name}.point_m"
+        block = assembly.blocks[masonry.block_at(assembly, key, point.point_m, unit)]
+        if block.support is not None:
+            text = f'{list(point.point_m)} is in the support "{block.support}", which no push moves'
+            raise ProjectError(f"{key}: {text}; move it into another block")
+    masonry.chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
+    masonry.gauges(project, assembly)  # likewise
+    states = state_models(project, assembly)
+    far = assembly.as_drawn([0.0, 0.0])
+    if far.any():
+        told = message(
+            "drawn far from (0, 0): in hand checks and in the steps of given mechanisms x and z count from ({x:.0f}, "
+            "{z:.0f}) m", x=far[0], z=far[1],
+        )  # fmt: skip
+        warnings += (headed(name, told),)
+    return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)), drawing.cracks)
+
+
+def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], float | None]:
+    """Return a project's drawing, its unit, the layers and the sagitta: what `read_drawing` is called with."""
+    geometry = project.geometry
+    return (
+        project.path(geometry.drawing), geometry.unit, masonry.layer_of(project, None),
+        {name: masonry.layer_of(project, table) for name, table in project.layers.items()}, geometry.sagitta_m,
+    )  # fmt: skip
+
+
+def with_repaired_drawing(project: Project) -> tuple[Project, tuple[str, ...]]:
+    """Write the repaired drawing beside the original; return the project with it, and a line for each change.
+
+    Where nothing is to be repaired nothing is written; an earlier one is kept, and this gets the next number. Raises
+    DrawingError where the drawing cannot be read, OSError where none can be written.
+    """
+    path = project.path(project.geometry.drawing)
+    repair = repair_drawing(*how_to_read(project), project.geometry.tolerance_m)
+    if not repair.changes:
+        return project, ()
+    ends = ["", *(f"-{n}" for n in range(2, 1000))]
+    numbered = (path.with_name(f"{path.stem}-repaired{end}.dxf") for end in ends)
+    beside = next(each for each in numbered if not each.exists() or each.read_bytes() == repair.file)
+    write_atomically(beside, repair.file)
+    name = beside.relative_to(project.folder) if beside.is_relative_to(project.folder) else beside
+    geometry = project.geometry.model_copy(update={"drawing": name.as_posix()})
+    return project.model_copy(update={"geometry": geometry}), repair.changes

@@ -1,0 +1,262 @@
+"""The drawing of the model, to scale, in black and white; of a drawing that is no assembly its outlines and faults.
+
+Other drawings of the structure are made of the same parts: earlier outlines, ties, arrows, numbers.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+
+from assessment.report.figures.style import Panels, foot, key, sheet
+from assessment.report.language import Words, direction_name
+from assessment.results.frames import ties_of
+from assessment.results.joint_states import outlines
+from assessment.results.schema import Direction, DrawnBlock, Results, Settlement
+from assessment.results.table import sense
+from mechanics.faults import Fault, FaultyDrawingError, Outline
+from mechanics.pictures import FAINT, INK, SUPPORT, TIE, Bounds, Shape, fill, place
+from mechanics.types import Array
+
+LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
+SHAFT = [(-0.05, 1.0), (0.05, 1.0), (0.05, -0.2), (0.3, -0.2), (0.0, -1.0), (-0.3, -0.2), (-0.05, -0.2)]
+DOWN = Path([*SHAFT, SHAFT[0]], closed=True)  # an arrow, as a mark
+MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
+ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
+PLATE_MM = 2.4  # length of the plate at an end of a tie
+PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
+DIMENSION = ARROW | {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.35", "lw": 0.5}
+WHITE: dict[str, Any] = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
+ON_WHITE: dict[str, Any] = {"textcoords": "offset points", "bbox": WHITE}
+
+
+def draw_model(results: Results, words: Words) -> Figure:
+    """Draw blocks by layer, supports, vertical loads, control points and overall dimensions."""
+    shape, blocks = outlines(results), results.geometry.blocks
+    by_layer: dict[str, list[int]] = {}
+    for number, block in enumerate(blocks):
+        by_layer.setdefault(block.layer, []).append(number)
+    named = {}  # in the legend, cut to the room that it has
+    for layer, own in sorted(by_layer.items()):
+        support = blocks[own[0]].support
+        text = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
+        named[layer] = text if len(text) <= LONGEST_NAME else f"{text[: LONGEST_NAME - 1]}…"
+    labels = min(len(named), MOST_NAMED + 1) + 3  # layers, loads, control points, ties
+    page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0, foot_mm=foot(labels))
+    axes = page.panels[0]
+    handles: list[Any] = []
+    for index, (layer, label) in enumerate(named.items()):
+        grey = SUPPORT if blocks[by_layer[layer][0]].support else LAYER_GREYS[index % len(LAYER_GREYS)]
+        fill(axes, shape, by_layer[layer], grey)
+        if index < MOST_NAMED:
+            handles.append(Patch(facecolor=grey, edgecolor=INK, linewidth=0.5, label=label))
+    if len(named) > MOST_NAMED:
+        more = words.plain("figure.more_layers", count=len(named) - MOST_NAMED)
+        handles.append(key(more, linestyle="none"))
+    handles += _loads(page, axes, blocks, words)
+    handles += _controls(axes, results, words)
+    handles += _ties(page, axes, results, words)
+    _dimensions(page, axes, shape.bounds, words)
+    page.legend(handles, words)
+    return page.figure
+
+
+def _loads(page: Panels, axes: Axes, blocks: Sequence[DrawnBlock], words: Words) -> list[Any]:
+    loaded = [block for block in blocks if block.vertical_load_kN]
+    for block in loaded:
+        x, z = block.centroid_m
+        axes.annotate("", (x, z), (x, z + page.paper(7.0)), arrowprops=ARROW | {"color": INK})
+    sizes = sorted({block.vertical_load_kN for block in loaded})
+    text = " / ".join(words.number(size) for size in sizes)
+    label = words.plain("figure.loads", count=len(loaded), loads=text)
+    mark: dict[str, Any] = {"linestyle": "none", "marker": DOWN, "markersize": 9.0, "color": INK}
+    return [key(label, **mark)] if loaded else []
+
+
+def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
+    controls = results.geometry.controls
+    mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
+    middle = sum(axes.get_xlim()) / 2.0
+    for control in controls:
+        x, z = control.point_m
+        axes.plot(x, z, **mark)
+        # names lie outside, away from one another
+        away, side = (-4.0, "right") if x < middle else (4.0, "left")
+        axes.annotate(control.name, (x, z), (away, 4.0), ha=side, fontweight="bold", **ON_WHITE)
+    return [key(words.plain("figure.control"), **mark)] if controls else []
+
+
+def _ties(page: Panels, axes: Axes, results: Results, words: Words) -> list[Any]:
+    """Draw every tie, whatever states it is in, with its name."""
+    ties = results.model.ties or ()
+    ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
+    draw_ties(page, axes, ends)
+    for tie, (start, end) in zip(ties, ends, strict=True):
+        axes.annotate(tie.name, (start + end) / 2.0, (0.0, 3.0), ha="center", va="bottom", **ON_WHITE)
+    return [key(words.plain("figure.tie"), **TIE)] if ties else []
+
+
+def _dimensions(page: Panels, axes: Axes, bounds: Bounds, words: Words) -> None:
+    x0, z0, x1, z1 = bounds
+    off, tick = page.paper(7.0), page.paper(1.5)
+    axes.annotate("", (x1, z0 - off), (x0, z0 - off), arrowprops=DIMENSION)
+    axes.annotate("", (x0 - off, z1), (x0 - off, z0), arrowprops=DIMENSION)
+    for x in (x0, x1):
+        axes.plot([x, x], [z0 - off - tick, z0 - tick], color=INK, linewidth=0.4)
+    for z in (z0, z1):
+        axes.plot([x0 - off - tick, x0 - tick], [z, z], color=INK, linewidth=0.4)
+    label = {"ha": "center", "va": "center", "bbox": WHITE | {"pad": 1.0}}
+    axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
+    axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
+
+
+def _metres(value: float, words: Words) -> str:
+    return f"{words.comma(f'{value:.3f}'.rstrip('0').rstrip('.'))} m"
+
+
+RED = "#c00000"
+MOST_NUMBERS = 400  # beyond it they would only cover each other
+SURFACES = {"thin": "xxxx", "twice": "\\\\\\\\", "overlap": "", "floating": "////"}  # hatches
+SMALL = {"outline", "overlap", "thin"}  # a number would cover what it marks
+NUMBER: dict[str, Any] = {
+    "ha": "center",
+    "va": "center",
+    "color": RED,
+    "fontweight": "bold",
+    "fontsize": 6.5,
+    "bbox": {"boxstyle": "circle,pad=0.25", "facecolor": "1.0", "edgecolor": RED, "linewidth": 0.6},
+    "arrowprops": {"arrowstyle": "-", "color": RED, "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 0.0},
+}
+
+
+def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
+    """Draw the outlines that could be read, to scale, and mark every fault that has a place; ValueError without any."""
+    points = np.concatenate([outline.points for outline in faulty.outlines])
+    (x0, z0), (x1, z1) = np.quantile(points, (0.0, 1.0), axis=0).tolist()
+    page = sheet((x0, z0, x1, z1), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
+    axes = page.panels[0]
+    for grey in ("0.95", SUPPORT, "none"):
+        rings = [(each.points, each.closed) for each in faulty.outlines if _grey(each) == grey]
+        if rings:
+            axes.add_artist(PathPatch(_path(rings), facecolor=grey, edgecolor=INK, linewidth=0.4))
+    for kind in dict.fromkeys(fault.kind for fault in faulty.faults):
+        _mark(axes, kind, [fault for fault in faulty.faults if fault.kind == kind])
+    marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
+    for turn, (number, fault) in enumerate(marked[:MOST_NUMBERS]):
+        angle = 0.7 + 2.4 * turn  # neighbours' numbers lie on different sides
+        off = 12.0 if fault.kind in SMALL else 0.0
+        away = (off * np.cos(angle), off * np.sin(angle))
+        axes.annotate(str(number), fault.points[0], away, textcoords="offset points", **NUMBER)
+    page.legend(_handles(faulty.faults, words), words)
+    return page.figure
+
+
+def _grey(outline: Outline) -> str:
+    return "none" if not outline.closed else SUPPORT if outline.support else "0.95"
+
+
+def _path(rings: Sequence[tuple[Array, bool]]) -> Path:
+    """Return outlines, closed or not, as one path, which is one element of the SVG."""
+    curves = [Path(np.vstack([r, r[:1]]) if closed else r, closed=closed) for r, closed in rings]
+    return Path.make_compound_path(*curves)
+
+
+def _mark(axes: Axes, kind: str, faults: Sequence[Fault]) -> None:
+    """Mark the faults of a kind, however many, by one artist for their lines and one for their points."""
+    lines = [own for fault in faults if (own := [line for line in fault.lines if len(line) > 1])]
+    if lines and kind in SURFACES:
+        shapes = [_path([(line, True) for line in own]) for own in lines]
+        axes.add_artist(PathCollection(shapes, **_surface(kind)))
+    elif lines:
+        path = _path([(line, False) for own in lines for line in own])
+        thick = 2.4 if kind == "gap" else 1.3
+        axes.add_artist(PathPatch(path, fill=False, edgecolor=RED, linewidth=thick, capstyle="round"))
+    if kind == "outline":
+        points = np.concatenate([fault.points for fault in faults])
+        axes.plot(*points.T, linestyle="none", marker="o", markersize=3.5, color=RED)
+
+
+def _surface(kind: str) -> dict[str, Any]:
+    face = {"facecolor": RED, "alpha": 0.45} if kind == "overlap" else {"facecolor": "none"}
+    return {"edgecolor": RED, "linewidth": 1.0, "hatch": SURFACES[kind], **face}
+
+
+def _handles(faults: Sequence[Fault], words: Words) -> list[Any]:
+    counts = Counter(fault.kind for fault in faults)
+    handles: list[Any] = []
+    for kind, count in counts.items():
+        label = words.plain(f"figure.fault_{kind}", count=count)
+        if kind in SURFACES:
+            handles.append(Patch(label=label, **_surface(kind)))
+        else:
+            handles.append(Line2D([], [], color=RED, linewidth=2.4 if kind == "gap" else 1.3, label=label))
+    return handles
+
+
+def ghost_handle(label: str) -> Line2D:
+    """Return the legend's line of an earlier outline."""
+    return key(label, color=FAINT, linewidth=0.8, linestyle=(0, (4, 2)))
+
+
+def movement_arrow(page: Panels, axes: Axes, shape: Shape, results: Results, settlement: Settlement) -> None:
+    """Draw the arrow of a support's movement, and a half circle of its rotation."""
+    moved = [i for i, block in enumerate(results.geometry.blocks) if block.support == settlement.support]
+    x, z = shape.centroids[moved].mean(axis=0)
+    dx, dz = settlement.displacement_m
+    if size := float(np.hypot(dx, dz)):
+        reach = page.paper(9.0) / size
+        axes.annotate("", (x + reach * dx, z + reach * dz), (x, z), arrowprops=ARROW | {"lw": 1.4})
+    if turn := settlement.rotation_rad:  # a half circle over the support, anticlockwise from right to left
+        half = math.copysign(page.paper(5.0), turn)
+        bent = {"connectionstyle": f"arc3,rad={math.copysign(1.0, turn)}"}
+        axes.annotate("", (x - half, z), (x + half, z), arrowprops=ARROW | {"lw": 1.4} | bent)
+
+
+def push_arrow(page: Panels, axes: Axes, bounds: Bounds, direction: Direction) -> None:
+    """Draw the arrow of the lateral loads above a model."""
+    sign = sense(direction)
+    x, z = (bounds[0] + bounds[2]) / 2.0, bounds[3] + page.paper(4.0)
+    half = page.paper(8.0) * sign
+    axes.annotate("", (x + half, z), (x - half, z), arrowprops=ARROW | {"lw": 1.2})
+    text, side = f"α ({direction_name(direction)})", "left" if sign > 0 else "right"
+    axes.annotate(text, (x + half, z), (4.0 * sign, 0.0), textcoords="offset points", ha=side, va="center")
+
+
+def draw_ties(page: Panels, axes: Axes, ends: Iterable[Array]) -> None:
+    """Draw ties by their ends (2, 2) m, each with its two plates."""
+    for start, end in ends:
+        axes.plot([start[0], end[0]], [start[1], end[1]], **TIE)
+        along = (end - start) / max(float(np.hypot(*(end - start))), 1e-12)
+        half = 0.5 * page.paper(PLATE_MM) * np.array([-along[1], along[0]])
+        for point in (start, end):
+            axes.plot(*np.array([point - half, point + half]).T, **PLATE)
+
+
+def tie_handles(results: Results, words: Words, *states: str) -> list[Line2D]:
+    """Return the legend of ties, nothing where none of the states has one."""
+    there = any(ties_of(results, state) for state in states)
+    return [key(words.plain("figure.tie"), **TIE)] if there else []
+
+
+def moved_ends(results: Results, state: str, configuration: Any, times: float = 1.0) -> Iterator[Array]:
+    """Yield the ends (2, 2) m of the ties of a state where blocks are displaced by `times` a configuration (b, 3)."""
+    drawn, at = outlines(results), np.asarray(configuration, dtype=float)
+    for tie in ties_of(results, state):
+        ends = np.array([tie.start_m, tie.end_m])
+        yield ends + times * (place(ends, np.array(tie.blocks), drawn.centroids, at) - ends)
+
+
+def write_number(
+    axes: Axes, text: str, at: Array, away: tuple[float, float] = (0.0, 0.0), **style: Any
+) -> None:
+    """Write a number at a place (2,) m, or so many points away from it."""
+    place: Any = {"textcoords": "offset points", "ha": "center", "va": "center", "annotation_clip": False}
+    axes.annotate(text, (at[0], at[1]), away, **place, **style)

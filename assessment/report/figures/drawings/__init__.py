@@ -1,1 +1,0 @@
-"""Drawings of the structure to scale, in black and white."""

@@ -1,1 +1,0 @@
-"""The words of the report in Italian and English, and how numbers are written."""

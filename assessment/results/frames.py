@@ -1,0 +1,279 @@
+"""The frames of a path: where the blocks are at some of its points, and what the joints carry there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from assessment.results.joint_states import Met, outlines, shares
+from assessment.results.schema import DrawnTie, Frames, Results, ShakenTie, Snapshots, TieTension
+from assessment.results.schema.part import finite, plain
+from mechanics import Assembly, State
+from mechanics.pictures import field, place
+from mechanics.types import Array, Mask
+
+if TYPE_CHECKING:
+    from mechanics import Assembly
+    from mechanics.model import Contacts, State
+    from mechanics.procedures import Pushdown, Pushover
+    from mechanics.types import Array
+
+YIELDS = 1.0 - 1e-6  # of the yield force: the tension of a tie that yields
+NOTICED = 1e-6  # of the largest displacement, or of the model's size: less is none
+NUMBERS = 40_000  # most numbers of the frames of one path, in results.json and in the page
+FEWEST, MOST = 15, 60  # frames of a static path
+FEWEST_IN_TIME, MOST_IN_TIME = 24, 150
+LEAST = 1e-6  # of the model's weight: least force of a pair that met and is described
+DIGITS = 6  # of the model's size and weight: positions and forces are kept for pictures
+
+
+def tensions(model: Assembly, forces: Array) -> Array:
+    """Return the tension (t,) kN of each tie under the forces (j, 3) of contacts: joints, ties, pairs that met."""
+    first = len(model.joints.a)
+    found: Array = forces[first : first + len(model.ties), 0]
+    return found
+
+
+def along_path(
+    model: Assembly,
+    path: Pushdown | Pushover,
+    carried: Sequence[Array | None],
+    peak: int,
+    rest: Array | None,
+    known: Mask | None = None,
+) -> list[TieTension] | None:
+    """Return the tension of each tie along a path, None where there is no tie.
+
+    `carried`: forces (j, 3) at each point of the `path`, None: not known; `peak`: which point; `rest`: forces where the
+    path starts; `known` (k, t): at which points the tension of a tie is determined, default at all.
+    """
+    if not model.ties:
+        return None
+    pulled = np.full((len(carried), len(model.ties)), np.nan)
+    for point, forces in enumerate(carried):
+        if forces is not None:
+            pulled[point] = tensions(model, forces)
+    if known is not None:
+        pulled[~known] = np.nan
+    greatest = np.fmax.reduce(pulled, axis=0)
+    at_rest = np.full(len(model.ties), np.nan) if rest is None else tensions(model, rest)
+    begun, ended = (path.states[at].lengthened for at in (0, -1))
+    longer = (0.0 if ended is None else ended) - (np.zeros(len(model.ties)) if begun is None else begun)
+    found = []
+    for tie, *three, yields, more in zip(
+        model.ties, at_rest, pulled[peak], greatest, yielding(model, greatest), longer, strict=True
+    ):
+        start, top, most = (finite(float(force)) for force in three)
+        found.append(
+            TieTension(
+                tie=tie.name,
+                rest_kN=start,
+                peak_kN=top,
+                greatest_kN=most,
+                yields=bool(yields),
+                lengthening_m=float(more),
+            )
+        )
+    return found
+
+
+def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
+    """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints.
+
+    It is where the two blocks of a tie move against each other: the hinges of a mechanism leave no self-stress. Between
+    blocks that rest, or move as one, a tie and the joints beside it bear any self-stress that they can.
+    """
+    found = np.zeros((len(moved), len(model.ties)), dtype=bool)
+    for point, motion in enumerate(moved):
+        least = NOTICED * float(abs(motion[:, :2]).max())
+        for k, (tie, (a, b)) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
+            arm = model.from_origin(tie.points[0]) - model.initial.positions[[a, b], :2]
+            at = [
+                motion[block, :2] + motion[block, 2] * np.array([-z, x])
+                for block, (x, z) in zip((a, b), arm, strict=True)
+            ]
+            turn = abs(motion[a, 2] - motion[b, 2]) * tie.taut_length
+            found[point, k] = max(float(abs(at[0] - at[1]).max()), float(turn)) > least
+    return found
+
+
+def while_shaken(
+    model: Assembly, time: Array, forces: Array, final: State, rigid: bool
+) -> list[ShakenTie] | None:
+    """Return the greatest tension of each tie in a motion, None where there is no tie.
+
+    `time` (k,) s; `forces` (k, j, 3) kN and kNm of the drawn contacts, ties among them; `final`: the state at the end.
+    With `rigid` joints the tension is not determined, and a tie that has lengthened has yielded.
+    """
+    if not model.ties:
+        return None
+    longer = np.zeros(len(model.ties)) if final.lengthened is None else final.lengthened
+    if rigid:
+        none = {"greatest_kN": None, "time_s": None}
+        lengthened = zip(model.ties, longer > NOTICED * model.size, strict=True)
+        return [ShakenTie(tie=tie.name, yields=bool(more), **none) for tie, more in lengthened]
+    pulled = np.array([tensions(model, each) for each in forces])
+    at, greatest = pulled.argmax(axis=0), pulled.max(axis=0)
+    yields = yielding(model, greatest) | (longer > NOTICED * model.size)
+    rows = zip(model.ties, greatest.tolist(), time[at].tolist(), yields.tolist(), strict=True)
+    return [
+        ShakenTie(tie=tie.name, greatest_kN=most, time_s=when, yields=full) for tie, most, when, full in rows
+    ]
+
+
+def yielding(model: Assembly, tension: Array) -> Mask:
+    """Return which ties (t,) yield under a tension (t,) kN."""
+    found: Mask = tension >= YIELDS * np.array([tie.yield_force for tie in model.ties])
+    return found
+
+
+def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:
+    """Return by how much each tie (t,) is longer under virtual displacements (b, 3) at positions (b, 3); 0: not."""
+    found = np.zeros(len(model.ties))
+    least = NOTICED * float(abs(delta[:, :2]).max())
+    for k, (tie, blocks) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
+        ends, moved = np.zeros((2, 2)), np.zeros((2, 2))
+        for end, (point, block) in enumerate(zip(tie.points, blocks, strict=True)):
+            ends[end] = model.from_origin(point) + model.point_displacement(point, block, positions)
+            arm = ends[end] - positions[block, :2]
+            moved[end] = delta[block, :2] + delta[block, 2] * np.array([-arm[1], arm[0]])
+        along = ends[1] - ends[0]
+        more = float((moved[1] - moved[0]) @ along / np.hypot(*along))
+        found[k] = more if more > least else 0.0
+    return found
+
+
+def ties_of(results: Results, state: str) -> list[DrawnTie]:
+    """Return the ties of a state, in the order of its tensions: those that a strengthening sets come last."""
+    there = [tie for tie in results.model.ties or () if state in tie.states]
+    return sorted(there, key=lambda tie: state in tie.set_in)
+
+
+def tie_ends(results: Results, tie: DrawnTie, configuration: ArrayLike) -> Array:
+    """Return both ends (2, 2) m of a tie where the blocks are displaced by a configuration (b, 3)."""
+    at = np.asarray(configuration, dtype=float)
+    return place(np.array([tie.start_m, tie.end_m]), np.array(tie.blocks), outlines(results).centroids, at)
+
+
+def lengthening(results: Results, tie: DrawnTie, configuration: ArrayLike, rate: ArrayLike) -> float:
+    """Return the virtual lengthening of a tie under virtual displacements (b, 3) at a configuration (b, 3)."""
+    drawn = outlines(results)
+    shape = drawn.moved(configuration)
+    ends, owner = tie_ends(results, tie, configuration), np.array(tie.blocks)
+    moved = field(ends, owner, shape.centroids, np.asarray(rate, dtype=float))
+    along = ends[1] - ends[0]
+    return float((moved[1] - moved[0]) @ along / np.hypot(*along))
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What joints carry: forces N, P, T (j, 3), kN and kNm, of contacts, the drawn joints first."""
+
+    contacts: Contacts
+    forces: Array
+
+
+def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Frames:
+    """Frames of a capacity curve, its onset, peak and end among them; see `frames`."""
+    # a rigid curve has no step at its onset: the forces there are those of the limit analysis
+    lead: list[Carried | None] = [] if len(path.steps) == len(path.states) else [None]
+    carried = [*lead, *(Carried(step.contacts, step.forces) for step in path.steps)]
+    carried[path.formed] = Carried(path.contacts, path.forces)
+    return frames(model, path.states, carried, (path.peak, path.formed), met)
+
+
+def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Frames:
+    """Frames of a movement, that of the `whole` movement (m) among them; see `frames`."""
+    asked = int(np.argmin(abs(path.movement - whole)))
+    carried = [Carried(step.contacts, step.forces) for step in path.steps]
+    return frames(model, path.states, carried, (asked,), Met(model))
+
+
+def frames(
+    model: Assembly, states: Sequence[State], carried: Sequence[Carried | None], wanted: Iterable[int],
+    met: Met,
+) -> Frames:  # fmt: skip
+    """Describe some points of a path (see `_pictured`): first, last and `wanted` ones, others evenly between them."""
+    kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
+    at = [states[k].positions for k in kept]
+    found = _pictured(model, at, [carried[k] for k in kept], met)
+    return Frames(index=kept, **found)
+
+
+def _size(model: Assembly) -> int:
+    """Numbers of one frame."""
+    return 3 * (len(model.blocks) + len(model.joints.a))
+
+
+def _pictured(
+    model: Assembly, positions: Sequence[Array], carried: Sequence[Carried | None], met: Met
+) -> dict[str, Any]:
+    """Return what frames and snapshots have in common, by their keys: some points of a path (f,).
+
+    `configuration` (f, b, 3): displacements and rotations of the blocks, m and rad; `force_kN` (f, j, 2): N and T of
+    each joint, `centre` (f, j): where N presses, as a share of the overlap; None where not known. Joints are the drawn
+    ones and then those in `met`, which did not touch as drawn. `tie_kN` (f, t): tension of each tie of the state.
+    """
+    least = LEAST * model.weight
+    numbers = [None if c is None else met.numbers(c.contacts, c.forces[:, 0] > least) for c in carried]
+    count = met.drawn + len(met.joints)
+    force: list[Any] = []
+    centre: list[Any] = []
+    for at, c, number in zip(positions, carried, numbers, strict=True):
+        if c is None or number is None:
+            force.append(None)
+            centre.append(None)
+            continue
+        known = number >= 0
+        resultant, share = np.zeros((count, 2)), np.full(count, np.nan)
+        resultant[number[known]] = c.forces[known][:, [0, 2]]
+        share[number[known]] = shares(c.contacts.places(at), c.forces)[known]
+        share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
+        force.append(_rounded(resultant, model.weight))
+        centre.append(plain(np.round(share, 6).tolist()))
+    told = {"configuration": configurations(model, np.array(positions)), "force_kN": force, "centre": centre}
+    told["met"] = list(met.joints)
+    if model.ties:
+        told["tie_kN"] = [
+            None if c is None else _rounded(tensions(model, c.forces), model.weight) for c in carried
+        ]
+    return told
+
+
+def snapshots(
+    model: Assembly, time: Array, displacement: Array, positions: Array, forces: Array, peak: int
+) -> Snapshots:
+    """Describe some times of a motion (see `_pictured`), evenly spaced, the peak among them, of the drawn joints.
+
+    `time` (k,) s; `displacement` (k,) m of the control point; `positions` (k, b, 3); `forces` (k, j, 3), kN and kNm:
+    those of the step that led there.
+    """
+    kept = chosen(len(time), max(FEWEST_IN_TIME, min(MOST_IN_TIME, NUMBERS // _size(model))), (peak,))
+    carried = [Carried(model.contacts, forces[k]) if k > 0 or forces[k].any() else None for k in kept]
+    # a motion knows no forces before its first step
+    found = _pictured(model, [positions[k] for k in kept], carried, Met(model))
+    return Snapshots(
+        time_s=np.round(time[kept], 6).tolist(), displacement_m=displacement[kept].tolist(), **found
+    )
+
+
+def chosen(count: int, most: int, wanted: Iterable[int]) -> list[int]:
+    """Return about `most` of `count` points, evenly spaced, with the first, the last and the wanted ones."""
+    spaced = np.linspace(0, count - 1, min(count, most)).round().astype(int)
+    return sorted({*spaced.tolist(), *(int(k) for k in wanted)})
+
+
+def configurations(model: Assembly, positions: Array) -> list[list[list[float]]]:
+    """Displacements and rotation (f, b, 3) of the blocks from the drawing, rounded as pictures need them."""
+    extent = max(float(np.ptp(np.concatenate([block.polygon for block in model.blocks]), axis=0).max()), 1e-9)
+    return _rounded(positions - model.initial.positions, extent)
+
+
+def _rounded(values: Array, size: float) -> list[Any]:
+    digits = DIGITS - math.floor(math.log10(size))
+    return (np.round(values, digits) + 0.0).tolist()  # + 0.0: no −0.0

@@ -1,1 +1,0 @@
-"""Campaigns: records x movements x shares x signs, fragility and loss of capacity against movement."""

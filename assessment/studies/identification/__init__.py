@@ -1,1 +1,0 @@
-"""Identification: the movement of supports that explains what was measured."""

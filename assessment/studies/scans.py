@@ -1,0 +1,349 @@
+"""The motions that [incremental] and [campaign] share: a record of one sign from one state is scanned once."""
+
+import math
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from assessment.analyses.found import LEVELS, accuracy_of
+from assessment.analyses.fragility import Observed, observed
+from assessment.analyses.histories import scatter_of
+from assessment.analyses.scan import EXPECTED, SPACING, Reach, Scan, scan
+from assessment.analyses.time_history import WORTHWHILE, Shaking, quality_row
+from assessment.project.project import Project
+from assessment.project.schema import MotionTable
+from assessment.results.schema.studies import ConvergenceRow
+from assessment.runtime.cache import fingerprint
+from assessment.runtime.tasks import From, Workers
+from assessment.studies.variants import Study
+from mechanics import Assembly
+from mechanics.messages import Message, headed, message
+from mechanics.procedures import Mirror
+
+LOOKS, LOOKED_TO = 2, 0.05  # without an accuracy: halvings of the time step, and by how much levels may move
+SCALED = 3.0  # factor on a record beyond which its level is no longer that of such an earthquake
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A record of one `sign` from a state; `shaking` has the sign that is run.
+
+    Both signs of a structure that is its own mirror image are one run. `after`: the one at whose level it begins.
+    `ratio`: measure of intensity over the PGA of the record; `state`: what [campaign] knows of the state.
+    """
+
+    shaking: Shaking
+    sign: int
+    run_sign: int
+    reach: Reach
+    after: "Asked | None" = None
+    ratio: float = 1.0
+    state: Any = None
+
+    @property
+    def record(self) -> str:
+        """Name of the record."""
+        return self.shaking.motion.name
+
+    @property
+    def title(self) -> Message:
+        """State, record and sign, for messages."""
+        sign = "+" if self.sign > 0 else "−"
+        return message("{state}, {record}, {sign}", state=self.shaking.state, record=self.record, sign=sign)
+
+    @property
+    def starts(self) -> bool:
+        """Whether the state at rest was reached."""
+        return not isinstance(self.shaking.start, str)
+
+    @cached_property
+    def key(self) -> str:
+        """Key of the scan: what its motions depend on."""
+        of = self.shaking
+        return fingerprint(scan, (of.model, of.motion, of.setting, of.start, self.reach))
+
+
+def asked_for(
+    shakings: Iterable[tuple[Hashable, Shaking, float, Any]],
+    signs: Sequence[int],
+    reach: Reach,
+    mirror_image: Assembly | None,
+) -> list[Asked]:
+    """Return every shaking with every sign; each: path of its state, shaking, ratio and state.
+
+    A scan begins at the level found for the same record and sign at the state before on the same path, else at that of
+    the record's first sign, else at that of the first record: levels depend on what is asked for alone, not on what is
+    finished. `mirror_image`: the structure as drawn, of which one sign is run, None: it is not its own mirror image.
+    """
+    found: list[Asked] = []
+    before: dict[Hashable, Asked] = {}
+    for path, shaking, ratio, state in shakings:
+        motion = shaking.motion
+        one_sign = mirror_image is not None and shaking.start is mirror_image.initial
+        for sign in signs:
+            run_sign, place = signs[0] if one_sign else sign, (path, motion.name, sign)
+            after = before.get(place) or before.get(motion.name) or (found[0] if found else None)
+            turned = replace(shaking, motion=replace(motion, record=motion.record.scaled(float(run_sign))))
+            own = replace(reach, stripes=tuple(level / ratio for level in reach.stripes))
+            before[place] = Asked(turned, sign, run_sign, own, after, ratio, state)
+            before.setdefault(motion.name, before[place])
+            found.append(before[place])
+    return found
+
+
+@dataclass
+class Scans:
+    """Scans of a run by key and by how often the time step is halved; what is there is not run again."""
+
+    project: Project
+    workers: Workers
+    found: dict[str, dict[int, Scan]] = field(default_factory=dict)
+    told: set[str] = field(default_factory=set)
+
+    def run(self, stage: str, asked: Sequence[Asked], halvings: int = 0) -> None:
+        """Scan what has not been scanned, the longest records first, at a time step that is halved so often."""
+        new: dict[str, Asked] = {}
+        for each in asked:
+            if each.starts and halvings not in self._by_step(each):
+                new.setdefault(each.key, each)
+        wanted = sorted(new.values(), key=lambda each: -each.shaking.motion.record.acceleration.size)
+        numbers = {each.key: number for number, each in enumerate(wanted)}
+        campaign = self.project.campaign
+        curves, scatter = (campaign.curve_members if campaign else None) or (), scatter_of(self.project)
+        tasks: list[tuple[Any, ...]] = []
+        for each in wanted:
+            of, motion, near = each.shaking, each.shaking.motion, self._near(each, numbers)
+            for _ in range(halvings):
+                motion = motion.at_half_step()
+            tasks.append((of.model, motion, of.setting, of.start, scatter, each.reach, near, curves))
+        samples = [task[1].record.acceleration.size for task in tasks]
+        work = EXPECTED * sum(len(task[0].contacts) * n for task, n in zip(tasks, samples, strict=True))
+        titles = [each.title for each in wanted]
+        done = self.workers.each(stage, scan, tasks, titles, work > WORTHWHILE, samples)
+        for each, found in zip(wanted, done, strict=True):
+            self.found.setdefault(each.key, {})[halvings] = found
+
+    def _near(self, asked: Asked, numbers: Mapping[str, int]) -> float | From | None:
+        """Return the level that a scan begins at, or which of the tasks it is taken `From`."""
+        known = [each for each in (asked, asked.after) if each is not None and each.key in self.found]
+        if known:
+            return level_found(self.of(known[0]))
+        if asked.after is not None and asked.after.key in numbers and not asked.reach.stripes:
+            return From(numbers[asked.after.key], level_found)
+        return None
+
+    def _by_step(self, asked: Asked) -> dict[int, Scan]:
+        """The scans of what is asked for, by halvings of the time step."""
+        return self.found.get(asked.key, {}) if asked.starts else {}
+
+    def of(self, asked: Asked) -> Scan:
+        """Return the scan at the finest time step that was run; of one not completed that of the step before."""
+        if isinstance(asked.shaking.start, str):
+            return Scan(reason=asked.shaking.start)
+        found = self.found[asked.key]
+        finest = (found[n] for n in sorted(found, reverse=True) if found[n].reason is None)
+        return next(finest, found[min(found)])
+
+    def paired(self, one: Asked, other: Asked) -> tuple[Scan, Scan]:
+        """Return the scans of two at the finest time step that both have."""
+        both = self._by_step(one).keys() & self._by_step(other).keys()
+        if not both:
+            return self.of(one), self.of(other)
+        return self.found[one.key][max(both)], self.found[other.key][max(both)]
+
+    def tell(self, asked: Asked, stage: str, study: Study) -> None:
+        """Add messages, certificates and seconds of a scan to a study, once."""
+        found = self.of(asked)
+        if not asked.starts:
+            study.warnings += [headed(asked.title, found.reason)] if found.reason else []
+            return
+        if asked.key in self.told:
+            return
+        self.told.add(asked.key)
+        if found.counts:
+            study.quality.append(quality_row(asked.shaking.state, stage, found.counts.programs, found.worst))
+        study.failures += [headed(asked.title, text) for text in found.failures]
+        study.warnings += [headed(asked.title, text) for text in (*found.notes, *_doubts(asked, found))]
+        study.seconds += found.seconds
+
+    def refine(self, asked: Sequence[Asked], study: Study) -> list[ConvergenceRow]:
+        """Scan again, over all levels, with the time step halved twice: two may agree by chance; then until they do.
+
+        Return the estimated error of each; nothing where the project asks for no accuracy.
+        """
+        accuracy = accuracy_of(self.project)
+        if accuracy.tolerance is None:
+            return []
+        known = [each for each in asked if each.starts and self.found[each.key][0].reason is None]
+        waiting = known
+        for halvings in range(1, accuracy.halvings + 1):
+            self.run("finer: incremental", waiting, halvings)
+            if halvings + 1 >= LEVELS:
+                waiting = [each for each in waiting if (self._moved(each) or 0.0) > accuracy.tolerance]
+        return [self._row(each, accuracy.tolerance, study) for each in known]
+
+    def settle(self, stage: str, asked: Sequence[Asked], first: int, study: Study) -> None:
+        """Scan all at the time step that the first ones need, or those known at several; first = 0: as given."""
+        looked = [each for each in asked if len(self._by_step(each)) > 1]
+        if not looked:
+            self.run(stage, asked)
+            looked = list(asked[:first])
+            for halvings in range(1, LOOKS + 1 if looked else 1):
+                self.run(f"finer: {stage}", looked, halvings)
+                if self.needed(looked)[0] < halvings:
+                    break
+        halvings, moved = self.needed(looked)
+        self.run(stage, asked, halvings)
+        if halvings:
+            study.warnings.append(message(
+                "{stage}: time step halved {count} times: levels at collapse at the one given differ by {moved:.0%} "
+                "in the mean", stage=stage, moved=math.exp(moved) - 1.0, count=halvings,
+            ))  # fmt: skip
+
+    def needed(self, asked: Sequence[Asked]) -> tuple[int, float]:
+        """Return how often the time step has to be halved, and by how much, in ln, the one given moves the levels.
+
+        That is as often as the mean of the lowest collapses differs from that of the finest step by more than the
+        tolerance: a level by itself may turn on the last digits. Of what was scanned at several steps alone.
+        """
+        moved: dict[int, list[float]] = {}
+        for found in {each.key: self._by_step(each) for each in asked}.values():
+            lowest = {n: observed_in(each).lowest for n, each in found.items()}
+            last = lowest[max(lowest)] if len(lowest) > 1 else None
+            for n, level in lowest.items():
+                if last is not None and level is not None:
+                    moved.setdefault(n, []).append(math.log(level / last))
+        mean = {n: sum(moved[n]) / len(moved[n]) for n in sorted(moved)}
+        tolerance = accuracy_of(self.project).tolerance or LOOKED_TO
+        wrong = [n for n in mean if abs(mean[n]) > tolerance]
+        return (wrong[-1] + 1 if wrong else 0), mean.get(0, 0.0)
+
+    def _moved(self, asked: Asked) -> float | None:
+        """By how much, relative, the last halving moved the lowest collapse; None where one is not known."""
+        found = self.found[asked.key]
+        last = [observed_in(found[n]).lowest for n in sorted(found)[-2:]]
+        if len(last) < 2 or last[0] is None or last[1] is None:
+            return None
+        return abs(last[1] / last[0] - 1.0)
+
+    def _row(self, asked: Asked, tolerance: float, study: Study) -> ConvergenceRow:
+        by_step, moved = self.found[asked.key], self._moved(asked)
+        found = [by_step[n] for n in sorted(by_step)]
+        levels = [observed_in(each).capacity for each in found]
+        failed = next((each.reason for each in found if each.reason), None)
+        none = not any(levels) and not failed  # no step finds a collapse
+        met = none or (moved is not None and moved <= tolerance and not failed)
+        row = ConvergenceRow(
+            state=asked.shaking.state,
+            record=asked.record,
+            halvings=len(found) - 1,
+            met=met,
+            levels={"pga_collapse_g": levels},
+        )
+        if moved is not None and (last := levels[-1]) is not None:
+            error = moved + 1.0 - math.exp(-observed_in(found[-1]).spacing)
+            row = row.replace(pga_collapse_error_g=error * last, relative_error=error)
+        if met:
+            return row
+        if failed:
+            text = message("a finer time step fails: {reason}", reason=failed)
+        elif moved is None:
+            text = message("error of {key} not known: not every time step reaches it", key="pga_collapse_g")
+        else:
+            text = message(
+                "the level at collapse moves by {moved:.0%} where the time step is halved to {step:g} s; "
+                "take a smaller time_step_s",
+                moved=moved,
+                step=found[-1].time_step,
+            )
+        study.warnings.append(headed(asked.title, text))
+        return row
+
+
+def _doubts(asked: Asked, found: Scan) -> Iterator[Message]:
+    """Yield what to know of the levels of a record: no collapse, bands, a record scaled far."""
+    seen, motion = observed_in(found), asked.shaking.motion
+    if found.reason is not None or found.stripes:
+        return
+    if seen.lowest is None:
+        yield message(
+            "no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find one",
+            safe=seen.safe,
+            scale=asked.reach.max_scale,
+        )
+    elif seen.stands:
+        yield message(
+            "collapse at a PGA of {pga:.3g} g at the surface, but stands at {levels:.3g} g; "
+            "{counts:.3g} g counts, of 16 % of the levels around",
+            pga=seen.lowest,
+            levels=list(seen.stands),
+            counts=seen.capacity or seen.lowest,
+        )
+    factor = abs(motion.scale) * (seen.lowest or seen.safe) / motion.pga
+    if factor > SCALED:
+        yield message(
+            "the record is scaled by {factor:.2g}; earthquakes so strong have other durations and spectra",
+            factor=factor,
+        )
+
+
+def reach_of(project: Project) -> Reach:
+    """Return the levels that [incremental] and [campaign] share: the finer, and the farther, of what both ask for."""
+    incremental, campaign = project.incremental, project.campaign
+    scales = [table.max_scale for table in (incremental, campaign) if table is not None]
+    ratio = SPACING if campaign is None else min(SPACING, 1.0 + campaign.tolerance)
+    width = math.inf if incremental is None else incremental.tolerance_g
+    return Reach(max(scales), ratio, width, project.scatter)
+
+
+def own_setting(table: MotionTable) -> MotionTable:
+    """Return how the motions of a table are integrated: the same for both tables, where they say the same."""
+    return MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
+
+
+def mirror_image(project: Project, model: Assembly, table: MotionTable) -> Assembly | None:
+    """Return the structure as drawn if it responds to a record and to its negative with mirror images, else None.
+
+    The control point has to be its own mirror image too: its ultimate displacement may decide about collapse.
+    """
+    mirror = Mirror.of(model, table.contacts)
+    point = project.control_point(table.control).point_m
+    return model if mirror is not None and mirror.swaps(point, point) else None
+
+
+def observed_in(found: Scan) -> Observed:
+    """Return what a scan shows; nothing of one that was not completed."""
+    if found.reason is not None:
+        return Observed(safe=0.0)
+    known = {each.pga_g: each.collapsed for each in found.points if each.collapsed is not None}
+    return observed(list(known), list(known.values()))
+
+
+def level_found(found: Scan) -> float | None:
+    """Return a level (g) near the collapse of a scan, the largest one where none collapsed; None: not completed."""
+    seen = observed_in(found)
+    return seen.middle or seen.safe or None
+
+
+def numbers(found: Scan) -> dict[str, Any]:
+    """Return what the results have of a scan, by the keys of Scanned."""
+    seen, known = observed_in(found), found.reason is None
+    low, middle, high = seen.probable or (None, None, None)
+    return {
+        "pga_collapse_g": seen.capacity,
+        "pga_safe_g": seen.safe if known else None,
+        "lowest_collapse_g": seen.lowest,
+        "level_16_g": low,
+        "level_50_g": middle,
+        "level_84_g": high,
+        "beta": seen.beta if seen.probable else None,
+        "widest_gap_g": list(seen.gap) if seen.gap else None,
+        "time_step_s": found.time_step if known else None,
+        "resurrections_g": list(seen.stands),
+        "runs": found.counts.motions if found.counts else 0,
+        "points": found.points,
+        "reason": found.reason,
+        "notes": list(found.notes),
+        "counts": found.counts,
+    }

@@ -1,0 +1,335 @@
+"""The dynamic stages of a project, on the template's rocking block."""
+
+import json
+
+import numpy as np
+import pytest
+
+from assessment.analyses import time_history as response
+from assessment.analyses.time_history import TAIL as FREE
+from assessment.analyses.time_history import Setting, respond, sustained_peak, thinned
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.project.catalogue.new_project import artificial_record, new_project
+from assessment.project.model import build_model
+from assessment.project.motions import BaseMotion, history_motions
+from assessment.project.project import load_project
+from assessment.project.schema import ControlTable, HistoryTable
+from assessment.report.document import render_html
+from assessment.report.figures.index import pictures, write_figures
+from assessment.report.language import words_of
+from assessment.report.tables import tables
+from assessment.results.schema.part import plain
+from assessment.runtime.errors import ProjectError
+from assessment.runtime.pool import Pool
+from assessment.workflow.checking import read_motions
+from assessment.workflow.stages import run
+from mechanics import ConvergenceError
+from mechanics.messages import message
+from mechanics.records.record import Record, read_record
+from mechanics.records.spectrum import response_spectrum
+from tests.support.structures import block_on_base
+from tests.support.typed import typed
+
+STEP = 0.02
+TIME = STEP * np.arange(101)
+WAVE = np.sin(2.0 * np.pi * TIME) * np.exp(-((TIME - 1.0) ** 2))  # g; 2 s, about 1 Hz
+
+TAIL = """
+[[history]]
+record = "wave.csv"
+scale = {scale}
+contacts = "rigid"
+integrator = "second-order"
+"""
+INCREMENTAL = """
+[incremental]
+records = ["*.csv"]
+contacts = "rigid"
+integrator = "second-order"
+tolerance_g = 0.1
+"""
+
+
+def _project(folder, *tables, assessment=""):
+    """A block template without its static stages, with a wave for a record and the tables given."""
+    new_project(folder, "block", {"width_m": 0.6, "height_m": 2.4})
+    text = (folder / "project.toml").read_text(encoding="utf-8")
+    start, end = text.index("[pushover]"), text.index("[report]")
+    text = text[:start] + assessment + text[end:] + "".join(tables)
+    (folder / "project.toml").write_text(text, encoding="utf-8")
+    np.savetxt(folder / "wave.csv", np.column_stack([TIME, 0.5 * WAVE]), delimiter=",", fmt="%.8f")
+    return load_project(folder)
+
+
+def _edited(folder, old, new):
+    path = folder / "project.toml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return load_project(folder)
+
+
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("dynamic") / "block"
+    project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0), INCREMENTAL)
+    return run(project, build_model(project), jobs=1)
+
+
+def test_histories_of_both_states_and_records(outcome):
+    assert outcome.complete
+    assert list(outcome.results.states) == ["original", "base ruotata 20 mrad"]
+    peak = 0.5 * abs(WAVE).max()
+    for state in plain(outcome.results)["states"].values():
+        weak, strong = state["history"]
+        assert weak["record"] == "wave × 0.58"
+        assert weak["pga_g"] == pytest.approx(0.58 * peak, rel=1e-6)
+        assert (weak["collapsed"], weak["time_of_collapse_s"]) == (False, None)
+        assert strong["collapsed"]
+        assert strong["residual_displacement_m"] is None
+        assert 0.0 < strong["time_of_collapse_s"] <= TIME[-1] + FREE + 2 * STEP
+        assert "turned" in strong["reason"]
+        curve = np.array(weak["curve"]["displacement_m"])
+        assert curve[0] == 0.0
+        assert weak["peak_displacement_m"] == abs(curve).max() > 0.01
+        assert weak["residual_displacement_m"] == curve[-1]
+        at = weak["curve"]["time_s"].index(weak["time_of_peak_s"])
+        assert abs(curve[at]) == weak["peak_displacement_m"]
+
+
+def test_displacements_start_from_the_states_own_rest(outcome):
+    """The settled block leans: its control point is moved, and the history does not count that."""
+    settled = plain(outcome.results)["states"]["base ruotata 20 mrad"]
+    assert settled["configuration"][1][0] > 0.02
+    assert settled["history"][0]["curve"]["displacement_m"][0] == 0.0
+
+
+def test_energy_balance_closes(outcome):
+    """What is left over is little, and the weights gained what they were lifted by, from the shapes alone."""
+    weights = np.array([block.weight_kN for block in outcome.results.geometry.blocks])
+    for state in plain(outcome.results)["states"].values():
+        for entry in state["history"]:
+            energy = entry["energy"]
+            assert abs(energy["residual_kNm"]) < 0.01 * energy["input_kNm"]
+            taken = sum(energy[f"{name}_kNm"] for name in ("friction", "impact", "viscous", "integrator"))
+            assert entry["integrator_share"] <= abs(energy["integrator_kNm"]) / taken
+            start, end = (
+                np.array(each)[:, 1] for each in (state["configuration"], entry["final_configuration"])
+            )
+            assert energy["potential_kNm"] == pytest.approx(weights @ (end - start), rel=1e-6, abs=1e-9)
+
+
+def test_incremental_analysis_and_comparison(outcome):
+    found = {name: state["incremental"] for name, state in plain(outcome.results)["states"].items()}
+    for each in found.values():
+        (record,) = each["records"]
+        assert 0.0 < record["pga_collapse_g"] - record["pga_safe_g"] <= 0.1
+        assert each["pga_collapse_g"] == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
+    (row,) = plain(outcome.results)["comparison"]
+    before, after = found["original"]["pga_collapse_g"], found["base ruotata 20 mrad"]["pga_collapse_g"]
+    assert row["dynamic_pga_g"] == after
+    assert row["dynamic_reduction"] == pytest.approx(1.0 - after / before)
+    assert row["static_pga_g"] is None
+
+
+def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
+    """The strong history is far above the PGA at collapse, the weak one below."""
+    weak, strong = plain(outcome.results)["states"]["original"]["history"]
+    found = plain(outcome.results)["states"]["original"]["incremental"]
+    assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
+
+
+def test_figures_tables_and_report(outcome, tmp_path):
+    results = json.loads(json.dumps(plain(outcome.results)))
+    results["echo"]["report"]["language"] = "it"
+    names = {picture.name for picture in pictures(typed(results))}
+    assert {"record_1", "history_1", "history_2", "incremental"} <= names
+    assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names
+    assert "fragility" not in names  # one record has no scatter
+    write_figures(Pool(0, typed(results)), tmp_path)
+    filled = {table.name: table for table in tables(typed(results)) if table.rows}
+    assert len(filled["history"].rows) == 4
+    assert {"integrator", "integrator_share"} <= set(filled["history_ranges"].columns)
+    assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
+    assert {"incremental", "incremental_states", "incremental_curves", "static_dynamic"} <= filled.keys()
+    html = render_html(typed(results), tmp_path, words_of(typed(results)))
+    for chapter in ("history", "incremental"):
+        assert f"<h3>{words_of(typed(results))(f'section.{chapter}')}</h3>" in html
+
+
+def test_the_window_scale_and_step_of_a_motion(tmp_path):
+    window = "window_s = [1.5, 2.0]\ntime_step_s = 0.01\n"
+    project = _project(tmp_path / "block", TAIL.format(scale=-2.0), window)
+    (motion,) = history_motions(project)
+    whole = read_record(tmp_path / "block" / "wave.csv").acceleration
+    inside = -2.0 * whole[75:101]
+    assert motion.pga == abs(inside).max() < motion.original.pga
+    np.testing.assert_allclose(motion.record.acceleration[::2], inside, atol=1e-15)
+    assert (motion.start, motion.record.time_step, motion.record.duration) == (1.5, 0.01, pytest.approx(0.5))
+    assert "leaves out the peak" in motion.notes[0]
+    project = _edited(
+        tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "wave.csv"'
+    )
+    (motion,) = history_motions(project)
+    begin = read_record(tmp_path / "block" / "wave.csv").strong_window()[0]
+    assert 0.0 <= motion.start - begin < STEP
+    np.testing.assert_allclose(motion.vertical, motion.record.acceleration, atol=1e-12)
+
+
+def _vertical_motion(folder, time, acceleration, extra=""):
+    """The motion of the wave with a vertical record beside it."""
+    _project(folder)
+    np.savetxt(folder / "up.csv", np.column_stack([time, acceleration]), delimiter=",")
+    path, table = folder / "project.toml", TAIL.format(scale=2.0) + 'vertical_record = "up.csv"\n' + extra
+    path.write_text(path.read_text(encoding="utf-8") + table, encoding="utf-8")
+    (motion,) = history_motions(load_project(folder))
+    return motion
+
+
+@pytest.mark.parametrize(
+    ("step", "vertical_step"),
+    [(0.02, 0.04), (0.02, 0.008), (0.02, 0.03), (0.01, 0.04), (0.02, 0.02)],
+    ids=["coarser", "finer", "no multiple", "a finer analysis", "the same"],
+)
+def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, step, vertical_step):
+    """v = 0.1 g/s t is its own broken line at any step, and its own least-squares line: at 1.5 s + t it is known.
+
+    1.5 s is no multiple of 0.04 s or 0.008 s: cut at the first sample inside the window v would be that of 20 or 4 ms
+    later.
+    """
+    time = vertical_step * np.arange(round(2.4 / vertical_step) + 1)
+    window = f"window_s = [1.5, 1.9]\ntime_step_s = {step}\n"
+    motion = _vertical_motion(tmp_path / "block", time, 0.1 * time, window)
+    assert motion.vertical.size == motion.record.acceleration.size
+    np.testing.assert_allclose(motion.vertical, 2.0 * 0.1 * (1.5 + motion.record.time), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    [
+        ("window_s = [0.5, 9.0]\n", r"history\[1\].*wave.csv.*window"),
+        ("damping_ratio = 0.05\n", r"history\[1\]\.damping_ratio"),
+        ('vertical_record = "short.csv"\n', r"history\[1\]\.vertical_record.*short.csv"),
+    ],
+)
+def test_motions_that_do_not_fit_are_refused_by_key(tmp_path, extra, named):
+    _project(tmp_path / "block")
+    np.savetxt(tmp_path / "block" / "short.csv", np.column_stack([TIME, WAVE])[:50], delimiter=",")
+    path = tmp_path / "block" / "project.toml"
+    path.write_text(path.read_text(encoding="utf-8") + TAIL.format(scale=1.0) + extra, encoding="utf-8")
+    with pytest.raises(ProjectError, match=named):
+        read_motions(load_project(tmp_path / "block"))
+
+
+def _motion(record):
+    return BaseMotion(record, record, record.pga, 1.0)
+
+
+@pytest.fixture
+def setting():
+    table = HistoryTable(record="r", contacts="rigid", integrator="second-order")
+    return Setting(table, ControlTable(name="top", point_m=(0.6, 2.4)))
+
+
+def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
+    """The parts join: time goes on evenly, displacement without a jump; a record that ends at rest has one part."""
+    model = block_on_base(0.6, 2.4)
+    response = respond(model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial)
+    assert len(response.parts) > 1 and not response.last.velocities[-1].any()
+    searched = respond(
+        model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial, to_rest=False
+    )
+    assert 1 <= len(searched.parts) < len(response.parts)
+    np.testing.assert_allclose(np.diff(response.time), STEP)
+    jumps = abs(np.diff(response.displacement))
+    assert jumps[59] < 2.0 * jumps[[58, 60]].max()
+    assert response.positions.shape == (response.time.size, 2, 3)
+    gentle = respond(model, _motion(Record(0.2 * WAVE, STEP, "gentle")), setting, model.initial)
+    assert len(gentle.parts) == 1
+
+
+def test_thinned_curves_keep_their_shape():
+    noise = np.random.default_rng(3).normal(size=30_011)
+    kept = thinned(noise)
+    assert kept.size <= 2000
+    assert {0, noise.size - 1, int(noise.argmax()), int(noise.argmin())} <= set(kept.tolist())
+    assert (np.diff(kept) > 0).all()
+    np.testing.assert_array_equal(thinned(noise[:1500]), np.arange(1500))
+
+
+def test_the_peak_of_a_collapse_is_the_largest_before_the_last_turn():
+    displacement = np.array([0.0, 1.0, -2.0, 1.5, 3.0, 9.0])
+    assert sustained_peak(displacement, collapsed=True) == 2
+    assert sustained_peak(displacement, collapsed=False) == 5
+    assert sustained_peak(np.array([0.0, 1.0, 2.0]), collapsed=True) == 0
+
+
+PUSHOVER = """
+[pushover]
+contacts = ["rigid"]
+directions = ["+x"]
+increment_m = 0.05
+control = "in alto a destra"
+
+[assessment]
+limit_states = ["SLC"]
+confidence_factor = 1.0
+model = "none"
+spectrum = "record"
+
+"""
+
+
+def test_the_records_own_spectrum_as_demand(tmp_path):
+    """a_g,NC = PGA · S_e(T_NC)/S_e,record(T_NC) with S_e(T) = 4π²d/T² (paper §7.1), at the damping of SLC (10 %)."""
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
+    outcome = run(project, build_model(project), jobs=1)
+    check = plain(outcome.results)["states"]["original"]["capacity"]["+x"]["SLC"]
+    record = read_record(tmp_path / "block" / "wave.csv")
+    spectrum = RecordSpectrum(record.acceleration, record.time_step, 0.10)
+    assert check["demand_a_g_g"] == pytest.approx(record.pga)
+    needed = 4.0 * np.pi**2 * check["d_star_m"] / check["T_s"] ** 2 / 9.80665
+    assert check["a_g_g"] == pytest.approx(
+        record.pga * needed / spectrum.acceleration(check["T_s"]), rel=1e-9
+    )
+    assert check["zeta_E"] == pytest.approx(check["a_g_g"] / record.pga)
+    assert outcome.results.spectra["SLC"].damping == 0.10
+    assert any("the maximum over [T_0, T]" in note for note in check["notes"])
+
+
+def test_an_artificial_record_follows_its_spectrum(tmp_path):
+    spectrum = ElasticSpectrum(0.334, 2.40, 0.36, "B")
+    (tmp_path / "artificial.csv").write_bytes(artificial_record())
+    record = read_record(tmp_path / "artificial.csv")
+    assert (record.time_step, record.duration) == (pytest.approx(0.01), pytest.approx(15.0))
+    periods = np.linspace(0.15, 2.0, 60)
+    ratio = response_spectrum(record.acceleration, record.time_step, periods)[0] / spectrum.acceleration(
+        periods
+    )
+    assert ratio == pytest.approx(1.0, abs=0.11)
+
+
+def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise ConvergenceError(message("step 3: no solution"))
+
+    monkeypatch.setattr(response, "time_history", refuse)
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
+    outcome = run(project, build_model(project), jobs=1)
+    assert not outcome.complete
+    assert outcome.results.states["original"].history[0].reason == "step 3: no solution"
+    assert outcome.results.states["original"].incremental.pga_collapse_g is None
+    assert outcome.results.states[project.states[1]].pushdown["rigid"].movement_m
+
+
+def test_free_motion_is_followed_to_rest_and_what_still_moves_is_told(tmp_path, monkeypatch):
+    """Two seconds do not bring the block to rest, which are what is followed where no more is allowed."""
+    project = _project(tmp_path / "block", TAIL.format(scale=1.0), 'states = ["original"]\n')
+    rests = run(project, build_model(project), jobs=1).results
+    monkeypatch.setattr(response, "TAILS", 1)
+    moving = run(project, build_model(project), jobs=1).results
+    [told] = [each for each in moving.quality.warnings if "blocks still move" in each]
+    assert "residual displacement are not known" in told
+    assert not [each for each in rests.quality.warnings if "blocks still move" in each]
+    ends = [each.states["original"].history[0].residual_displacement_m for each in (moving, rests)]
+    assert abs(ends[0]) > 1e-3 > abs(ends[1])

@@ -1,0 +1,190 @@
+"""Histories at finer time steps: the error that is told against closed forms and finer references."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from assessment.analyses import histories
+from assessment.analyses.histories import Refinement
+from assessment.analyses.time_history import FoundHistory, Setting, Shaking, respond
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import ControlTable, HistoryTable
+from assessment.results.schema.dynamic import History
+from assessment.results.schema.model import QualityRow
+from mechanics.records.record import Record
+from mechanics.types import GRAVITY
+from tests.support.structures import block_on_base
+from tests.support.typed import made
+
+STEP = 0.02
+TIME = STEP * np.arange(76)
+SINE = 0.27 * np.sin(4.0 * np.pi * TIME) * (TIME <= 0.5)  # g: a block of 0.2 × 1.0 m rocks and comes back
+PUSH = np.where((TIME > 0.5 * STEP) & (TIME < 10.5 * STEP), 0.3, 0.0)  # g: one of low friction slides
+CONTROL = ControlTable(name="top", point_m=(0.2, 1.0))
+
+
+class Asked:
+    """A campaign of one history, run one by one, and what of its project histories depend on."""
+
+    states = ("original",)
+
+    def __init__(self, model, acceleration, accuracy, integrator="implicit-euler", step=STEP):
+        table = HistoryTable(record="pulse", contacts="rigid", integrator=integrator)
+        record = Record(acceleration, STEP, "pulse").resampled(step)
+        self.motion = BaseMotion(record, record, float(abs(acceleration).max()), 1.0)
+        self.task = Shaking(model, self.motion, Setting(table, CONTROL), "original", model.initial)
+        self.project, self.history, self.scatter, self.accuracy = self, (table,), 1, accuracy
+
+    def tasks(self, *_):
+        return [self.task]
+
+    def each(self, _, function, tasks, *__):
+        return [function(*task) for task in tasks]
+
+    def found(self):
+        [found] = histories.histories(self, [self.motion])
+        return found
+
+
+def bounded(found: FoundHistory, exact: float) -> dict:
+    """Check a history's estimate against the true error of its peak; return its row."""
+    row, peak = found.convergence, found.numbers.peak_displacement_m
+    assert row is not None and row.met
+    assert peak == row.levels["peak_displacement_m"][-1]
+    assert found.numbers.time_step_s == STEP / 2**row.halvings
+    assert abs(peak - exact) <= row.peak_displacement_error_m == pytest.approx(row.relative_error * peak)
+    return row
+
+
+def test_the_error_of_a_slide_is_bounded_by_the_estimate():
+    """A block on μ = 0.1 slides by ∫∫ (a − μ) g from the instant that a exceeds μ to its rest."""
+    friction = 0.1
+    model = block_on_base(width=1.0, friction=friction)
+    rise = STEP * (1.0 - friction / 0.3)  # while the broken line is above μ, before and after the plateau
+    slope, plateau = 0.3 * GRAVITY / STEP, 9 * STEP
+    net = (0.3 - friction) * GRAVITY
+    v1, u1 = slope * rise**2 / 2.0, slope * rise**3 / 6.0
+    v2, u2 = v1 + net * plateau, u1 + v1 * plateau + net * plateau**2 / 2.0
+    v3 = v2 + net * rise - slope * rise**2 / 2.0
+    u3 = u2 + v2 * rise + net * rise**2 / 2.0 - slope * rise**3 / 6.0
+    fall = STEP - rise  # the line goes on to zero
+    v4, u4 = v3 - slope * fall**2 / 2.0, u3 + v3 * fall - slope * fall**3 / 6.0
+    exact = u4 + v4**2 / (2.0 * friction * GRAVITY)
+    found = Asked(model, PUSH, 0.02).found()
+    row = bounded(found, exact)
+    assert abs(row.levels["peak_displacement_m"][0] / exact - 1.0) > 0.02 >= row.relative_error
+
+
+def test_the_error_of_a_rocking_block_is_bounded_by_the_estimate():
+    """Second order, one cycle of a sine; reference: the same with a sixteenth of the step."""
+    model = block_on_base()
+    fine = Asked(model, SINE, "fast", "second-order", STEP / 16).task
+    reference = respond(model, fine.motion, fine.setting, fine.start)
+    assert not reference.collapsed
+    bounded(Asked(model, SINE, "fine", "second-order").found(), float(abs(reference.displacement).max()))
+
+
+def test_two_time_steps_that_agree_do_not_end_the_search(monkeypatch):
+    """Implicit Euler on a rocking arch at 5, 2.5 and 1.25 ms, and then finer: the first two are equal."""
+    peaks = {1.0: 3.22, 0.5: 3.22, 0.25: 3.88, 0.125: 6.7, 0.0625: 11.6}
+    found = made_up(monkeypatch, "fine", lambda share: (peaks[share], False))
+    row = found.convergence
+    assert row.levels["peak_displacement_m"] == [3.22, 3.22, 3.88, 6.7, 11.6]
+    assert not row.met and row.relative_error > 0.4 and row.order is None
+    assert "estimated error of peak_displacement_m" in found.warnings[0]
+
+
+def test_a_collapse_is_confirmed_by_three_time_steps(monkeypatch):
+    """Where one says collapse and another does not, nothing is known."""
+    three = made_up(monkeypatch, "standard", lambda _: (9.9, True))
+    assert three.convergence.met and three.convergence.halvings == 2 and not three.warnings
+    assert "peak_displacement_error_m" not in three.convergence
+    late = made_up(monkeypatch, "standard", lambda share: (0.1, share == 1.0))
+    assert not late.convergence.met and "not known" in late.warnings[0]
+
+
+def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
+    """A history whose peak and collapse are told for each share of the time step; `weaker`: the peak of the other."""
+
+    def moved(shaking):
+        motion, state = shaking.motion, shaking.state
+        peak, fell = told(motion.record.time_step / STEP)
+        if motion.amplitude < 1.0:
+            peak = weaker
+        if peak is None:
+            return FoundHistory(made(History), failures=["no step is solved"], state=state)
+        curve = {"time_s": [0.0, 1.0, 2.0], "displacement_m": [0.0, peak, 0.0]}
+        numbers = {"peak_displacement_m": peak, "collapsed": fell, "curve": curve}
+        numbers["time_of_collapse_s"] = 2.0 if fell else None
+        return FoundHistory(made(History, numbers), quality=[made(QualityRow, {"solves": 1})], state=state)
+
+    monkeypatch.setattr(histories.time_history, "history", moved)
+    asked = Asked(block_on_base(), SINE, accuracy)
+    asked.scatter = scatter
+    return asked.found()
+
+
+def test_a_half_step_shakes_by_the_same_lines():
+    motion = Asked(block_on_base(), SINE, "fast").motion
+    vertical = np.cos(3.0 * TIME)
+    motion = BaseMotion(motion.record, motion.original, motion.pga, 1.0, vertical=vertical)
+    half = motion.at_half_step()
+    assert half.record.time_step == STEP / 2 and half.vertical is not None
+    np.testing.assert_array_equal(half.record.acceleration[::2], motion.record.acceleration)
+    np.testing.assert_allclose(half.vertical[::2], vertical, atol=1e-12)
+    np.testing.assert_allclose(half.vertical[1::2], 0.5 * (vertical[1:] + vertical[:-1]), atol=1e-12)
+
+
+def levels(*values, scatter=0.0):
+    return Refinement(values, (scatter,) * len(values), 1e-9)
+
+
+@given(
+    exact=st.floats(0.1, 9.0),
+    share=st.floats(-0.5, 0.5).filter(lambda s: abs(s) > 1e-3),
+    order=st.floats(0.5, 2.0),
+    count=st.integers(3, 5),
+)
+def test_the_error_bounds_that_of_any_order_which_is_told(exact, share, order, count):
+    values = [exact * (1.0 + share * 2.0 ** (-order * n)) for n in range(count)]
+    found = levels(*values)
+    assert found.order == pytest.approx(order, abs=1e-3)
+    if order >= 1.0:
+        assert found.error >= 0.999 * abs(values[-1] - exact)
+    assert found.finished(0.5) == found.within(0.5)
+
+
+def test_two_levels_never_tell_that_it_is_enough():
+    assert not levels(3.22, 3.22).within(0.05) and not levels(3.22, 3.22).finished(0.05)
+    assert levels(3.22, 3.22).row("s", "r", 0.05).relative_error is None
+
+
+def test_two_equal_levels_and_a_third_that_differs_are_not_believed():
+    """Implicit Euler on a rocking arch: 3.22, 3.22, 3.88 and then 6.7 mm."""
+    found = levels(3.22, 3.22, 3.88)
+    assert found.order is None and found.error == pytest.approx(0.66)
+    assert not found.within(0.05)
+    assert not levels(3.22, 3.22, 3.88, 6.7).within(0.05)
+    last = levels(3.88, 3.22, 3.22)
+    assert last.order is None and last.error == pytest.approx(0.66), "nor where the last two are the same"
+
+
+def test_scatter_that_levels_do_not_exceed_is_told_as_such():
+    """3.28, 3.25, 3.22 mm look converged; records that differ by 1 % say how far they are to be believed."""
+    found = levels(3.28, 3.25, 3.22, scatter=0.4)
+    assert found.scatters == 0.4 and found.finished(0.05) and not found.within(0.05)
+    row = found.row("s", "r", 0.05)
+    assert row.peak_displacement_scatter_m == 0.4 and "peak_displacement_error_m" not in row.model_fields_set
+    [said] = found.missed("original", 0.05)
+    assert "scatters by 12 %" in said
+    assert levels(3.9, 3.5, 3.22, scatter=0.4).scatters is None
+
+
+def test_a_collapse_that_all_levels_see_has_no_error_and_one_that_some_see_leaves_it_open():
+    assert levels(None, None, None).within(0.05)
+    assert "relative_error" not in levels(None, None, None).row("s", "r", 0.05).model_fields_set
+    assert levels(0.1, None, None).error is None and not levels(0.1, None, None).within(0.05)
+    assert "not known" in levels(0.1, 0.1, None).missed("original", 0.05)[0]

@@ -1,0 +1,279 @@
+"""Which levels of a record are run, and what their outcomes show."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.special import ndtr
+
+from assessment.analyses import scan as scans
+from assessment.analyses.fragility import Observed, RecordLevel, observed, over_records
+from assessment.analyses.histories import Scatter
+from assessment.analyses.scan import CERTAIN, DOWN, FARTHEST, Reach, scan, scan_levels
+from assessment.analyses.time_history import Setting
+from assessment.project.motions import BaseMotion
+from assessment.project.schema import ControlTable, MotionTable
+from assessment.studies.scans import level_found, observed_in
+from mechanics import Assembly, Block, ConvergenceError, Material
+from mechanics.messages import message
+from mechanics.records.record import Record
+from tests.support.structures import block_on_base, rectangle
+from tests.support.wording import in_italian
+
+RATIO = 1.05
+
+
+class Trial:
+    """A structure that collapses in some intervals of the level; notes what is run."""
+
+    def __init__(self, *falls):
+        self.falls, self.tried = falls, {}
+
+    def __call__(self, level):
+        assert level not in self.tried
+        self.tried[level] = any(low <= level < high for low, high in self.falls)
+        return self.tried[level]
+
+    def seen(self, near=None, pga=0.3, **reach):
+        scan_levels(self, pga, Reach(**({"max_scale": 8.0} | reach)), near)
+        return observed(list(self.tried), list(self.tried.values()))
+
+
+def largest_ratio(levels):
+    levels = sorted(levels)
+    return max((b / a for a, b in pairwise(levels)), default=1.0)
+
+
+@given(
+    low=st.floats(0.05, 2.0),
+    width=st.floats(0.06, 0.3),
+    gap=st.floats(0.0, 0.2),
+    near=st.one_of(st.none(), st.floats(0.02, 3.0)),
+    ratio=st.sampled_from([1.02, 1.05]),
+    members=st.sampled_from([1, 5]),
+)
+def test_a_band_no_more_than_thirty_percent_below_any_collapse_that_is_met_is_found(
+    low, width, gap, near, ratio, members
+):
+    """Wherever the scan begins: the lowest collapse lies in the lowest band within its first step."""
+    top = low * (1.0 + width)
+    above = top * (1.0 + gap)
+    assume(low < 2.0 and above / low < 1.0 / DOWN)
+    trial = Trial((low, top), (above, 99.0))
+    seen = trial.seen(near, ratio=ratio, members=members)
+    assert low <= seen.lowest <= low * ratio * (1.0 + 1e-9)
+    below = [level for level in trial.tried if DOWN * seen.lowest / ratio <= level <= seen.lowest]
+    assert largest_ratio(below) <= ratio * (1.0 + 1e-9)
+    assert min(below) <= DOWN * seen.lowest * ratio
+    assert seen.safe < seen.capacity <= seen.lowest
+    assert all(not fell for level, fell in trial.tried.items() if level < seen.lowest)
+
+
+@given(limit=st.floats(0.05, 2.0), near=st.floats(0.02, 3.0))
+def test_above_the_highest_level_that_stands_two_in_a_row_collapse(limit, near):
+    trial = Trial((limit, 99.0))
+    trial.seen(near)
+    stands = max(level for level, fell in trial.tried.items() if not fell)
+    assert sum(level > stands for level in trial.tried) >= CERTAIN
+
+
+@given(limit=st.floats(0.1, 2.0), away=st.floats(-0.9, 0.9))
+def test_a_scan_that_begins_at_the_collapse_runs_the_levels_around_it_and_no_others(limit, away):
+    trial = Trial((limit, 99.0))
+    trial.seen(limit * RATIO**away)
+    depth = math.ceil(math.log(1.0 / DOWN) / math.log(RATIO))
+    assert len(trial.tried) <= depth + 1 + CERTAIN
+
+
+def test_the_lowest_collapse_does_not_depend_on_where_the_scan_begins():
+    found = [Trial((0.4, 0.46), (0.5, 9.0)) for _ in range(3)]
+    seen = [trial.seen(near) for trial, near in zip(found, (None, 0.45, 0.52), strict=True)]
+    assert len({each.lowest for each in seen}) == 1
+
+
+def test_nothing_falls_up_to_the_largest_level():
+    trial = Trial()
+    seen = trial.seen(max_scale=4.0)
+    assert (seen.safe, seen.lowest, seen.capacity) == (pytest.approx(1.2), None, None)
+    assert max(trial.tried) == pytest.approx(1.2)
+    band = Trial((0.9, 1.0))
+    assert 0.9 <= band.seen(max_scale=4.0).lowest < 0.9 * RATIO  # between two strides of the way up
+
+
+def test_a_fall_at_any_level_leaves_only_rest():
+    seen = Trial((0.0, 99.0)).seen()
+    assert seen.safe == 0.0 and seen.lowest <= 0.0011
+
+
+def test_the_lowest_bracket_is_halved_to_the_width_asked_for():
+    trial = Trial((0.5, 99.0))
+    seen = trial.seen(width=0.002)
+    below = max(level for level, fell in trial.tried.items() if not fell)
+    assert 0.0 < seen.lowest - below <= 0.002
+
+
+def test_a_collapse_half_way_between_levels_is_scanned_below_as_any_other():
+    levels = [0.3 * RATIO**place for place in (8.4, 8.6, 9.9)]
+    trial = Trial((levels[0], levels[1]), (levels[2], 99.0))
+    seen = trial.seen(members=5)
+    assert levels[0] < seen.lowest < levels[1] and min(trial.tried) <= DOWN * seen.lowest
+
+
+def test_a_level_that_cannot_be_completed_counts_as_neither_and_the_scan_goes_on():
+    """Of a falling wall one motion of many was refused, and the whole scan was lost."""
+    whole = Trial((0.5, 99.0))
+    whole.seen()
+    for lost in whole.tried:
+        again = Trial((0.5, 99.0))
+
+        def falls(level, again=again, lost=lost):
+            return None if again(level) is None or level == lost else again.tried[level]
+
+        scan_levels(falls, 0.3, Reach(8.0))
+        known = {level: fell for level, fell in again.tried.items() if level != lost}
+        seen = observed(list(known), list(known.values()))
+        assert lost in again.tried and 0.5 <= seen.lowest < 0.5 * RATIO**2
+        assert len(again.tried) <= len(whole.tried) + FARTHEST + CERTAIN
+    nothing = []
+    scan_levels(nothing.append, 0.3, Reach(8.0))
+    assert 0 < len(nothing) < 30
+
+
+def test_probability_in_a_bracket_grows_evenly_in_ln_level():
+    seen = observed([0.2, 0.3, 0.4], [False, True, True])
+    assert seen.probable == pytest.approx([0.2 * 1.5**p for p in (0.16, 0.5, 0.84)])
+    assert seen.capacity == seen.probable[0] and seen.beta == 0.0 and seen.certain == 0.3
+    assert seen.gap == pytest.approx((0.3, 0.3)) or seen.gap is None
+
+
+def test_a_level_is_known_to_its_bracket_and_the_scatter_of_the_collapse():
+    """δ/√12 of a bracket of δ in ln, and √(β δ/1.806) beside it."""
+    assert Observed(0.2, spacing=0.06).known_to(0.0) == pytest.approx(0.06 / math.sqrt(12.0))
+    both = math.sqrt(0.3 * 0.06 / 1.806 + 0.06**2 / 12.0)
+    assert Observed(0.2, spacing=0.06).known_to(0.3) == pytest.approx(both, rel=1e-3)
+
+
+def test_where_collapse_comes_in_bands_the_probit_counts_if_it_is_lower():
+    levels = 0.3 * RATIO ** np.arange(20)
+    random = np.random.default_rng(4)
+    fallen = random.uniform(size=20) < ndtr(np.log(levels / 0.5) / 0.15)
+    fallen[-2:] = True
+    seen = observed(levels.tolist(), fallen.tolist())
+    low, middle, high = seen.probable
+    assert middle == pytest.approx(0.5, rel=0.15) and seen.beta == pytest.approx(0.15, rel=0.6)
+    assert math.log(high / low) == pytest.approx(1.989 * seen.beta, rel=1e-3)
+    assert seen.capacity == min(low, levels[fallen][0]) or seen.capacity < levels[fallen][0]
+    assert seen.stands == tuple(levels[~fallen & (levels > levels[fallen][0])])
+    assert seen.safe < seen.capacity
+
+
+def test_beta_of_records_stands_apart_from_that_within_them():
+    random = np.random.default_rng(3)
+    levels = [
+        RecordLevel(f"{k}", 0.3 * math.exp(0.4 * random.standard_normal()), False, 0.1) for k in range(2000)
+    ]
+    found = over_records(levels)
+    assert found.beta_record == pytest.approx(0.4, rel=0.04) and found.beta_ensemble == pytest.approx(0.1)
+    assert found.beta == pytest.approx(math.hypot(0.4, 0.1), rel=0.04)
+    assert found.median_range[0] < found.median < found.median_range[1]
+    assert over_records([RecordLevel("a", 1.0, True, 0.0)]) is None
+
+
+# A band between steps: five voussoirs on stiff joints, one sine of half a second
+
+
+def semicircle():
+    """Intrados of radius 2 m, 0.45 m thick."""
+    stone = Material(20.0, 0.9, normal_stiffness=5e6)
+    angles = np.linspace(0.0, np.pi, 6)
+    corner = np.stack([np.outer(np.cos(angles), (2.0, 2.45)), np.outer(np.sin(angles), (2.0, 2.45))], axis=2)
+    ring = [
+        Block([corner[i, 0], corner[i, 1], corner[i + 1, 1], corner[i + 1, 0]], 1.0, stone) for i in range(5)
+    ]
+    feet = [
+        Block(rectangle(min(x), -0.5, max(x), 0.0), 1.0, stone, support=name)
+        for name, x in (("right", (2.0, 2.45)), ("left", (-2.0, -2.45)))
+    ]
+    return Assembly([*ring, *feet])
+
+
+def test_the_band_below_the_collapse_that_a_search_would_meet_first_is_found():
+    """Steps of 0.16 to 1.25 ms: from 0.505 to 0.54 g, and from 0.58 g on; an explicit code: from 0.50 g."""
+    step, model = 0.005, semicircle()
+    time = step * np.arange(101)
+    record = Record(0.3 * np.sin(4.0 * np.pi * time), step, "sine")
+    motion = BaseMotion(record, record, record.pga, 1.0)
+    setting = Setting(
+        MotionTable(contacts="elastic", damping_ratio=0.05), ControlTable(name="c", point_m=(0.0, 2.3))
+    )
+    reach, single = Reach(5.0, width=0.01), Scatter(1, 0.05)
+    coarse = scan(model, motion, setting, model.initial, single, reach)
+    fine = scan(model, motion.at_half_step(), setting, model.initial, single, reach, level_found(coarse))
+    seen = observed_in(fine)
+    assert 0.50 < observed_in(coarse).lowest < 0.53  # by the step of the record
+    assert 0.50 < seen.lowest < 0.53
+    assert seen.capacity < 1.02 * 0.505
+
+
+def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
+    """A rectangular pulse of 0.5 s, then 2 s of rest."""
+    pulse = np.where(np.arange(251) < 50, 0.1, 0.0)
+    record = Record(pulse, 0.01, "pulse")
+    motion = BaseMotion(record, record, record.pga, 1.0)
+    table = MotionTable(contacts="rigid", integrator="second-order")
+    model = block_on_base(0.6, 4.2)
+    setting = Setting(table, ControlTable(name="top", point_m=(0.3, 4.2)))
+    found = scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0, width=0.005))
+    p = math.sqrt(3.0 * 9.80665 / (4.0 * 0.5 * math.hypot(0.6, 4.2)))
+    share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
+    # cosh(p t) = 1 + 1/(2k(k − 1)), k = a/(g α) (slender rigid block); α as its tangent, 5 %
+    expected = (1.0 + math.sqrt(1.0 + 4.0 * share)) / 2.0 * 0.6 / 4.2
+    seen = observed_in(found)
+    assert seen.lowest == pytest.approx(expected, rel=0.05)
+    assert found.counts.motions == len(found.points) and found.counts.steps > 0 and found.worst < 1e-6
+    assert all((point.peak_displacement_m is None) == point.collapsed for point in found.points)
+    assert not found.failures and found.reason is None
+
+
+def test_a_motion_that_is_refused_is_told_and_leaves_the_levels_of_the_others(monkeypatch):
+    record = Record(np.where(np.arange(251) < 50, 0.1, 0.0), 0.01, "pulse")
+    motion, model = BaseMotion(record, record, record.pga, 1.0), block_on_base(0.6, 4.2)
+    setting = Setting(MotionTable(contacts="rigid"), ControlTable(name="top", point_m=(0.3, 4.2)))
+
+    def scanned():
+        return scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0))
+
+    whole = scanned()
+    lost, true = next(p.pga_g for p in whole.points if p.collapsed is False), scans.respond
+
+    def refused(*of, **how):
+        if not lost or of[4] * record.pga == pytest.approx(lost):
+            raise ConvergenceError(message("not solved"))
+        return true(*of, **how)
+
+    monkeypatch.setattr(scans, "respond", refused)
+    found = scanned()
+    assert found.reason is None and not found.failures
+    assert [p.pga_g for p in found.points if p.collapsed is None] == [lost]
+    others = {p.pga_g: p for p in found.points if p.collapsed is not None}
+    assert len(others) >= CERTAIN + 5 and all(others.get(p.pga_g, p) == p for p in whole.points)
+    [note] = [note for note in found.notes if "not known" in note]
+    assert "not solved" in note and "non è noto" in in_italian(note)
+    assert observed_in(found).lowest == observed_in(whole).lowest
+
+    lost = None  # every motion
+    assert "not solved" in scanned().reason
+
+
+def test_the_band_of_a_fragility_is_that_of_its_samples():
+    levels = [RecordLevel(str(k), 0.3 * 1.1**k, False, 0.0) for k in range(7)]
+    found = over_records(levels)
+    half = next(bounds for p, *bounds in found.band if p == 0.5)
+    assert half == found.median_range
+    assert [low for _, low, _ in found.band] == sorted(low for _, low, _ in found.band)
+    assert not over_records(levels[:2]).band  # two records tell no range
