@@ -50,31 +50,21 @@ def _builder(template: str) -> Callable[..., Assembly]:
                 ],
             )
 
-    options = template_options(template)
+    options, name = template_options(template), template.replace("-", "_")
+    first = (TEMPLATES[template].__doc__ or "").splitlines()[0]
     told = [
-        f"    {name}: {each.description}, {each.unit}, by default {each.default}"
-        for name, each in options.items()
+        f"    {key}: {each.description}, {each.unit}, by default {each.default}"
+        for key, each in options.items()
     ]
-    build.__name__ = build.__qualname__ = template.replace("-", "_")
-    build.__module__ = "assessment"
-    build.__doc__ = "\n".join(
-        [
-            (TEMPLATES[template].__doc__ or "")
-            .splitlines()[0]
-            .replace("Return", "Return the structure of the template:"),
-            "",
-            *told,
-            "    material, depth_m: of all blocks, instead of the template's",
-            "",
-            "Raises ProjectError, a ValueError, for a dimension that does not fit.",
-        ]
-    )
-    build.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [
-            *(inspect.Parameter(n, KEYWORD, default=each.default) for n, each in options.items()),
-            *(inspect.Parameter(n, KEYWORD, default=None) for n in ("material", "depth_m")),
-        ]
-    )
+    build.__doc__ = "\n".join([
+        first.replace("Return", "Return the structure of the template:"), "", *told,
+        "    material, depth_m: of all blocks, instead of the template's", "",
+        "Raises ProjectError, a ValueError, for a dimension that does not fit.",
+    ])  # fmt: skip
+    build.__module__, build.__name__, build.__qualname__ = "assessment", name, name
+    defaults = {key: each.default for key, each in options.items()} | {"material": None, "depth_m": None}
+    keys = [inspect.Parameter(key, KEYWORD, default=default) for key, default in defaults.items()]
+    build.__signature__ = inspect.Signature(keys)  # type: ignore[attr-defined]
     return build
 
 

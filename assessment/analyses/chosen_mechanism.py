@@ -24,9 +24,8 @@ from assessment.project.model import StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
 from assessment.results.joint_states import Met
-from assessment.results.schema import StateResults
+from assessment.results.schema import StateResults, finite, known
 from assessment.results.schema import checks as parts
-from assessment.results.schema.part import finite, known
 from mechanics import Assembly
 from mechanics.messages import Message, SaidError, message
 from mechanics.model import Contacts, H, end_gaps, end_points, relative_motion

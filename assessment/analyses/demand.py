@@ -16,9 +16,8 @@ from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import AssessmentTable, KnowledgeTable
-from assessment.results.schema import StateResults
+from assessment.results.schema import StateResults, known
 from assessment.results.schema import checks as parts
-from assessment.results.schema.part import known
 from assessment.results.table import indices
 from assessment.runtime.errors import ProjectError
 

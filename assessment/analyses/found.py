@@ -8,8 +8,7 @@ from typing import Any, Generic, TypeVar
 from assessment.ntc.tables import Step
 from assessment.project.project import Project
 from assessment.project.schema import SettlementTable
-from assessment.results.schema.model import WORST, Line, Quality, QualityRow
-from assessment.results.schema.part import Part, finite
+from assessment.results.schema import WORST, Line, Part, Quality, QualityRow, finite
 from mechanics.messages import Message
 
 Value = TypeVar("Value")

@@ -34,9 +34,7 @@ from assessment.analyses.found import (
 )
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.results.schema.dynamic import Band
-from assessment.results.schema.part import known
-from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.schema import Band, ConvergenceRow, known
 from mechanics.messages import Message, headed, linked, message
 from mechanics.types import Array
 

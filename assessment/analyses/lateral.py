@@ -18,8 +18,7 @@ from assessment.project.project import Project
 from assessment.project.schema import ControlTable
 from assessment.results import frames
 from assessment.results.joint_states import Met
-from assessment.results.schema import static
-from assessment.results.schema.part import finite, known
+from assessment.results.schema import finite, known, static
 from assessment.results.table import sense
 from mechanics import procedures
 from mechanics.messages import Message, headed, message

@@ -15,8 +15,7 @@ import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.frames import along_path, determined, pushdown_frames
-from assessment.results.schema.model import QualityRow
-from assessment.results.schema.static import LocalLoss, PushdownPath
+from assessment.results.schema import LocalLoss, PushdownPath, QualityRow
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, H
 from mechanics.procedures import PATH, Pushdown, Pushover, settled, whole_movement

@@ -20,9 +20,7 @@ from assessment.analyses.paths import (
 from assessment.project.model import StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable, SettlementTable
-from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import Configuration, known
-from assessment.results.schema.static import PushdownPath, Pushovers, Run
+from assessment.results.schema import Configuration, PushdownPath, Pushovers, QualityRow, Run, known
 from assessment.runtime.tasks import Workers, large
 from mechanics import Assembly, State
 from mechanics.messages import Message, headed, message

@@ -12,7 +12,7 @@ from assessment.analyses.demand import demand_spectra
 from assessment.app.editing import drawing_tag
 from assessment.ntc.hazard import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
-from assessment.project.catalogue.new_project import write_files
+from assessment.project.catalogue.new_project import new_folder
 from assessment.project.formats.toml import commented_toml
 from assessment.project.model import build_model, how_to_read, with_repaired_drawing
 from assessment.project.problems import project_error, schema_problems, wrong_file
@@ -189,8 +189,9 @@ def begin_project(folder: Path, drawing: Path, given: dict[str, Any]) -> None:
         ProjectContent.model_validate(own)
     except ValidationError as error:
         raise project_error("project.toml", schema_problems(error, own), {}) from None
-    content, _ = _proposed(drawing, given["unit"])
+    content = _proposed(drawing, given["unit"])[0]
     for key, each in own.items():
         content[key] = content.get(key, {}) | each if isinstance(each, dict) else each
-    toml = commented_toml(content).encode()
-    write_files(folder, {drawing.name: drawing.read_bytes(), "project.toml": toml})
+    files = {drawing.name: drawing.read_bytes(), "project.toml": commented_toml(content).encode()}
+    with new_folder(folder, files):
+        pass

@@ -159,10 +159,9 @@ async def _body(request: Request, most: int) -> bytes:
     return bytes(content)
 
 
-Ask = Callable[[Session], dict[str, Any] | None]
-
-
-def _answered(session: Session, request: Request, ask: Ask) -> Response:
+def _answered(
+    session: Session, request: Request, ask: Callable[[Session], dict[str, Any] | None]
+) -> Response:
     """Return an answer as JSON, or what is wrong; of a bug its last line, and its number in a file of all of it."""
     try:
         return JSONResponse({"ok": True} | (ask(session.held(request.headers.get("x-project"))) or {}))

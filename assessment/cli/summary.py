@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING, Any
 from assessment.ntc.tables import INDEXED
 from assessment.report.chapters.lead import lead
 from assessment.report.language import Words, plain_text
-from assessment.results.schema import Results
-from assessment.results.schema.dynamic import Campaign
-from assessment.results.schema.part import plain
+from assessment.results.schema import Campaign, Results, plain
 from assessment.results.summary import best_of, fits, movement_text, settlement_lines, turns, undetermined
 from assessment.results.table import among_known, gains_by, quoted_limit_state
 

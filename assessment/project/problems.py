@@ -13,9 +13,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.schema import ProjectContent, keys_at, tables_of
+from assessment.project.schema import GENERATED, ProjectContent, keys_at, tables_of
 from assessment.project.schema import values as kinds
-from assessment.project.schema.motions import GENERATED
 from assessment.runtime.errors import ProjectError, nearest, shortened
 from assessment.runtime.files import SUFFIXES, read_picture
 from mechanics.messages import layer_key

@@ -13,8 +13,7 @@ from typing import Any, Self, TypeVar
 from markupsafe import Markup, escape
 
 from assessment.ntc.tables import ROCK
-from assessment.results.schema import Results
-from assessment.results.schema.part import QUANTITIES, Quantity, ratio_decimals, unit_of
+from assessment.results.schema import QUANTITIES, Quantity, Results, ratio_decimals, unit_of
 from assessment.results.table import Row
 from mechanics.messages import Message, english, filled, headed, linked
 

@@ -8,8 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from assessment.results.schema import FORMAT, Results, Worded, first_error
-from assessment.results.schema.part import plain
+from assessment.results.schema import FORMAT, Results, Worded, first_error, plain
 from mechanics.messages import Message
 
 AGAIN = "run the project again"

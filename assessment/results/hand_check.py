@@ -8,8 +8,7 @@ import numpy as np
 
 from assessment.results.frames import lengthening, ties_of
 from assessment.results.joint_states import outlines
-from assessment.results.schema import Direction, Results, RigidPush, known
-from assessment.results.schema.part import named
+from assessment.results.schema import Direction, Results, RigidPush, known, named
 from assessment.results.summary import material
 from assessment.results.table import Row, Table, columns_of, sense
 from mechanics.pictures import field, place

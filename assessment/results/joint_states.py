@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from assessment.results.schema import Behaviour, Direction, Face, Frames, Results, StateResults
-from assessment.results.schema.part import finite
+from assessment.results.schema import Behaviour, Direction, Face, Frames, Results, StateResults, finite
 from mechanics import Assembly
 from mechanics.model import (
     NX,

@@ -13,7 +13,7 @@ from itertools import repeat
 from typing import TYPE_CHECKING, Any, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, fingerprint, packed, returned, unpacked
-from assessment.runtime.pool import KilledError, Pool, finished, processes
+from assessment.runtime.pool import Cluster, KilledError, Pool, finished, processes
 from assessment.runtime.progress import SILENCE, Show
 
 if TYPE_CHECKING:
@@ -196,12 +196,7 @@ class Workers:
         if self.engine is None:
             # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
             gc.freeze()
-            if self.scheduler:
-                from assessment.runtime.pool import Cluster  # late: few runs have one
-
-                self.engine = Cluster(self.scheduler)
-            else:
-                self.engine = Pool(processes(self.jobs))
+            self.engine = Cluster(self.scheduler) if self.scheduler else Pool(processes(self.jobs))
         engine = self.engine
         futures: dict[Future[str], int] = {}
 

@@ -15,8 +15,7 @@ from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, SHOWN, accurac
 from assessment.analyses.states import StateResult, curves
 from assessment.project.model import StateModel
 from assessment.project.project import Project
-from assessment.results.schema.checks import Capacity
-from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.schema import Capacity, ConvergenceRow
 from assessment.results.table import cells
 from assessment.studies.variants import capacities_of
 from mechanics.messages import Message, headed, linked, message

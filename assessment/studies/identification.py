@@ -15,9 +15,8 @@ from assessment.analyses.paths import configuration, quality_row
 from assessment.project.masonry import Gauge, gauges, readings
 from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
+from assessment.results.schema import Configuration, QualityRow
 from assessment.results.schema import studies as parts
-from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import Configuration
 from assessment.runtime.progress import SILENCE
 from assessment.runtime.tasks import Workers, large
 from assessment.studies import fit as fitting

@@ -13,8 +13,7 @@ from assessment.analyses.record_set import Measures
 from assessment.analyses.time_history import MotionInputs, Start
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ORIGINAL, CampaignTable
-from assessment.results.schema import dynamic
-from assessment.results.schema.studies import ConvergenceRow
+from assessment.results.schema import ConvergenceRow, dynamic
 from assessment.results.table import reduction
 from assessment.studies.scans import (
     Asked,

@@ -19,10 +19,7 @@ from assessment.ntc.tables import QUOTED
 from assessment.project.model import StateModel, build_model
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ProjectTable, SettlementTable
-from assessment.results.schema import StateResults, studies
-from assessment.results.schema.checks import Capacity
-from assessment.results.schema.part import known
-from assessment.results.schema.static import Pushovers
+from assessment.results.schema import Capacity, Pushovers, StateResults, known, studies
 from assessment.results.table import compared, reduction
 from assessment.runtime.tasks import Workers
 from mechanics.messages import Message, headed, message

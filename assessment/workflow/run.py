@@ -265,7 +265,6 @@ def carry_out(
         show = Journal(folder, show)
         from assessment.project.model import build_model
         from assessment.report.chapters.judgement import refuse_unreadable
-        from assessment.runtime.cache import FOLDER, Store
         from assessment.workflow.stages import run
 
         refuse_unreadable(folder)

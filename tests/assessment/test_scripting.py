@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import assessment
-from assessment.project.catalogue.new_project import TEMPLATES
+from assessment.project.catalogue.new_project import TEMPLATES, template_options
 from mechanics import Material, Record, limit_analysis
 
 
@@ -18,7 +18,7 @@ from mechanics import Material, Record, limit_analysis
 def test_every_template_has_a_builder_with_its_dimensions(template):
     build = getattr(assessment, template.replace("-", "_"))
     assert template.replace("-", "_") in assessment.__all__
-    given = inspect.signature(TEMPLATES[template]).parameters
+    given = template_options(template)
     assert list(inspect.signature(build).parameters) == [*given, "material", "depth_m"]
     assert all(f"{name}: " in build.__doc__ for name in given)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from assessment.cli.main import main
-from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.catalogue.new_project import made, write_drawing
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.journal import NAME as JOURNAL
 from assessment.workflow.run import ENTRY
@@ -66,7 +66,7 @@ soil = "B"
 def write_block(folder: Path, text: str = PROJECT) -> Path:
     """Write drawing and project file into a folder, made where it is not there; return it."""
     folder.mkdir(exist_ok=True)
-    write_drawing(folder / "geometry.dxf", template_layout("block"))
+    write_drawing(folder / "geometry.dxf", made("block", {})[0])
     (folder / "project.toml").write_text(text, encoding="utf-8")
     return folder
 

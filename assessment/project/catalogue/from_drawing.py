@@ -10,7 +10,7 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from assessment.project.catalogue.new_project import write_files
+from assessment.project.catalogue.new_project import new_folder
 from assessment.project.formats import TOML, source_bytes
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
@@ -43,7 +43,8 @@ def new_from_drawing(folder: Path, drawing: Path, source: str = TOML) -> tuple[s
     """
     content, told = proposal(drawing)
     source_data = source_bytes(source, content, TO_FILL_IN)
-    write_files(folder, {drawing.name: drawing.read_bytes(), source: source_data})
+    with new_folder(folder, {drawing.name: drawing.read_bytes(), source: source_data}):
+        pass
     return told
 
 

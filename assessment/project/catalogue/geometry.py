@@ -6,7 +6,7 @@ z = 0 is at the foot of the masonry. Rings have chords between radial joints: ne
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,16 +24,16 @@ MOST_COURSES = 100  # of a wall, whose blocks are cut one by one
 
 @dataclass(frozen=True)
 class Ring:
-    """Arch of equal voussoirs: clear span and rise of the intrados, thickness, springing level and centre line (m).
+    """Arch of equal voussoirs: its dimensions, springing level and centre line (m).
 
     Up to half the span the intrados is one circular arc; a higher rise makes it pointed, two arcs whose centres lie on
     the springing. Raises ValueError for one voussoir, and an odd number in a pointed arch, whose crown is a joint.
     """
 
-    span: float
-    rise: float
-    thickness: float
-    voussoirs: int
+    span_m: Annotated[float, "clear span"]
+    rise_m: Annotated[float, "rise of the intrados; above half the span the arch is pointed"]
+    thickness_m: Annotated[float, "thickness of the ring"]
+    voussoirs: Annotated[int, "voussoirs of a ring"]
     springing: float = 0.0
     middle: float = 0.0
 
@@ -47,28 +47,28 @@ class Ring:
     @property
     def pointed(self) -> bool:
         """Whether the arch has two centres."""
-        return self.rise > 0.5 * self.span * (1.0 + 1e-9)
+        return self.rise_m > 0.5 * self.span_m * (1.0 + 1e-9)
 
     @property
     def radius(self) -> float:
         """Radius of the intrados, m."""
-        return (0.25 * self.span**2 + self.rise**2) / (self.span if self.pointed else 2.0 * self.rise)
+        return (0.25 * self.span_m**2 + self.rise_m**2) / (self.span_m if self.pointed else 2.0 * self.rise_m)
 
     @property
     def half_angle(self) -> float:
         """Angle at its centre, rad, of the half of a round arch, of one arc of a pointed one."""
         if self.pointed:
-            return float(np.arcsin(self.rise / self.radius))
-        return 2.0 * float(np.arctan2(2.0 * self.rise, self.span))
+            return float(np.arcsin(self.rise_m / self.radius))
+        return 2.0 * float(np.arctan2(2.0 * self.rise_m, self.span_m))
 
     def joints(self, offset: float) -> Array:
         """Return the ends (voussoirs + 1, 2) of the joints at radius + offset, left to right: radial but a crown's."""
         r = self.radius + offset
         if not self.pointed:
             angle = np.linspace(-self.half_angle, self.half_angle, self.voussoirs + 1)
-            centre = self.springing + self.rise - self.radius
+            centre = self.springing + self.rise_m - self.radius
             return np.column_stack([self.middle + r * np.sin(angle), centre + r * np.cos(angle)])
-        apart = self.radius - 0.5 * self.span  # of a centre from the axis
+        apart = self.radius - 0.5 * self.span_m  # of a centre from the axis
         angle = np.linspace(0.0, self.half_angle, self.voussoirs // 2 + 1)[:-1]
         x, z = r * np.cos(angle) - apart, self.springing + r * np.sin(angle)
         crown = [(self.middle, self.springing + float(np.sqrt(r**2 - apart**2)))]
@@ -77,7 +77,7 @@ class Ring:
 
     def blocks(self) -> list[Array]:
         """Return the voussoirs, each (4, 2) m, from left to right."""
-        inner, outer = self.joints(0.0), self.joints(self.thickness)
+        inner, outer = self.joints(0.0), self.joints(self.thickness_m)
         return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
 
     def foot(self, width: float) -> tuple[Array, Array]:
@@ -85,7 +85,7 @@ class Ring:
 
         Raises ValueError if wider than `width`, m.
         """
-        inner, outer = self.joints(0.0)[-1], self.joints(self.thickness)[-1]
+        inner, outer = self.joints(0.0)[-1], self.joints(self.thickness_m)[-1]
         if outer[0] - inner[0] > width + 1e-9:
             text = f"the ring's foot is {outer[0] - inner[0]:.3g} m wide, its support {width:g} m"
             raise ValueError(f"thickness: {text}")

@@ -4,9 +4,10 @@ import inspect
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields, is_dataclass, replace
 from itertools import cycle
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 from assessment.project.catalogue import arches, walls
 from assessment.project.catalogue.geometry import DRAWING, Layout, Made
@@ -40,10 +41,16 @@ def template_options(template: str) -> dict[str, Option]:
     if template not in TEMPLATES:
         raise ProjectError(f"--template: {template}: no such template; {nearest(template, TEMPLATES)}")
     found = {}
-    for name, each in inspect.signature(TEMPLATES[template], eval_str=True).parameters.items():
-        unit = next((unit for end, unit in UNITS.items() if name.endswith(end)), NUMBER)
-        unit = NUMBER if isinstance(each.default, int) else unit
-        found[name] = Option(each.default, unit, each.annotation.__metadata__[0])
+    for argument, each in inspect.signature(TEMPLATES[template], eval_str=True).parameters.items():
+        hints = {argument: each.annotation}
+        if is_dataclass(each.default):
+            hints = get_type_hints(each.annotation, include_extras=True)
+        for name, hint in hints.items():
+            if get_args(hint):  # what follows from other dimensions has no meaning of its own
+                default = getattr(each.default, name, each.default)
+                unit = next((unit for end, unit in UNITS.items() if name.endswith(end)), NUMBER)
+                unit = NUMBER if isinstance(default, int) else unit
+                found[name] = Option(default, unit, hint.__metadata__[0])
     return found
 
 
@@ -59,20 +66,21 @@ def made(template: str, options: Mapping[str, float]) -> Made:
             what = "a whole number" if unit == NUMBER else f"a number, in {unit},"
             raise ProjectError(f"{template}: {name}: is {value:g}; must be {what} from {low:g} to {high:g}")
         values[name] = int(value) if unit == NUMBER else float(value)
+    parts: dict[str, Any] = {}
     try:
-        return TEMPLATES[template](**values)
+        for name, each in inspect.signature(TEMPLATES[template]).parameters.items():
+            if is_dataclass(part := each.default):
+                own = {field.name for field in fields(part)} & values.keys()
+                parts[name] = replace(part, **{key: values.pop(key) for key in own})  # type: ignore[type-var]
+        return TEMPLATES[template](**values, **parts)
     except ValueError as error:
         raise ProjectError(f"{template}: {error}") from None
 
 
 COLOURS = (7, 8, 30, 1, 5, 3)  # AutoCAD colour indices of the layers, in their order
+# within 10 % of the SLC spectrum of L'Aquila (soil B, T1, class II, 50 years) from 0.15 to 2 s; 15 s at 0.01 s
 RECORD = "records/artificial.csv"
 _PACKAGE = Path(__file__).parents[2]
-
-
-def template_layout(template: str, options: Mapping[str, float] | None = None) -> Layout:
-    """Return the polygons of a template by layer, m. Raises ProjectError for options that do not fit."""
-    return made(template, options or {})[0]
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
@@ -81,7 +89,8 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
     Raises ProjectError as `new_folder` and `made`, and for dimensions that give no structure together; OSError.
     """
     layout, content = made(template, options)
-    files = {source: source_bytes(source, content), RECORD: artificial_record()}
+    record = (examples()["triumphal_arch"] / RECORD).read_bytes()
+    files = {source: source_bytes(source, content), RECORD: record}
     with new_folder(folder, files) as fresh:
         with naming(folder / DRAWING):
             write_drawing(fresh / DRAWING, layout)
@@ -127,20 +136,6 @@ def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
         temporary.replace(folder)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
-
-
-def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files into a new folder, all or none. Raises as `new_folder`."""
-    with new_folder(folder, files):
-        pass
-
-
-def artificial_record() -> bytes:
-    """Return the artificial record of the example of a triumphal arch: 15 s at 0.01 s.
-
-    It is within 10 % of the SLC spectrum of L'Aquila (soil B, T1, class II, 50 years) between 0.15 and 2 s.
-    """
-    return (examples()["triumphal_arch"] / RECORD).read_bytes()
 
 
 def write_drawing(path: Path, layout: Layout) -> None:

@@ -1,25 +1,14 @@
 """Templates of walls, façades and gables: masonry and project file as a function of dimensions."""
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
 from shapely.geometry import Polygon, box
 from shapely.ops import unary_union
 
-from assessment.project.catalogue.geometry import (
-    TWO_SUPPORTS,
-    Array,
-    Made,
-    course,
-    courses,
-    fitted,
-    project,
-    rectangle,
-    running_bond,
-    sinking,
-    stack,
-    tidied,
-)
+from assessment.project.catalogue import geometry
+from assessment.project.catalogue.geometry import Array, Made
 
 BlockLength = Annotated[float, "length of a block"]
 CourseHeight = Annotated[float, "height of the courses, adapted to whole numbers of them"]
@@ -30,21 +19,46 @@ RAFTER = 0.2  # m, height of a rafter
 CRACK = 0.02  # m between a façade and its side walls: in simple overturning they do not rub
 
 
+@dataclass(frozen=True)
+class Storeys:
+    """Storeys of one height."""
+
+    storeys: Annotated[int, "storeys"]
+    storey_height_m: Annotated[float, "height of a storey"]
+
+
+@dataclass(frozen=True)
+class Roof:
+    """A roof that bears on a façade; its rafters thrust where they rise."""
+
+    roof_load_kN: Annotated[float, "load of the roof, per metre of façade"]
+    roof_span_m: Annotated[float, "horizontal length of a rafter that thrusts"]
+    roof_rise_m: Annotated[float, "rise of a rafter that thrusts; 0: trusses, which do not thrust"]
+
+
+@dataclass(frozen=True)
+class SideWalls:
+    """Side walls that a façade is bonded to, and the crack along which it parts from them."""
+
+    side_wall_m: Annotated[float, "thickness of the side walls, per metre of façade"]
+    crack_deg: Annotated[float, "angle of the crack of the side walls, from vertical; 0: no bond"]
+
+
 def block(
     width_m: Annotated[float, "width of the block"] = 0.6,
     height_m: Annotated[float, "height of the block"] = 4.2,
 ) -> Made:
     """Return one block on a wider base."""
     half, base = 0.5 * width_m, 0.5 * width_m
-    layout = tidied(
-        BASE=[rectangle(-half - base, half + base, -base, 0.0)],
-        BLOCCO=[rectangle(-half, half, 0.0, height_m)],
+    layout = geometry.tidied(
+        BASE=[geometry.rectangle(-half - base, half + base, -base, 0.0)],
+        BLOCCO=[geometry.rectangle(-half, half, 0.0, height_m)],
     )
     moved = {"name": "base ruotata 20 mrad", "support": "base", "rotation_rad": -0.02}
     moved |= {"increment_rad": 0.001, "to_collapse": True}
     layers, stone = {"BASE": {"support": "base"}}, (18.0, 0.7, 5e8)
     control, increment = _corners(half, -half, height_m), round(0.01 * width_m, 6)
-    return layout, project("Blocco oscillante", 1.0, stone, layers, control, increment, [moved])
+    return layout, geometry.project("Blocco oscillante", 1.0, stone, layers, control, increment, [moved])
 
 
 def wall(
@@ -61,17 +75,16 @@ def wall(
     if moving_blocks >= blocks:
         raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
     length, height = blocks * block_length_m, courses * block_height_m
-    layout = tidied(
+    layout = geometry.tidied(
         **_two_bases((blocks - moving_blocks) * block_length_m, length, block_length_m, block_height_m),
-        PARETE=running_bond(0.0, length, np.linspace(0.0, height, courses + 1), blocks),
+        PARETE=geometry.running_bond(0.0, length, np.linspace(0.0, height, courses + 1), blocks),
     )
     return layout, _wall("Parete a corsi sfalsati", length, height, block_length_m, block_height_m)
 
 
 def wall_with_openings(
     length_m: Annotated[float, "length of the wall"] = 7.0,
-    storeys: Annotated[int, "storeys, each with a row of openings"] = 2,
-    storey_height_m: Annotated[float, "height of a storey"] = 3.0,
+    of: Storeys = Storeys(2, 3.0),
     openings: Annotated[int, "openings of a storey, at equal distances"] = 2,
     opening_width_m: Annotated[float, "width of an opening"] = 1.0,
     opening_height_m: Annotated[float, "height of an opening, adapted to the courses"] = 1.5,
@@ -84,7 +97,8 @@ def wall_with_openings(
 
     Raises ValueError for openings that do not fit.
     """
-    levels = courses(0.0, storey_height_m, course_height_m)
+    storey_height = of.storey_height_m
+    levels = geometry.courses(0.0, storey_height, course_height_m)
     per_storey, step = len(levels) - 1, float(levels[1])
     sill, rows = round(sill_m / step), max(1, round(opening_height_m / step))
     apart = length_m / max(openings, 1)
@@ -95,38 +109,35 @@ def wall_with_openings(
     if openings and opening_width_m + 2.0 * lintel_bearing_m > apart - 1e-9:
         raise ValueError(f"opening_width_m: with its lintel wider than the {apart:g} m that it has; lower it")
     holes, lintels = [], []
-    for storey in range(storeys):
-        floor = storey * storey_height_m
+    for storey in range(of.storeys):
+        floor = storey * storey_height
         bottom, top = floor + sill * step, floor + (sill + rows) * step
         for middle in apart * (np.arange(openings) + 0.5):
             low, high = middle - 0.5 * opening_width_m, middle + 0.5 * opening_width_m
             holes.append(box(low, bottom, high, top))
-            lintels.append(rectangle(low - lintel_bearing_m, high + lintel_bearing_m, top, top + step))
-    height = storeys * storey_height_m
+            low, high = low - lintel_bearing_m, high + lintel_bearing_m
+            lintels.append(geometry.rectangle(low, high, top, top + step))
+    height = of.storeys * storey_height
     region = box(0.0, 0.0, length_m, height).difference(unary_union([*holes, *map(Polygon, lintels)]))
     along = max(1, round(length_m / block_length_m))
-    cells = running_bond(0.0, length_m, np.linspace(0.0, height, storeys * per_storey + 1), along)
-    layout = tidied(
+    cells = geometry.running_bond(0.0, length_m, np.linspace(0.0, height, of.storeys * per_storey + 1), along)
+    layout = geometry.tidied(
         **_two_bases(length_m * (1.0 - max(1, along // 3) / along), length_m, block_length_m, step),
-        PARETE=fitted(cells, region),
+        PARETE=geometry.fitted(cells, region),
         **({"ARCHITRAVI": lintels} if lintels else {}),
     )
     return layout, _wall("Parete con aperture", length_m, height, block_length_m, step)
 
 
 def facade(
-    storeys: Annotated[int, "storeys"] = 2,
-    storey_height_m: Annotated[float, "height of a storey"] = 3.5,
+    of: Storeys = Storeys(2, 3.5),
     thickness_m: Annotated[float, "thickness of the façade"] = 0.6,
     course_height_m: CourseHeight = 0.35,
     bearing_m: Annotated[float, "length on which floors and roof bear, from the inner face"] = 0.2,
     floor_load_kN: Annotated[float, "load of each floor, per metre of façade"] = 8.0,
-    roof_load_kN: Annotated[float, "load of the roof, per metre of façade"] = 5.0,
-    roof_span_m: Annotated[float, "horizontal length of a rafter that thrusts"] = 4.0,
-    roof_rise_m: Annotated[float, "rise of a rafter that thrusts; 0: trusses, which do not thrust"] = 0.0,
+    roof: Roof = Roof(5.0, 4.0, 0.0),
     tie_kN: Annotated[float, "yield force of a tie at each floor and the roof, per metre; 0: no ties"] = 10.0,
-    side_wall_m: Annotated[float, "thickness of the side walls, per metre of façade"] = 0.2,
-    crack_deg: Annotated[float, "angle of the crack of the side walls, from vertical; 0: no bond"] = 30.0,
+    side: SideWalls = SideWalls(0.2, 30.0),
 ) -> Made:
     """Return a section of a façade, 1 m deep, that overturns outward, towards +x, about its outer edge x = thickness.
 
@@ -135,42 +146,49 @@ def facade(
     the façade in the compound mechanism (Circolare 7/2019, C8.7.1.2) and lie still in the simple one. Ties are a
     strengthened state. Raises ValueError for dimensions that do not go together.
     """
-    if crack_deg > MOST_LEAN:
-        raise ValueError(f"crack_deg: must be {MOST_LEAN:g} at most, is {crack_deg:g}")
+    crack, thrusts, deep = side.crack_deg, roof.roof_rise_m > 0.0, {"depth_m": side.side_wall_m}
+    if crack > MOST_LEAN:
+        raise ValueError(f"crack_deg: must be {MOST_LEAN:g} at most, is {crack:g}")
     if bearing_m >= thickness_m:
         raise ValueError(f"bearing_m: must be less than thickness_m ({thickness_m:g}), is {bearing_m:g}")
-    per_storey = len(courses(0.0, storey_height_m, course_height_m)) - 1
+    per_storey = len(geometry.courses(0.0, of.storey_height_m, course_height_m)) - 1
     if per_storey < 2:
         raise ValueError(f"course_height_m: must be half of storey_height_m at most, is {course_height_m:g}")
-    if roof_span_m < thickness_m:
-        raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof_span_m:g}")
-    top = storeys * storey_height_m
-    levels = np.linspace(0.0, top, storeys * per_storey + 1)
-    step, t, b, thrusts = float(levels[1]), thickness_m, bearing_m, roof_rise_m > 0.0
+    if roof.roof_span_m < thickness_m:
+        raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof.roof_span_m:g}")
+    top = of.storeys * of.storey_height_m
+    levels = np.linspace(0.0, top, of.storeys * per_storey + 1)
+    step, t, b = float(levels[1]), thickness_m, bearing_m
     floors = levels[per_storey:-1:per_storey]
-    room, steps, inner = _cracked(levels, crack_deg)
+    room, steps, inner = _cracked(levels, crack)
     # the top course holds the roof's bearing, and with it the thrust, behind an upstand
     low, high = top - step, top + step
     notched = np.array([(0, low), (t, low), (t, high), (b, high), (b, top), (0, top)])
-    masonry = [rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
-    ridge, high = 0.5 * b - roof_span_m, top + roof_rise_m
+    masonry = [geometry.rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
+    ridge, high = 0.5 * b - roof.roof_span_m, top + roof.roof_rise_m
     rafter = [(0, top), (b, top), (b, top + RAFTER), (ridge, high + RAFTER), (ridge, high)]
-    wedge = [rectangle(x, -CRACK, z, z + step) for x, z in zip(steps, levels, strict=False)]
+    wedge = [geometry.rectangle(x, -CRACK, z, z + step) for x, z in zip(steps, levels, strict=False)]
     # layer: its blocks, and what it has of its own
-    roof = {"vertical_load_kN": roof_load_kN}
+    load = {"vertical_load_kN": roof.roof_load_kN}
     parts: dict[str, tuple[list[Array], dict[str, Any]]] = {
-        "BASE": ([rectangle(room, 1.5 * t, -0.5, 0.0)], {"support": "base"}),
-        "MURI": ([inner], {"support": "muri", "depth_m": side_wall_m}),
-        "COLMO": ([rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)] * thrusts, {"support": "colmo"}),
+        "BASE": ([geometry.rectangle(room, 1.5 * t, -0.5, 0.0)], {"support": "base"}),
+        "MURI": ([inner], {"support": "muri"} | deep),
+        "COLMO": (
+            [geometry.rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)] * thrusts,
+            {"support": "colmo"},
+        ),
         "FACCIATA": (masonry, {}),
-        "CUNEO": (wedge if crack_deg else [], {"depth_m": side_wall_m}),
-        "SOLAI": ([rectangle(0.0, b, z, z + step) for z in floors], {"vertical_load_kN": floor_load_kN}),
-        "PUNTONI": ([np.array(rafter)] * thrusts, {"unit_weight_kN_m3": 5.0, "friction": 0.0} | roof),
-        "TETTO": ([rectangle(0.0, b, top, top + step)] * (not thrusts), roof),
+        "CUNEO": (wedge if crack else [], deep),
+        "SOLAI": (
+            [geometry.rectangle(0.0, b, z, z + step) for z in floors],
+            {"vertical_load_kN": floor_load_kN},
+        ),
+        "PUNTONI": ([np.array(rafter)] * thrusts, {"unit_weight_kN_m3": 5.0, "friction": 0.0} | load),
+        "TETTO": ([geometry.rectangle(0.0, b, top, top + step)] * (not thrusts), load),
     }
     parts = {name: part for name, part in parts.items() if part[0]}
     tables: dict[str, Any] = {}
-    if crack_deg and not thrusts:  # a rafter turns by itself
+    if crack and not thrusts:  # a rafter turns by itself
         turning = [name for name in parts if name not in {"BASE", "MURI", "CUNEO"}]
         names = {"ribaltamento semplice": turning, "ribaltamento composto": [*turning, "CUNEO"]}
         tables["mechanism"] = [{"name": n, "about_m": [t, 0.0], "layers": own} for n, own in names.items()]
@@ -184,9 +202,9 @@ def facade(
         tables["strengthening"] = [{"name": "con catene", "of": "original"}]
     title, stone, control = "Facciata, ribaltamento fuori piano", (18.0, 0.6, 5e5), {"in alto": (t, top)}
     own = {name: own for name, (_, own) in parts.items() if own}
-    content = project(title, 1.0, stone, own, control, round(0.01 * t, 6), **tables)
+    content = geometry.project(title, 1.0, stone, own, control, round(0.01 * t, 6), **tables)
     content["pushover"]["directions"] = ["+x"]
-    return tidied(**{name: blocks for name, (blocks, _) in parts.items()}), content
+    return geometry.tidied(**{name: blocks for name, (blocks, _) in parts.items()}), content
 
 
 def _cracked(levels: Array, crack_deg: float) -> tuple[float, Array, Array]:
@@ -208,13 +226,13 @@ def tympanum(
     foot_height_m: FootHeight = 9.0,
 ) -> Made:
     """Return a section of a triangular gable that overturns out of its plane, each course as deep as it is wide."""
-    levels = courses(0.0, height_m, course_height_m)
+    levels = geometry.courses(0.0, height_m, course_height_m)
     widths = width_m * (1.0 - 0.5 * (levels[:-1] + levels[1:]) / height_m)
     names = [f"TIMPANO_{k:02d}" for k in range(1, len(widths) + 1)]
     half = 0.5 * thickness_m
-    blocks = stack(-half, half, levels)
-    layout = tidied(
-        BASE=[rectangle(-2.0 * half, 2.0 * half, -half, 0.0)],
+    blocks = geometry.stack(-half, half, levels)
+    layout = geometry.tidied(
+        BASE=[geometry.rectangle(-2.0 * half, 2.0 * half, -half, 0.0)],
         **{name: [each] for name, each in zip(names, blocks, strict=True)},
     )
     layers: dict[str, Any] = {"BASE": {"support": "base"}}
@@ -222,7 +240,7 @@ def tympanum(
     control, increment = _corners(half, -half, height_m), round(0.01 * thickness_m, 6)
     title, stone = "Timpano, ribaltamento fuori piano", (18.0, 0.6, 5e5)
     at = _at(foot_height_m, foot_height_m + height_m)
-    return layout, project(title, width_m, stone, layers, control, increment, assessment=at)
+    return layout, geometry.project(title, width_m, stone, layers, control, increment, assessment=at)
 
 
 def bell_gable(
@@ -238,38 +256,38 @@ def bell_gable(
 ) -> Made:
     """Return a bell-gable in its plane: piers of one block a course, one lintel over all openings, a gable on it."""
     half = 0.5 * (openings * opening_width_m + (openings + 1) * pier_width_m)
-    levels = courses(0.0, pier_height_m, course_height_m)
+    levels = geometry.courses(0.0, pier_height_m, course_height_m)
     top = pier_height_m + float(levels[1])
     starts = -half + (pier_width_m + opening_width_m) * np.arange(openings + 1)
     along = max(1, round(2.0 * half / (2.0 * course_height_m)))
-    rows = courses(top, top + gable_height_m, course_height_m)
+    rows = geometry.courses(top, top + gable_height_m, course_height_m)
     gable = Polygon([(-half, top), (half, top), (0.0, top + gable_height_m)])
-    layout = tidied(
-        BASE=[rectangle(-1.25 * half, 1.25 * half, -0.5 * half, 0.0)],
-        PIEDRITTI=[each for x in starts for each in stack(x, x + pier_width_m, levels)],
-        ARCHITRAVE=course(-half, half, pier_height_m, top, blocks=1, shifted=False),
-        VELA=fitted(running_bond(-half, half, rows, along), gable),
+    layout = geometry.tidied(
+        BASE=[geometry.rectangle(-1.25 * half, 1.25 * half, -0.5 * half, 0.0)],
+        PIEDRITTI=[each for x in starts for each in geometry.stack(x, x + pier_width_m, levels)],
+        ARCHITRAVE=geometry.course(-half, half, pier_height_m, top, blocks=1, shifted=False),
+        VELA=geometry.fitted(geometry.running_bond(-half, half, rows, along), gable),
     )
     layers = {"BASE": {"support": "base"}, "ARCHITRAVE": {"vertical_load_kN": bells_kN}}
     control, increment = {"in alto": (0.0, top + gable_height_m)}, round(0.01 * pier_width_m, 6)
     title, stone = "Vela campanaria, nel piano", (18.0, 0.65, 1e6)
     at = _at(foot_height_m, foot_height_m + top + gable_height_m)
-    return layout, project(title, thickness_m, stone, layers, control, increment, assessment=at)
+    return layout, geometry.project(title, thickness_m, stone, layers, control, increment, assessment=at)
 
 
 def _two_bases(split: float, length: float, margin: float, depth: float) -> dict[str, list[Array]]:
     """Return two bases below a wall from x = 0 to its length, the right one from `split` on, m."""
     return {
-        "BASE_SINISTRA": [rectangle(-margin, split, -depth, 0.0)],
-        "BASE_DESTRA": [rectangle(split, length + margin, -depth, 0.0)],
+        "BASE_SINISTRA": [geometry.rectangle(-margin, split, -depth, 0.0)],
+        "BASE_DESTRA": [geometry.rectangle(split, length + margin, -depth, 0.0)],
     }
 
 
 def _wall(title: str, length: float, height: float, block: float, step: float) -> dict[str, Any]:
     """Return the project file of a wall on two bases, of blocks of a length in courses of a height `step`, m."""
-    control, moved = _corners(length, 0.0, height), sinking(round(0.1 * step, 6))
+    control, moved = _corners(length, 0.0, height), geometry.sinking(round(0.1 * step, 6))
     increment = round(0.02 * block, 6)
-    return project(title, 0.3, (18.0, 0.65, 1e6), TWO_SUPPORTS, control, increment, [moved])
+    return geometry.project(title, 0.3, (18.0, 0.65, 1e6), geometry.TWO_SUPPORTS, control, increment, [moved])
 
 
 def _corners(right: float, left: float, top: float) -> dict[str, tuple[float, float]]:

@@ -47,7 +47,6 @@ _SINGLE: dict[str, schema.KeyPath] = {
 _SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "single"}
 _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
 WIDEST = 90  # letters of a column
-_HELP = "help"  # a sheet of earlier versions that listed all keys; it is not read
 ACTIVE = "active"  # the row of a sheet that says whether its table is in the project
 YES, NO = ("sì", "si", "yes", "true", "vero"), ("no", "false", "falso")  # the first ones are written
 HEADS = {"en": ("key", "value", "comment"), "it": ("chiave", "valore", "nota")}
@@ -155,7 +154,7 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], li
             )
     faults += [
         f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}'
-        for name in sorted(rows.keys() - _SHEETS.keys() - {_HELP})
+        for name in sorted(rows.keys() - _SHEETS.keys() - {"help"})  # which earlier versions wrote
         if rows[name]
     ]
     content: dict[str, Any] = {}

@@ -17,8 +17,7 @@ from assessment.report.tables import dynamic, mechanisms, structure, studies
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.report.tables.rows import TABLES, without
 from assessment.results import hand_check
-from assessment.results.schema import Results, present
-from assessment.results.schema.part import QUANTITIES
+from assessment.results.schema import QUANTITIES, Results, present
 from assessment.results.summary import index_limit, index_of, least_row, printed
 from assessment.results.table import Row, Table, cells, reference_of
 

@@ -15,8 +15,7 @@ from assessment.report.figures.drawing import draw_ties, ghost_handle, moved_end
 from assessment.report.figures.style import DASHES, LEGEND, chart, comma_ticks, key, sheet, state_style
 from assessment.report.language import COARSE, Words, label, scale
 from assessment.results.joint_states import outlines
-from assessment.results.schema import Results, dynamic
-from assessment.results.schema.part import known
+from assessment.results.schema import Results, dynamic, known
 from mechanics.pictures import fill_roles, ghost
 
 MARKERS = ("o", "s", "^", "v", "D", "P", "X", "*")

@@ -11,8 +11,7 @@ from assessment.report.tables.rows import Found, table
 from assessment.report.tables.structure import printed
 from assessment.results.hand_check import block_size
 from assessment.results.joint_states import faces_of
-from assessment.results.schema import Point, Results
-from assessment.results.schema.part import named
+from assessment.results.schema import Point, Results, named
 from assessment.results.table import Table, columns_of
 from mechanics.model import H, V, end_gaps, end_points
 from mechanics.types import Array, Mask

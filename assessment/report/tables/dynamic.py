@@ -3,9 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 from assessment.report.tables.rows import Curves, Found, curves, table, without
-from assessment.results.schema import Results
+from assessment.results.schema import Results, present
 from assessment.results.schema import dynamic as parts
-from assessment.results.schema.part import present
 from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
 HISTORY = "state record pga_g contacts control peak_displacement_m residual_displacement_m collapsed time_of_collapse_s"

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
-from assessment.results.schema import Results
-from assessment.results.schema.part import Part, named
-from assessment.results.schema.studies import Explanation, Scenarios, Sensitivity
+from assessment.results.schema import Explanation, Part, Results, Scenarios, Sensitivity, named
 from assessment.results.summary import taken_to_collapse, told_of
 from assessment.results.table import Row, Table, cells, quoted_check
 

@@ -9,7 +9,7 @@ from assessment.analyses import time_history as response
 from assessment.analyses.time_history import TAIL as FREE
 from assessment.analyses.time_history import Setting, respond, sustained_peak, thinned
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.project.catalogue.new_project import artificial_record, new_project
+from assessment.project.catalogue.new_project import RECORD, examples, new_project
 from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion, history_motions
 from assessment.project.project import load_project
@@ -299,7 +299,7 @@ def test_the_records_own_spectrum_as_demand(tmp_path):
 
 def test_an_artificial_record_follows_its_spectrum(tmp_path):
     spectrum = ElasticSpectrum(0.334, 2.40, 0.36, "B")
-    (tmp_path / "artificial.csv").write_bytes(artificial_record())
+    (tmp_path / "artificial.csv").write_bytes((examples()["triumphal_arch"] / RECORD).read_bytes())
     record = read_record(tmp_path / "artificial.csv")
     assert (record.time_step, record.duration) == (pytest.approx(0.01), pytest.approx(15.0))
     periods = np.linspace(0.15, 2.0, 60)

@@ -17,7 +17,7 @@ from assessment.app.editing import ConflictError
 from assessment.app.session import Session
 from assessment.app.worker import Worker, WorkerError
 from assessment.project.catalogue.from_drawing import proposal
-from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.catalogue.new_project import made, write_drawing
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import ASSESSMENT, PROJECT, edit, write_block
@@ -189,7 +189,7 @@ def test_the_model_is_blocks_joints_and_whether_they_stand(session):
 
 
 def overlapping(folder):
-    layout = template_layout("block")
+    layout = made("block", {})[0]
     layout["BLOCCO"] = [polygon - [0.0, 0.005] for polygon in layout["BLOCCO"]]
     write_drawing(folder / "geometry.dxf", layout)
 
@@ -278,7 +278,7 @@ def test_a_file_that_is_not_what_it_should_be_is_told_and_not_kept(session, name
 def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
     session = Session(tmp_path, None)
     session.worker = worker
-    write_drawing(tmp_path / "survey.dxf", template_layout("arch"))
+    write_drawing(tmp_path / "survey.dxf", made("arch", {})[0])
     dropped = session.receive("survey.dxf", "drawing", (tmp_path / "survey.dxf").read_bytes())
     assert dropped["unit"] == "m"
     assert any("appoggio" in each["it"] for each in dropped["notes"])

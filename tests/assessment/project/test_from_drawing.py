@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.catalogue.new_project import template_layout
+from assessment.project.catalogue.new_project import made
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from tests.support.dxf import drawing, outline
@@ -23,7 +23,7 @@ def survey(path, unit="m", declared=None, layers=None, template="arcade"):
         document.header["$INSUNITS"] = 0
     factor = SCALE[unit]
     every = []
-    for layer, polygons in template_layout(template).items():
+    for layer, polygons in made(template, {})[0].items():
         for polygon in polygons:
             outline(space, (factor * polygon).tolist(), (layers or {}).get(layer, layer))
             every.append(polygon)
@@ -68,7 +68,7 @@ def test_a_clean_drawing_becomes_a_project_that_check_accepts(unit, declared, tm
 
 
 def test_supports_without_a_layer_of_their_own_are_regions(tmp_path, capsys):
-    every = dict.fromkeys(template_layout("barrel-vault"), "MURATURA")
+    every = dict.fromkeys(made("barrel-vault", {})[0], "MURATURA")
     survey(tmp_path / "g.dxf", "mm", layers=every, template="barrel-vault")
     assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 0
     out = capsys.readouterr().out

@@ -13,7 +13,7 @@ from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
 from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
-from assessment.project.catalogue.new_project import TEMPLATES, made, new_project, template_layout
+from assessment.project.catalogue.new_project import TEMPLATES, made, new_project
 from assessment.project.project import load_project
 from assessment.runtime.errors import ProjectError
 from mechanics import Material, limit_analysis, read_drawing
@@ -53,7 +53,7 @@ def assert_tiled(layout: Layout, openings: int = 0) -> None:
 @templates
 def test_default_masonry_is_tiled_without_gaps_or_overlaps(template: str) -> None:
     openings = {"wall-with-openings": 4, "bell-gable": 2}
-    assert_tiled(template_layout(template), openings.get(template, 0))
+    assert_tiled(made(template, {})[0], openings.get(template, 0))
 
 
 @templates
@@ -80,12 +80,12 @@ def test_ring_has_the_asked_span_rise_and_thickness(
 ) -> None:
     """Area of an annular polygon: N/2 sin(2β/N) ((R+t)² − R²)."""
     ring = Ring(span, ratio * span, slenderness * span, voussoirs, springing=1.0)
-    inner, outer = ring.joints(0.0), ring.joints(ring.thickness)
+    inner, outer = ring.joints(0.0), ring.joints(ring.thickness_m)
     assert inner[[0, -1]] == pytest.approx(np.array([(-span / 2, 1.0), (span / 2, 1.0)]), abs=1e-9)
-    assert ring.radius - (ring.radius * np.cos(ring.half_angle)) == pytest.approx(ring.rise)
-    assert np.hypot(*(outer - inner).T) == pytest.approx(ring.thickness)
+    assert ring.radius - (ring.radius * np.cos(ring.half_angle)) == pytest.approx(ring.rise_m)
+    assert np.hypot(*(outer - inner).T) == pytest.approx(ring.thickness_m)
     area = sum(Polygon(each).area for each in ring.blocks())
-    annulus = (ring.radius + ring.thickness) ** 2 - ring.radius**2
+    annulus = (ring.radius + ring.thickness_m) ** 2 - ring.radius**2
     assert area == pytest.approx(0.5 * voussoirs * np.sin(2.0 * ring.half_angle / voussoirs) * annulus)
 
 
@@ -110,7 +110,7 @@ def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
     wall_blocks: int,
     spandrel_blocks: int,
 ) -> None:
-    layout = template_layout(
+    layout = made(
         "triumphal-arch",
         {
             "span_m": span,
@@ -124,7 +124,7 @@ def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
             "spandrel_blocks": spandrel_blocks,
             "beams": 4,
         },
-    )
+    )[0]
     assert_tiled(layout)
     assert not any(Polygon(each).buffer(-0.499 * THINNEST).is_empty for each in layout["ARCO"])
 
@@ -145,7 +145,7 @@ def test_new_project_loads_and_its_drawing_holds_the_layout(template: str, tmp_p
     for entity in drawing.modelspace():
         assert entity.closed
         drawn.setdefault(entity.dxf.layer, []).append(np.array(entity.get_points("xy")))
-    assert corners(drawn) == corners(template_layout(template))
+    assert corners(drawn) == corners(made(template, {})[0])
     assert set(project.layers) <= set(drawn)
 
 
@@ -212,7 +212,7 @@ def test_example_project_is_sound(folder: str, template: str | None) -> None:
         drawn: Layout = {}
         for each in blocks:
             drawn.setdefault(each.layer, []).append(each.polygon)
-        assert corners(drawn) == corners(template_layout(template))
+        assert corners(drawn) == corners(made(template, {})[0])
         _, content = made(template, {})
         said = tomllib.loads((PROJECTS / folder / "project.toml").read_text(encoding="utf-8"))
         for each in (said, content):  # an example shows the hazard typed in

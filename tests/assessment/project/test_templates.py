@@ -12,7 +12,7 @@ from shapely.ops import unary_union
 from assessment.analyses.kinematics import virtual_work
 from assessment.cli.main import main
 from assessment.project.catalogue import walls
-from assessment.project.catalogue.new_project import TEMPLATES, made, new_project, template_layout
+from assessment.project.catalogue.new_project import TEMPLATES, made, new_project
 from assessment.project.masonry import chosen_mechanisms
 from assessment.project.model import build_model
 from assessment.project.project import load_project
@@ -145,7 +145,7 @@ def test_a_bell_gable_sways_on_its_piers(openings):
 
 def test_a_pointed_arch_of_half_the_span_is_the_round_one():
     alike = {"span_m": 3.0, "rise_m": 1.5, "voussoirs": 20}
-    assert corners(template_layout("pointed-arch", alike)) == corners(template_layout("arch", alike))
+    assert corners(made("pointed-arch", alike)[0]) == corners(made("arch", alike)[0])
     just = template_assembly(
         "pointed-arch", span_m=3.0, rise_m=1.5000001, voussoirs=20
     )  # the branch of two centres
@@ -155,7 +155,7 @@ def test_a_pointed_arch_of_half_the_span_is_the_round_one():
 
 
 def test_a_pointed_arch_lies_between_two_circles_about_points_of_the_springing():
-    layout = template_layout("pointed-arch")
+    layout = made("pointed-arch", {})[0]
     right = unary_union([Polygon(each) for each in layout["ARCO"]]).intersection(box(0.0, 0.0, 9.0, 9.0))
     radius = (1.5**2 + 2.4**2) / 3.0  # R² = (R − s/2)² + r²
     x, z = np.array(right.exterior.coords).T
@@ -167,8 +167,8 @@ def test_a_pointed_arch_lies_between_two_circles_about_points_of_the_springing()
 def test_an_arcade_of_one_bay_is_the_arch_on_piers():
     alike = {"span_m": 2.4, "rise_m": 1.2, "thickness_m": 0.3, "voussoirs": 15, "pier_width_m": 0.8}
     alike |= {"pier_height_m": 2.4, "blocks_per_pier": 5}
-    one = template_layout("arcade", alike | {"bays": 1})
-    assert corners(one) == corners(template_layout("buttressed-arch", alike))
+    one = made("arcade", alike | {"bays": 1})[0]
+    assert corners(one) == corners(made("buttressed-arch", alike)[0])
 
 
 def test_the_fill_of_a_vault_is_all_that_lies_between_it_and_one_level():

@@ -13,7 +13,7 @@ from assessment.analyses.demand import Demands
 from assessment.analyses.found import Found, refined
 from assessment.analyses.lateral import Pushed
 from assessment.analyses.states import Request, StateResult, analyse_states
-from assessment.project.catalogue.new_project import new_project, template_layout, write_drawing
+from assessment.project.catalogue.new_project import new_project, write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
@@ -31,7 +31,7 @@ SOLVER = 1e-6  # relative: what programs leave, whatever the increments
 @pytest.fixture
 def block(tmp_path):
     """Write a project of one block, its first lines and then its tables; return it loaded."""
-    write_drawing(tmp_path / "geometry.dxf", template_layout("block"))
+    write_drawing(tmp_path / "geometry.dxf", made("block", {})[0])
 
     def written(accuracy: str, *tables: str):
         text = BLOCK.replace("\n", f"\naccuracy = {accuracy}\n", 1) if accuracy else BLOCK

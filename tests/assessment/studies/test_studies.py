@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema.part import plain
@@ -66,7 +66,7 @@ SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
 @pytest.fixture
 def project(tmp_path: Path):
     """Write a project of one block on a base and load it; one folder for all its variants."""
-    write_drawing(tmp_path / "geometry.dxf", template_layout("block"))
+    write_drawing(tmp_path / "geometry.dxf", made("block", {})[0])
 
     def written(text: str):
         (tmp_path / "project.toml").write_text(text, encoding="utf-8")
@@ -161,7 +161,7 @@ states = ["original"]
 def varied(tmp_path_factory):
     """Runs of the sensitivity of one elastic block by property, factor and direction; and all results."""
     folder = tmp_path_factory.mktemp("varied")
-    write_drawing(folder / "geometry.dxf", template_layout("block"))
+    write_drawing(folder / "geometry.dxf", made("block", {})[0])
     (folder / "project.toml").write_text(BLOCK + ELASTIC + SENSITIVITY, encoding="utf-8")
     results = results_of(load_project(folder))
     runs = {(r["property"], r["factor"], r["direction"]): r for r in results["sensitivity"]["runs"]}

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assessment.project.catalogue.new_project import template_layout, write_drawing
+from assessment.project.catalogue.new_project import made, write_drawing
 from assessment.project.masonry import chosen_mechanisms, gauges
 from assessment.project.model import build_model
 from assessment.project.project import load_project
@@ -43,7 +43,7 @@ PLACES = re.compile(r"(point_m|from_m|to_m|about_m|region_m) = \[([^\]]*)\]")
 
 def project(folder: Path, away: tuple[float, float]):
     folder.mkdir()
-    layout = template_layout("block", {"width_m": 0.6, "height_m": 4.2})
+    layout = made("block", {"width_m": 0.6, "height_m": 4.2})[0]
     write_drawing(folder / "geometry.dxf", {layer: [p + away for p in own] for layer, own in layout.items()})
 
     def moved(found: re.Match[str]) -> str:
