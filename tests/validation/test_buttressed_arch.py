@@ -47,30 +47,6 @@ def test_elastic_multiplier_as_drawn():
     assert curve.multiplier.max() == pytest.approx(0.0476, abs=1e-4)
 
 
-@pytest.mark.parametrize(("state", "expected"), [("as drawn", 0.03435), ("settled", 0.02618)])
-def test_rigid_curve_ends_where_the_control_point_has_gone_so_far(state, expected):
-    """m; the arch only turns, so that its increments do not matter."""
-    model, settled = drawn("buttressed_arch"), None
-    if state == "settled":
-        settled = pushdown(model, "destro", SETTLEMENT, increment=0.001).final
-    curve = pushover(model, control("+x"), "+x", "rigid", 0.001, settled)
-    assert curve.reached_zero
-    assert curve.displacement[-1] == pytest.approx(expected, rel=1e-3)
-
-
-@pytest.fixture(scope="module")
-def settled():
-    return pushdown(drawn("buttressed_arch"), "destro", SETTLEMENT, increment=0.002, contacts="elastic").final
-
-
-@pytest.mark.parametrize(("direction", "expected"), [("+x", 0.02494), ("-x", 0.01388)])
-def test_elastic_multiplier_settled(direction, expected, settled):
-    """At the whole settlement of the project; increments of 0.5 mm find peaks that are lower by a thousandth."""
-    model = drawn("buttressed_arch")
-    curve = pushover(model, control(direction), direction, "elastic", 0.00025, settled, until=0.9)
-    assert curve.multiplier.max() == pytest.approx(expected, rel=2e-3)
-
-
 @pytest.mark.parametrize("direction", ["+x", "-x"])
 def test_elastic_multiplier_settled_does_not_depend_on_how_it_settled(direction):
     """Rigid or elastic on the way, at half the project's settlement: the elastic rest is one."""

@@ -27,8 +27,7 @@ def turned(corners: list[list[float]], slope: float) -> np.ndarray:
     return np.array(corners) @ np.array([[cos, sin], [-sin, cos]])
 
 
-@pytest.mark.parametrize("alpha", [0.0, 0.2])
-@pytest.mark.parametrize("friction", [0.1, 0.65])
+@pytest.mark.parametrize(("alpha", "friction"), [(0.2, 0.1), (0.0, 0.65)])
 def test_a_block_slides_down_an_incline(alpha: float, friction: float) -> None:
     """s = g (sin β + α cos β − μ (cos β − α sin β)) t²/2, or it stays."""
     slope, stone = np.radians(20.0), Material(20.0, friction)
@@ -88,8 +87,8 @@ def slippery(seed: int) -> Assembly:
     )
 
 
-SLIDE = {f"random {seed}": slippery(seed) for seed in (46, 154)}
-SLIDE |= {f"rougher {seed}": random_masonry(seed) for seed in (4, 67)}
+SLIDE = {f"random {seed}": slippery(seed) for seed in (46,)}
+SLIDE |= {f"rougher {seed}": random_masonry(seed) for seed in (67,)}
 SLIDE["wall of 13"] = running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
 
 

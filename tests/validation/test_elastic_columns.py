@@ -21,7 +21,7 @@ COLUMNS = [
 
 
 @pytest.mark.parametrize(("width", "height", "blocks", "stiffness", "expected"), COLUMNS)
-@pytest.mark.parametrize("friction", [0.6, 5.0, 1e7, np.inf])
+@pytest.mark.parametrize("friction", [0.6, np.inf])
 def test_largest_multiplier(width, height, blocks, stiffness, expected, friction):
     model = column(width, height, blocks, stiffness, friction)
     curve = pushover(model, (width, height), contacts="elastic", increment=0.005, until=0.9)

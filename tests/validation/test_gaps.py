@@ -26,7 +26,7 @@ def piers(gap: float) -> Assembly:
     )
 
 
-@pytest.mark.parametrize("tolerances", [1.05, 1.4, 1.9, 4.0])
+@pytest.mark.parametrize("tolerances", [1.05, 1.9])
 def test_piers_with_a_gap_have_the_multiplier_of_one(tolerances):
     """Gaps up to twice the tolerance were closed: α_0 0.26 for 0.199, and piers that stayed apart pressed."""
     gap = tolerances * piers(0.0).joint_tolerance

@@ -104,17 +104,6 @@ def test_which_branch_gives_T_NC(column, from_d_y, agrees):
 
 
 @columns
-def test_T_NC(column):
-    """2.96 and 2.81 s with the branch from d_y, whose rounding holds 2.93 and 2.81; 3.06 and 3.00 s without."""
-    d_y, T_NC = column[2], column[-1]
-    shifted, straight = _check(_capacity(column, d_y), NTC), _check(_capacity(column), NTC)
-    np.testing.assert_allclose(
-        shifted.T_s, T_NC, rtol=0.0125
-    )  # what the roundings of α0, d_0, d_y, e*, Γ* leave
-    assert 1.04 * T_NC < straight.T_s < 1.07 * T_NC
-
-
-@columns
 @pytest.mark.parametrize("soil", "ABCDE")
 def test_a_g_solves_its_own_equation(column, soil):
     """S_De of the spectrum scaled to a_g,NC equals d*_NC at T_NC to 1e-10, and S_e = 4π² d*_NC/T_NC²."""

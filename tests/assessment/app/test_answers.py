@@ -20,7 +20,7 @@ from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import made, write_drawing
 from assessment.project.formats.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
-from tests.support.block_project import ASSESSMENT, PROJECT, edit, write_block
+from tests.support.block_project import ASSESSMENT, PROJECT, PUSHED, TURNED, edit, write_block
 
 SLOW = 600  # times that something is looked for, with a tenth of a second between
 
@@ -320,6 +320,7 @@ def until(condition):
 
 
 def test_a_run_of_a_terminal_is_seen_and_stopped_and_goes_on(session):
+    edit(session.folder, TURNED + PUSHED, PUSHED)  # one state has half the figures
     edit(session.folder, "increment_m = 0.2", "increment_m = 0.00002")
     command = [sys.executable, "-m", "assessment.cli", "run", str(session.folder), "--no-report"]
     terminal = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)

@@ -11,6 +11,7 @@ from assessment.report.chapters.remarks import ready_lines
 from assessment.report.language import words_of
 from assessment.report.tables import tables
 from assessment.results.summary import fits
+from assessment.studies.identification import stage
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from tests.support.pictured import pages_of
@@ -27,7 +28,10 @@ def outcome(tmp_path_factory):
         entry("pier", "lean", PIER, 1.0),
     )
     project = select(load_project(folder), ["identification"])
-    return run(project, build_model(project), jobs=1)
+    with pytest.MonkeyPatch.context() as patch:  # the joints only open: increments tell nothing
+        for name, value in {"FARTHEST": 2.0, "COARSE": 20, "FINE": 4}.items():
+            patch.setattr(stage, name, value)
+        return run(project, build_model(project), jobs=1)
 
 
 @pytest.fixture(scope="module")
@@ -108,4 +112,4 @@ def test_the_tables_have_every_hypothesis(results):
     assert len(found["hypotheses"].rows) == 2 and len(found["identified_movements"].rows) == 2
     rows = found["measurements"].rows
     assert [row["number"] for row in rows] == [1, 2, 1, 2]
-    assert rows[1]["residual"] == pytest.approx(-1.0, abs=1e-6)
+    assert rows[1]["residual"] == pytest.approx(-1.0, abs=1e-5)

@@ -58,15 +58,13 @@ def test_cracks_bear_nothing_in_the_mechanism_of_a_settled_state(model, movement
 
 def settled_states() -> Iterator[tuple[Assembly, State]]:
     """Random arches whose abutment has moved, random walls whose base leans, and flat arches."""
-    for seed in range(0, 27, 9):
+    for seed in (0, 18):
         arch = random_masonry(seed)
         yield arch, pushdown(arch, "right", (0.004, -0.006), increment=0.003).final
-    for wall in map(small_wall, (0, 4)):
+    for wall in map(small_wall, (4,)):
         yield wall, pushdown(wall, "base", rotation=0.02, increment=0.01).final
-    for voussoirs, friction in ((3, 0.6), (5, 0.7)):
-        arch = flat_arch(voussoirs, 1.2, 0.4, friction)
-        yield arch, pushdown(arch, "right", (0.03, -0.03), increment=0.03).final
-    yield from ((model, pushdown(model, "right", way, increment=0.03).final) for model, way in CRACKED)
+    arch = flat_arch(5, 1.2, 0.4, 0.7)
+    yield arch, pushdown(arch, "right", (0.03, -0.03), increment=0.03).final
 
 
 def test_coulombs_multiplier_is_not_above_the_associative_one():
