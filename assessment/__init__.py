@@ -3,14 +3,15 @@
 from importlib import import_module
 from typing import Any
 
+from assessment.project.catalogue import ARCHES, WALLS
+
 _NAMES = {  # by the module that has them
     "ntc.spectrum": "ElasticSpectrum RecordSpectrum",
     "ntc.hazard": "site_hazard",
     "ntc.curve_fit": "fit_curve",
     "ntc.capacity_curve": "capacity_curve participation",
     "ntc.verification": "verify",
-    "scripting": "arcade arch barrel_vault bell_gable block buttressed_arch facade fragility incremental pointed_arch "
-    "triumphal_arch tympanum wall wall_with_openings",
+    "scripting": " ".join(("fragility", "incremental", *WALLS, *ARCHES)).replace("-", "_"),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names.split()}
 __all__ = sorted(_HOME)  # noqa: PLE0605 - each is named once

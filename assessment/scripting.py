@@ -6,6 +6,7 @@ import inspect
 import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -32,6 +33,7 @@ KEYWORD = inspect.Parameter.KEYWORD_ONLY
 AGREE = 0.05  # of two motions of an ensemble, relative: they are the same
 
 
+@cache
 def _builder(template: str) -> Callable[..., Assembly]:
     """Return the function that makes the structure of a template from its dimensions."""
 
@@ -68,18 +70,11 @@ def _builder(template: str) -> Callable[..., Assembly]:
     return build
 
 
-arcade = _builder("arcade")
-arch = _builder("arch")
-barrel_vault = _builder("barrel-vault")
-bell_gable = _builder("bell-gable")
-block = _builder("block")
-buttressed_arch = _builder("buttressed-arch")
-facade = _builder("facade")
-pointed_arch = _builder("pointed-arch")
-triumphal_arch = _builder("triumphal-arch")
-tympanum = _builder("tympanum")
-wall = _builder("wall")
-wall_with_openings = _builder("wall-with-openings")
+def __getattr__(name: str) -> Callable[..., Assembly]:
+    """Return the function that makes the structure of a template of that name."""
+    if (template := name.replace("_", "-")) in TEMPLATES:
+        return _builder(template)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

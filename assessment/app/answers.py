@@ -14,7 +14,7 @@ from assessment.project.formats import convert as to_other_format
 from assessment.project.project import json_schema, survey_project
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically
-from assessment.workflow.run import STAGES
+from assessment.workflow import STAGES
 
 Sent = Mapping[str, Any]
 Kind = TypeVar("Kind")

@@ -10,6 +10,7 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING
 
+from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import say, tell, unwritten
 from assessment.runtime.errors import error_text
 
@@ -42,12 +43,6 @@ def tell_error(error: ValueError | OSError) -> int:
     for line in error_text(error).split("\n"):
         tell(f"error: {line}")
     return INCOMPLETE if unwritten(error) else WRONG_INPUT
-
-
-TEMPLATES = (
-    "block", "wall", "wall-with-openings", "facade", "tympanum", "bell-gable", "arch", "pointed-arch",
-    "buttressed-arch", "arcade", "barrel-vault", "triumphal-arch",
-)  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -139,7 +134,7 @@ def new(options: argparse.Namespace) -> int:
     if options.template is not None:
         options.template = "-".join(options.template.lower().replace("_", " ").split())
     if options.list:
-        for name in [options.template] if options.template else TEMPLATES:
+        for name in [options.template] if options.template else (*WALLS, *ARCHES):
             say(f"{name}:")
             for option, (default, unit, description) in catalogue.template_options(name).items():
                 say(f"  {option:18} {default:>8g} {unit:6} {description}")

@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assessment.cli import commands
-from assessment.cli.commands import EXIT_CODES, INCOMPLETE, TEMPLATES, WRONG_INPUT, incomplete, tell_error
+from assessment.cli.commands import EXIT_CODES, INCOMPLETE, WRONG_INPUT, incomplete, tell_error
+from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import collect_rarely, interrupted, leave, prepare, say, tell, watch
 from assessment.runtime.errors import is_input_error, nearest
 from assessment.runtime.journal import BusyError, record_exit
+from assessment.workflow import STAGES
 from mechanics.progress import before_compiling
 
 if TYPE_CHECKING:
@@ -25,10 +27,6 @@ if TYPE_CHECKING:
     from _typeshed import SupportsWrite
 
 BENCHMARKS = ("statics", "dynamics", "ensembles", "steps", "walls", "chain", "sliding", "skips")
-STAGES = (
-    "pushdown", "pushover", "history", "incremental", "campaign", "assessment", "scenarios", "sensitivity",
-    "identification",
-)  # fmt: skip
 EXAMPLES = ("assesto new arch --template buttressed-arch", "assesto run arch")
 Argument = tuple[str, dict[str, Any]]
 
@@ -187,7 +185,7 @@ COMMANDS = {
         ),
         (
             ("folder", {"type": _folder, "metavar": "DIR", "nargs": "?", "help": "the folder to make"}),
-            ("--template", {"metavar": "NAME", "help": ", ".join(TEMPLATES)}),
+            ("--template", {"metavar": "NAME", "help": ", ".join((*WALLS, *ARCHES))}),
             ("--example", {"metavar": "NAME", "help": "an example project; see --list"}),
             ("--set", {
                 "action": "append", "default": [], "metavar": "KEY=NUMBER", "help": "a dimension; see --list",

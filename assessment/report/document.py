@@ -21,9 +21,9 @@ from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.judgement import all_warnings
 from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
-from assessment.report.formats.viewer import Viewer, viewer
 from assessment.report.language import Words, joined, sentence, translated, words_of
 from assessment.report.printing import command, embedded_faces, file_faces, load_weasyprint
+from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.results.summary import coulomb, limit_states
@@ -63,7 +63,7 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
 
 def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> None:
     """Write report.docx into `folder` as `write_page` does report.html; its figures are the PNG files."""
-    from assessment.report.formats.docx import to_docx  # late: only reports need it
+    from assessment.report.docx import to_docx  # late: only reports need it
 
     page = render_html(results, folder / "figures", words_of(results), edited)
     write_atomically(folder / "report.docx", to_docx(page, folder))

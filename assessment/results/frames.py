@@ -14,14 +14,12 @@ from assessment.results.joint_states import Met, outlines, shares
 from assessment.results.schema import DrawnTie, Frames, Results, ShakenTie, Snapshots, TieTension
 from assessment.results.schema.part import finite, plain
 from mechanics import Assembly, State
+from mechanics.model import Contacts
 from mechanics.pictures import field, place
 from mechanics.types import Array, Mask
 
 if TYPE_CHECKING:
-    from mechanics import Assembly
-    from mechanics.model import Contacts, State
     from mechanics.procedures import Pushdown, Pushover
-    from mechanics.types import Array
 
 YIELDS = 1.0 - 1e-6  # of the yield force: the tension of a tie that yields
 NOTICED = 1e-6  # of the largest displacement, or of the model's size: less is none

@@ -23,35 +23,18 @@ from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.journal import Journal, locked
 from assessment.runtime.pool import KilledError, Pool, processes, result_of
 from assessment.runtime.tasks import Outcome
+from assessment.workflow import STAGES
 
 if TYPE_CHECKING:
     from assessment.project.project import Project
     from assessment.results.schema import Results
     from assessment.runtime.progress import Show
 
-PLACES = (  # of the files of a run; all else in the folder is the user's
-    "results.json",
-    *(f"figures/*.{kind}" for kind in ("svg", "png", "dxf", "gif")),
-    *(f"tables/*.{kind}" for kind in ("csv", "xml")),
-    "judgement.md",
-    *(f"report.{kind}" for kind in ("html", "pdf", "docx")),
-    "attachments/*.png",
-    "attachments/*.jpg",
-)
+PLACES = """results.json figures/*.svg figures/*.png figures/*.dxf tables/*.csv judgement.md report.html report.pdf
+report.docx attachments/*.png attachments/*.jpg"""  # of the files of a run; all else in the folder is the user's
 ENTRY = "last"  # of the record, in the store
 PRINTED = 4  # figures that the PDF takes as long as, per figure of the results: 3 to 6
 SHEETS = 3  # page, DOCX, tables: each takes about as long as a figure
-STAGES = {  # stage: table
-    "pushdown": "settlements",
-    "pushover": "pushover",
-    "history": "history",
-    "incremental": "incremental",
-    "campaign": "campaign",
-    "assessment": "assessment",
-    "scenarios": "settlements",
-    "sensitivity": "sensitivity",
-    "identification": "identification",
-}
 HAVE_IT = "add it, or name a stage that it has"
 
 
@@ -108,7 +91,7 @@ def _digests(folder: Path) -> dict[str, str]:
 
 def _files(folder: Path) -> list[str]:
     """Return the names of the files of a run, relative to its folder, with slashes."""
-    found = (path for place in PLACES for path in folder.glob(place))
+    found = (path for place in PLACES.split() for path in folder.glob(place))
     return sorted(path.relative_to(folder).as_posix() for path in found if path.is_file())
 
 

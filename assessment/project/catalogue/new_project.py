@@ -9,7 +9,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple, get_args, get_type_hints
 
-from assessment.project.catalogue import arches, walls
+from assessment.project.catalogue import ARCHES, WALLS, arches, walls
 from assessment.project.catalogue.geometry import DRAWING, Layout, Made
 from assessment.project.formats import TOML, convert, source_bytes
 from assessment.project.project import CONTROL, load_project
@@ -21,11 +21,8 @@ UNITS = {"_kN_m3": "kN/m³", "_kN": "kN", "_deg": "°", "_m": "m"}  # by the end
 LARGEST = {NUMBER: 100, "m": 1e3, "kN": 1e6, "kN/m³": 1e3, "°": 89.0}
 LEAST = 1e-3  # m, of a dimension that is not 0 by default
 TEMPLATES: dict[str, Callable[..., Made]] = {
-    "block": walls.block, "wall": walls.wall, "wall-with-openings": walls.wall_with_openings,
-    "facade": walls.facade, "tympanum": walls.tympanum, "bell-gable": walls.bell_gable, "arch": arches.arch,
-    "pointed-arch": arches.pointed_arch, "buttressed-arch": arches.buttressed_arch, "arcade": arches.arcade,
-    "barrel-vault": arches.barrel_vault, "triumphal-arch": arches.triumphal_arch,
-}  # fmt: skip
+    name: getattr(walls if name in WALLS else arches, name.replace("-", "_")) for name in (*WALLS, *ARCHES)
+}
 
 
 class Option(NamedTuple):

@@ -40,7 +40,7 @@ def _draw_nothing(monkeypatch):
     monkeypatch.setattr(figures, "write_figures", blank)
     monkeypatch.setattr(figures, "write_images", lambda *_: [])
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    monkeypatch.setattr("assessment.report.formats.docx.to_docx", lambda page, _: page.encode())
+    monkeypatch.setattr("assessment.report.docx.to_docx", lambda page, _: page.encode())
     monkeypatch.setattr(output, "processes", lambda _: 1)
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from assessment.report.document import render_html
 from assessment.report.figures.index import pictures, write_figures
-from assessment.report.formats.viewer import _jumps, viewer
 from assessment.report.language import words_of
+from assessment.report.viewer import _jumps, viewer
 from assessment.results.joint_states import outlines
 from assessment.runtime.pool import Pool
 from tests.support import browser
