@@ -11,7 +11,7 @@ from assessment.report.chapters.remarks import ready_lines
 from assessment.report.language import words_of
 from assessment.report.tables import tables
 from assessment.results.summary import fits
-from assessment.studies.identification import stage
+from assessment.studies import identification
 from assessment.workflow.run import select
 from assessment.workflow.stages import run
 from tests.support.pictured import pages_of
@@ -30,7 +30,7 @@ def outcome(tmp_path_factory):
     project = select(load_project(folder), ["identification"])
     with pytest.MonkeyPatch.context() as patch:  # the joints only open: increments tell nothing
         for name, value in {"FARTHEST": 2.0, "COARSE": 20, "FINE": 4}.items():
-            patch.setattr(stage, name, value)
+            patch.setattr(identification, name, value)
         return run(project, build_model(project), jobs=1)
 
 
