@@ -91,7 +91,7 @@ def render_html(
     interactive: Viewer | None = None,
 ) -> str:
     """Return the report as one self-contained page, with or without the part to step through on the screen."""
-    full = results.echo.report.annexes == "full"
+    full = results.echo.report.get("annexes") == "full"
     attached = _attached(results, figures.parent)
     calculations = list(traces(results, words))
     states = results.states.values()
@@ -171,7 +171,7 @@ def _embedded(results: Results, folder: Path, words: Words, full: bool) -> dict[
 def _attached(results: Results, folder: Path) -> list[Embedded]:
     """Return the pictures that the project attaches: what each shows is the name of its file, in words."""
     found = []
-    for number, name in enumerate(results.echo.report.attachments, 1):
+    for number, name in enumerate(results.echo.report.get("attachments", ()), 1):
         file = stored(number, name)
         address = _address((folder / file).read_bytes(), "png" if file.endswith("png") else "jpeg")
         found.append(Embedded(file, Path(name).stem.replace("_", " "), address))
@@ -185,13 +185,13 @@ def _address(content: bytes, kind: str) -> str:
 def references(results: Results) -> list[str]:
     """Return the standards and the literature that this report rests on, each in full."""
     assessment = results.echo.assessment or {}
-    report, full = results.echo.report, results.echo.report.annexes == "full"
+    report, full = results.echo.report, results.echo.report.get("annexes") == "full"
     site = assessment.get("site") or {}
     used = {
         "circular_2019": bool(assessment) and assessment.get("circular", 2019) == 2019,
         "circular_2009": assessment.get("circular") == 2009,
         "hazard": "latitude" in site and site["latitude"] is not None,
-        "heritage": bool(report.protection or (results.knowledge and results.knowledge.components)),
+        "heritage": bool(report.get("protection") or (results.knowledge and results.knowledge.components)),
         "sismabonus": used_as(results, RISK),
         "coulomb": coulomb(results.echo),
         "history": full,

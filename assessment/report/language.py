@@ -170,7 +170,7 @@ def plain_text(html: Markup) -> str:
 
 def words_of(results: Results) -> Words:
     """Return the words of the language that the project's [report] table names. Raises ValueError for any other one."""
-    language = results.echo.report.language
+    language = results.echo.report.get("language")
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
     return Words(language, _strings(language))

@@ -44,7 +44,7 @@ Column = Mapping[TraceRow, float]
 def traces(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the calculation of the governing check, in full annexes of everything: action, curve, checks, indices."""
     least = results.summary.governing
-    if results.echo.report.annexes == "full":
+    if results.echo.report.get("annexes") == "full":
         yield from _whole(results, words)
     elif least is not None:
         place = (least.state, least.direction)

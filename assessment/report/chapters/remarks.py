@@ -36,7 +36,7 @@ Sentences = Iterator[Markup]
 
 def used_as(results: Results, kinds: Sequence[str]) -> bool:
     """Return whether the use of the building is one of some kinds."""
-    return any(kind in (results.echo.report.use or "").lower() for kind in kinds)
+    return any(kind in results.echo.report.get("use", "").lower() for kind in kinds)
 
 
 def contacts_of(results: Results) -> list[Behaviour]:
@@ -307,7 +307,7 @@ def agreement(results: Results, words: Words) -> Sentences:
 
 def worked_by_hand(results: Results) -> list[tuple[str, Direction]]:
     """Return state and direction of the mechanisms whose macro-blocks are printed: in short annexes that governs."""
-    if results.echo.report.annexes == "full":
+    if results.echo.report.get("annexes") == "full":
         return hand_check.governing_mechanisms(results)
     return [*filter(None, [summary.governing_view(results)])]
 

@@ -87,8 +87,8 @@ def basis(results: Results, words: Words) -> Iterator[Markup]:
         yield words("synthesis.hazard", pga=pga, reference=reference_life(results, words))
     yield _range(results, words)
     yield _pressure(results, words)
-    if results.echo.report.protection:
-        yield words("synthesis.listed", decree=results.echo.report.protection)
+    if decree := results.echo.report.get("protection"):
+        yield words("synthesis.listed", decree=decree)
 
 
 def _friction(results: Results, words: Words) -> Markup:

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Annotated
 
 from assessment.report.language import Words
-from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table
+from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table, without
 from assessment.results.hand_check import outline_area
 from assessment.results.joint_states import joint_states, loaded
 from assessment.results.schema import Results
@@ -212,7 +212,7 @@ edge_pressure_table = table("edge_pressures", EdgePressure)(edge_pressures)
 
 def printed(results: Results) -> int:
     """Return how many joints a table of the report has."""
-    return PRINTED[results.echo.report.annexes or "short"]
+    return PRINTED[results.echo.report.get("annexes", "short")]
 
 
 def reported_pressures(results: Results) -> Table:
@@ -220,11 +220,9 @@ def reported_pressures(results: Results) -> Table:
 
     No rows where the greatest has no bound, as in the hinges of rigid joints.
     """
-    found = edge_pressures(results)
-    left_out = () if crushes(results) else ("uncrushed_pressure_kN_m2",)
-    columns = tuple(name for name in EdgePressure.__dataclass_fields__ if name not in left_out)
-    rows = [present(asdict(each)) for each in (found[: printed(results)] if bounded(found) else ())]
-    return Table("edge_pressures", rows, columns)
+    found, left_out = edge_pressure_table(results), () if crushes(results) else ("uncrushed_pressure_kN_m2",)
+    rows = found.rows[: printed(results)] if bounded(edge_pressures(results)) else []
+    return without(Table(found.name, [*map(present, rows)], found.columns), *left_out)
 
 
 def bounded(found: Sequence[EdgePressure]) -> bool:

@@ -1,7 +1,7 @@
 """The tables of studies: scenarios, sensitivity, ranges of what scatters, discretisation errors, identification."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
@@ -154,11 +154,15 @@ incremental_convergence = table(
 
 def reported_identification(results: Results) -> list[Table]:
     """Return the tables of the report: of movements and measurements those of hypotheses not told from the best."""
-    told = told_of(results.identification) if results.identification else []
+    told = [each.hypothesis for each in told_of(results.identification)] if results.identification else []
+
+    def of_told(found: Table) -> Table:
+        rows = [row for row in found.rows if row["hypothesis"] in told]
+        return replace(found, rows=sorted(rows, key=lambda row: told.index(row["hypothesis"])))
+
     gone = ("x_m", "z_m", "residual", *["hypothesis"] * (len(told) < 2))
-    movements = Table("identified_movements", list(_movements(told)), tuple(MOVEMENTS.split()))
-    fitted = Table("measurements", list(_measurements(results, told)), tuple(MEASUREMENTS.split()))
-    return [hypotheses(results), movements, without(fitted, *gone)]
+    fitted = without(of_told(measurements(results)), *gone)
+    return [hypotheses(results), of_told(identified_movements(results)), fitted]
 
 
 def _explanations(results: Results) -> Sequence[Explanation]:
@@ -177,11 +181,7 @@ def hypotheses(results: Results) -> Found:
 @table("identified_movements", MOVEMENTS)
 def identified_movements(results: Results) -> Found:
     """List the movement of each support of each hypothesis; without error: not determined, or held."""
-    return _movements(_explanations(results))
-
-
-def _movements(told: Iterable[Explanation]) -> Iterator[Row]:
-    for each in told:
+    for each in _explanations(results):
         for moved in each.movement:
             rotation = moved.rotation_standard_error_rad
             x, z = (moved.x_m, moved.x_standard_error_m), (moved.z_m, moved.z_standard_error_m)
@@ -193,12 +193,8 @@ def _movements(told: Iterable[Explanation]) -> Iterator[Row]:
 @table("measurements", MEASUREMENTS)
 def measurements(results: Results) -> Found:
     """List every measurement beside what each hypothesis predicts; numbers are those of the drawing."""
-    return _measurements(results, _explanations(results))
-
-
-def _measurements(results: Results, told: Iterable[Explanation]) -> Iterator[Row]:
     sites = results.identification.sites if results.identification else []
-    for each in told:
+    for each in _explanations(results):
         for number, (row, site) in enumerate(zip(each.fit, sites, strict=True), 1):
             x, z = site.point_m
             where = {"hypothesis": each.hypothesis, "number": number, "measured_kind": row.kind}

@@ -105,23 +105,6 @@ class Geometry(Part):
     gravity_m_s2: float = key("acceleration of gravity")
 
 
-class EchoedReport(Part):
-    """`echo.report`: language and title page."""
-
-    language: str = key("it or en")
-    client: str = key("client, as on the title page")
-    engineer: str = key("engineer, as on the title page")
-    location: str = key("place, as on the title page")
-    municipality: str | None = optional("municipality, as on the title page")
-    cadastre: str | None = optional("land register, as on the title page")
-    protection: str | None = optional("decree that lists the building")
-    use: str | None = optional("use of the building")
-    revision: str | None = optional("revision, as on the title page")
-    date: str | None = optional("date, as on the title page")
-    annexes: str | None = optional("short or full")
-    attachments: list[str] = key("pictures that end the report")
-
-
 class Echo(Part):
     """`echo`: the project file as it was read, defaults filled in; the keys of its tables are in `assesto schema`."""
 
@@ -146,7 +129,7 @@ class Echo(Part):
     sensitivity: dict[str, Any] | None = optional("[sensitivity]")
     identification: dict[str, Any] | None = optional("[identification]")
     measurement: list[dict[str, Any]] | None = optional("[[measurement]]")
-    report: EchoedReport = key("title page")
+    report: dict[str, Any] = key("[report]")
 
 
 class Software(Part):

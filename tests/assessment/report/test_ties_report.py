@@ -115,7 +115,7 @@ def test_the_states_are_compared_on_one_page_with_what_the_tie_bears(results):
 
 def test_the_hand_check_prints_the_work_of_the_tie(results):
     """W δ_z and F e, in the same column: their sum over W_s δ_x is α."""
-    full = results.replace(echo=results.echo.replace(report=results.echo.report.replace(annexes="full")))
+    full = results.replace(echo=results.echo.replace(report=results.echo.report | {"annexes": "full"}))
     grids = {grid.caption.striptags(): grid for grid in macro_block_grids(full, Words.of("it"))}
     # the weakest direction of the strengthened state: towards −x the tie has nearly no arm
     [grid] = [each for caption, each in grids.items() if "“strengthened”" in caption]
@@ -165,5 +165,5 @@ def test_the_judgement_says_what_is_gained_and_what_yields(results):
 
 
 def replace_language(results):
-    report = results.echo.report.replace(language="en")
+    report = results.echo.report | {"language": "en"}
     return results.replace(echo=results.echo.replace(report=report))

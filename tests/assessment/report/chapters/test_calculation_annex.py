@@ -184,7 +184,7 @@ def test_a_short_annex_has_the_calculation_of_the_governing_check_alone(results)
     whole = results["grid, rigid, along the return period"]
     summed = whole.replace(summary=summary_of(whole))
     least = summed.summary.governing
-    short = summed.replace(echo=summed.echo.replace(report=summed.echo.report.replace(annexes="short")))
+    short = summed.replace(echo=summed.echo.replace(report=summed.echo.report | {"annexes": "short"}))
     words = words_of(short)
     shown = list(traces(short, words))
     assert [str(grid.caption) for grid in shown][-1].startswith(f"Steps: {least.limit_state}")
