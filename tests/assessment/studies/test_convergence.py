@@ -13,7 +13,7 @@ from assessment.analyses.demand import Demands
 from assessment.analyses.found import Found, refined
 from assessment.analyses.lateral import Pushed
 from assessment.analyses.states import Request, StateResult, analyse_states
-from assessment.project.catalogue.new_project import new_project, write_drawing
+from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
@@ -23,6 +23,7 @@ from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import converge, estimated_error
 from assessment.workflow.stages import run
 from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
+from tests.support.block_project import write_block
 from tests.support.typed import made
 
 SOLVER = 1e-6  # relative: what programs leave, whatever the increments
@@ -31,12 +32,10 @@ SOLVER = 1e-6  # relative: what programs leave, whatever the increments
 @pytest.fixture
 def block(tmp_path):
     """Write a project of one block, its first lines and then its tables; return it loaded."""
-    write_drawing(tmp_path / "geometry.dxf", made("block", {})[0])
 
     def written(accuracy: str, *tables: str):
         text = BLOCK.replace("\n", f"\naccuracy = {accuracy}\n", 1) if accuracy else BLOCK
-        (tmp_path / "project.toml").write_text(text + "".join(tables), encoding="utf-8")
-        return load_project(tmp_path)
+        return load_project(write_block(tmp_path, text + "".join(tables)))
 
     return written
 
@@ -152,9 +151,9 @@ def arch(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fine(arch):
-    """The rigid push of the arch towards +x by a sixteenth of its increment."""
+    """The rigid push of the arch towards +x by an eighth of its increment."""
     one_way = arch.model_copy(update={"pushover": arch.pushover.model_copy(update={"directions": ("+x",)})})
-    request = Request(refined(one_way, 4), build_model(arch).states["original"], None, "rigid")
+    request = Request(refined(one_way, 3), build_model(arch).states["original"], None, "rigid")
     with Workers(1) as workers:
         [stage] = analyse_states([request], workers)
     return stage.pushover["+x"].rigid

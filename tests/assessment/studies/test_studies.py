@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema.part import plain
@@ -15,7 +14,7 @@ from assessment.results.schema.studies import SensitivityRun
 from assessment.studies.variants import scatter, with_factor, without_effect
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
-from tests.support.block_project import block
+from tests.support.block_project import block, write_block
 from tests.support.typed import made
 
 WIDTH, HEIGHT = 0.6, 4.2
@@ -66,13 +65,7 @@ SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
 @pytest.fixture
 def project(tmp_path: Path):
     """Write a project of one block on a base and load it; one folder for all its variants."""
-    write_drawing(tmp_path / "geometry.dxf", made("block", {})[0])
-
-    def written(text: str):
-        (tmp_path / "project.toml").write_text(text, encoding="utf-8")
-        return load_project(tmp_path)
-
-    return written
+    return lambda text: load_project(write_block(tmp_path, text))
 
 
 def results_of(project, jobs: int = 1) -> dict:
@@ -160,9 +153,7 @@ states = ["original"]
 @pytest.fixture(scope="module")
 def varied(tmp_path_factory):
     """Runs of the sensitivity of one elastic block by property, factor and direction; and all results."""
-    folder = tmp_path_factory.mktemp("varied")
-    write_drawing(folder / "geometry.dxf", made("block", {})[0])
-    (folder / "project.toml").write_text(BLOCK + ELASTIC + SENSITIVITY, encoding="utf-8")
+    folder = write_block(tmp_path_factory.mktemp("varied"), BLOCK + ELASTIC + SENSITIVITY)
     results = results_of(load_project(folder))
     runs = {(r["property"], r["factor"], r["direction"]): r for r in results["sensitivity"]["runs"]}
     assert len(runs) == len(results["sensitivity"]["runs"]) == 16

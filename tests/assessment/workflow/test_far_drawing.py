@@ -13,6 +13,7 @@ from assessment.project.masonry import chosen_mechanisms, gauges
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.hand_check import hand_checks, macro_blocks
+from assessment.studies import identification
 from assessment.workflow.stages import run
 from tests.support.block_project import TURNED, block
 from tests.support.tied_project import TIE
@@ -55,7 +56,9 @@ def project(folder: Path, away: tuple[float, float]):
     return load_project(folder)
 
 
-def test_points_are_given_and_told_as_drawn_and_numbers_are_those_at_the_origin(tmp_path):
+def test_points_are_given_and_told_as_drawn_and_numbers_are_those_at_the_origin(tmp_path, monkeypatch):
+    for name, value in {"FARTHEST": 2.0, "COARSE": 10, "FINE": 4, "STARTS": 1}.items():
+        monkeypatch.setattr(identification, name, value)
     near, far = project(tmp_path / "near", (0.0, 0.0)), project(tmp_path / "far", UTM)
     models = [build_model(each) for each in (near, far)]
     assert [w for w in models[1].warnings if "count from (498122, 4601237) m" in w] and not models[0].warnings

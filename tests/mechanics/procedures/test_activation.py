@@ -11,7 +11,6 @@ from assessment.benchmark.structures import assembly, rectangle, template
 from assessment.ntc.capacity_curve import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.deformed import found_mechanism
-from assessment.report.tables.mechanisms import balance, hand_check, mechanisms, reactions
 from assessment.report.tables.structure import pushover_curves
 from assessment.results.hand_check import weights
 from assessment.results.joint_states import outlines, situations
@@ -26,31 +25,6 @@ from tests.support.typed import typed
 from tests.support.wording import in_italian
 
 PUSHED = [(state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")]
-
-
-@pytest.mark.parametrize(("state", "direction"), PUSHED)
-def test_mechanism_reactions_and_hand_check_belong_to_alpha_0(state, direction):
-    """C8.7.1.2: the virtual displacements of the configuration in which the mechanism is activated.
-
-    A settled state was pushed on by a tenth of its path, where α is smaller, and its figures were those of there. Of an
-    ensemble all are of one run.
-    """
-    results = analysed()
-    rigid = results["states"][state]["pushover"][direction]["rigid"]
-    alpha_0, mechanism = rigid["alpha_0"], rigid["mechanism"]
-    activated = max(rigid["curve"]["multiplier"])
-    least, most = rigid.get("alpha_0_range", [alpha_0, alpha_0])
-    assert least <= alpha_0 == activated <= most
-    assert activated == rigid["curve"]["multiplier"][mechanism["point"]] == mechanism["alpha"]
-    assert rigid["virtual_work_alpha"] == pytest.approx(activated, rel=1e-6)
-    named = {"state": state, "direction": direction}
-    for table in (reactions(typed(results)), balance(typed(results))):
-        rows = [row for row in table.rows if named.items() <= row.items()]
-        assert rows and {row["alpha"] for row in rows} == {activated}
-    [checked] = [row for row in hand_check(typed(results)).rows if named.items() <= row.items()]
-    assert checked["alpha_mechanism"] == activated
-    [listed] = [row for row in mechanisms(typed(results)).rows if named.items() <= row.items()]
-    assert listed["alpha_0"] == alpha_0 and listed.get("mechanism_alpha", alpha_0) == activated
 
 
 @pytest.mark.parametrize("motion", [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])

@@ -37,8 +37,7 @@ def test_a_curve_goes_on_along_its_flow_whatever_the_increment():
     assert np.min(pressed) > -1e-9 * model.weight
 
 
-@pytest.mark.parametrize("movement", [(0.0, -0.005), (-0.005, 0.0)])
-def test_forces_that_a_settlement_has_left_do_not_raise_the_curve(movement):
+def test_forces_that_a_settlement_has_left_do_not_raise_the_curve():
     """A wall in bond on two supports: what friction has pressed in held it up to 5 % above its least flow."""
     stone = Material(18.0, 0.6)
     bases = [
@@ -52,7 +51,7 @@ def test_forces_that_a_settlement_has_left_do_not_raise_the_curve(movement):
         for left, right in pairwise(rows[course % 2])
     ]
     model = Assembly([*bases, *bricks])
-    settled = pushdown(model, "right", movement, increment=0.001).final
+    settled = pushdown(model, "right", (0.0, -0.005), increment=0.001).final
     curve = pushover(model, (0.0, 1.0), "-x", increment=0.004, state=settled, until=0.7)
     drawn = limit_analysis(model, "-x").alpha
     assert curve.alpha_onset == pytest.approx(limit_analysis(model, "-x", settled).alpha, rel=1e-6)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from assessment.report.chapters.judgement import draft_judgement
-from assessment.report.figures.curves import draw_pushdown
-from assessment.report.figures.deformed import draw_settlement
 from assessment.report.language import NO_BREAK, words_of
 from tests.support.judgement.claims import Results, hold
 from tests.support.judgement.random_results import summed_up
@@ -38,16 +36,11 @@ def test_a_mechanism_chosen_by_the_engineer_is_not_forgotten():
 
 
 def test_a_turn_of_a_support_has_its_margin():
-    """The largest displacement of a pure rotation is 0: the sentence was left out, and the line of the plot."""
+    """The largest displacement of a pure rotation is 0: the sentence was left out."""
     results = results_example("en")
     results["states"][SETTLED]["settlement"] |= {"displacement_m": [0.0, 0.0], "rotation_rad": 0.01}
     text = text_of(results)
     assert "rigid contacts: the movement of 20.0 mm is 31 % of the ultimate one (65.0 mm)." in text
-    found = typed(results)
-    labels = [line.get_label() for line in draw_pushdown(found, words_of(found), SETTLED).axes[0].lines]
-    assert "assigned movement, 20.0\u00a0mm" in labels
-    arrows = list(draw_settlement(found, words_of(found), SETTLED).axes[0].texts)
-    assert len(arrows) == 1 and arrows[0].arrowprops["connectionstyle"] == "arc3,rad=1.0"  # anticlockwise
 
 
 def test_a_collapse_before_the_whole_movement_is_no_margin():

@@ -51,21 +51,21 @@ def test_sheet_is_to_scale():
             assert paper_mm[1] == pytest.approx(1.6e3 / page.scale + 18.0)
 
 
-def turned(folder, rotation):
-    """Results of a block whose base turns about its centre, without a displacement."""
-    text = tables_of_block() + TURNED.replace("-0.02", str(rotation)).replace("0.01", "0.004")
-    project = load_project(write_block(folder / "block", text))
-    return run(project, build_model(project), jobs=1).results
+@pytest.fixture(scope="module", params=[-0.02, 0.02])
+def turned(request, tmp_path_factory):
+    """A rotation, and the results of a block whose base turns by it about its centre, without a displacement."""
+    text = tables_of_block() + TURNED.replace("-0.02", str(request.param)).replace("0.01", "0.004")
+    project = load_project(write_block(tmp_path_factory.mktemp("turned") / "block", text))
+    return request.param, run(project, build_model(project), jobs=1).results
 
 
 def base_of(results):
     return next(each for each in results.geometry.blocks if each.support == "base")
 
 
-@pytest.mark.parametrize("rotation", [-0.02, 0.02])
-def test_a_pure_rotation_has_its_movement_line_at_the_end_of_the_path(tmp_path, rotation):
+def test_a_pure_rotation_has_its_movement_line_at_the_end_of_the_path(turned):
     """The arc at the base's farthest corner; as the largest displacement, 0, the line was left out."""
-    results = turned(tmp_path, rotation)
+    rotation, results = turned
     corners = np.array(base_of(results).vertices_m)
     radius = np.hypot(*(corners - corners.mean(axis=0)).T).max()  # a rectangle
     figure = draw_pushdown(results, words_of(results), "base turned")
@@ -78,9 +78,8 @@ def test_a_pure_rotation_has_its_movement_line_at_the_end_of_the_path(tmp_path, 
         assert axes.get_xlim()[1] > asked
 
 
-@pytest.mark.parametrize("rotation", [-0.02, 0.02])
-def test_a_pure_rotation_has_an_arc_over_its_support_in_its_sense(tmp_path, rotation):
-    results = turned(tmp_path, rotation)
+def test_a_pure_rotation_has_an_arc_over_its_support_in_its_sense(turned):
+    rotation, results = turned
     figure = draw_settlement(results, words_of(results), "base turned")
     [arrow] = figure.axes[0].texts
     centre, tail, head = base_of(results).centroid_m, arrow.xyann, arrow.xy
