@@ -84,7 +84,7 @@ def wall(
 
 def wall_with_openings(
     length_m: Annotated[float, "length of the wall"] = 7.0,
-    of: Storeys = Storeys(2, 3.0),
+    storeys: Storeys = Storeys(2, 3.0),
     openings: Annotated[int, "openings of a storey, at equal distances"] = 2,
     opening_width_m: Annotated[float, "width of an opening"] = 1.0,
     opening_height_m: Annotated[float, "height of an opening, adapted to the courses"] = 1.5,
@@ -97,7 +97,7 @@ def wall_with_openings(
 
     Raises ValueError for openings that do not fit.
     """
-    storey_height = of.storey_height_m
+    count, storey_height = storeys.storeys, storeys.storey_height_m
     levels = geometry.courses(0.0, storey_height, course_height_m)
     per_storey, step = len(levels) - 1, float(levels[1])
     sill, rows = round(sill_m / step), max(1, round(opening_height_m / step))
@@ -109,7 +109,7 @@ def wall_with_openings(
     if openings and opening_width_m + 2.0 * lintel_bearing_m > apart - 1e-9:
         raise ValueError(f"opening_width_m: with its lintel wider than the {apart:g} m that it has; lower it")
     holes, lintels = [], []
-    for storey in range(of.storeys):
+    for storey in range(count):
         floor = storey * storey_height
         bottom, top = floor + sill * step, floor + (sill + rows) * step
         for middle in apart * (np.arange(openings) + 0.5):
@@ -117,10 +117,10 @@ def wall_with_openings(
             holes.append(box(low, bottom, high, top))
             low, high = low - lintel_bearing_m, high + lintel_bearing_m
             lintels.append(geometry.rectangle(low, high, top, top + step))
-    height = of.storeys * storey_height
+    height = count * storey_height
     region = box(0.0, 0.0, length_m, height).difference(unary_union([*holes, *map(Polygon, lintels)]))
     along = max(1, round(length_m / block_length_m))
-    cells = geometry.running_bond(0.0, length_m, np.linspace(0.0, height, of.storeys * per_storey + 1), along)
+    cells = geometry.running_bond(0.0, length_m, np.linspace(0.0, height, count * per_storey + 1), along)
     layout = geometry.tidied(
         **_two_bases(length_m * (1.0 - max(1, along // 3) / along), length_m, block_length_m, step),
         PARETE=geometry.fitted(cells, region),
@@ -130,7 +130,7 @@ def wall_with_openings(
 
 
 def facade(
-    of: Storeys = Storeys(2, 3.5),
+    storeys: Storeys = Storeys(2, 3.5),
     thickness_m: Annotated[float, "thickness of the façade"] = 0.6,
     course_height_m: CourseHeight = 0.35,
     bearing_m: Annotated[float, "length on which floors and roof bear, from the inner face"] = 0.2,
@@ -151,13 +151,13 @@ def facade(
         raise ValueError(f"crack_deg: must be {MOST_LEAN:g} at most, is {crack:g}")
     if bearing_m >= thickness_m:
         raise ValueError(f"bearing_m: must be less than thickness_m ({thickness_m:g}), is {bearing_m:g}")
-    per_storey = len(geometry.courses(0.0, of.storey_height_m, course_height_m)) - 1
+    per_storey = len(geometry.courses(0.0, storeys.storey_height_m, course_height_m)) - 1
     if per_storey < 2:
         raise ValueError(f"course_height_m: must be half of storey_height_m at most, is {course_height_m:g}")
     if roof.roof_span_m < thickness_m:
         raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof.roof_span_m:g}")
-    top = of.storeys * of.storey_height_m
-    levels = np.linspace(0.0, top, of.storeys * per_storey + 1)
+    top = storeys.storeys * storeys.storey_height_m
+    levels = np.linspace(0.0, top, storeys.storeys * per_storey + 1)
     step, t, b = float(levels[1]), thickness_m, bearing_m
     floors = levels[per_storey:-1:per_storey]
     room, steps, inner = _cracked(levels, crack)
