@@ -29,7 +29,7 @@ def write_campaign(folder: Path, table: str, records: int) -> Path:
     """Write drawing, records and project file with a table [campaign] into a folder; return it."""
     write_block(folder, "scatter = 2\n" + PROJECT + table + ASSESSMENT)
     for number, rate in enumerate((4.0, 6.0, 5.0)[:records], 1):
-        time = 0.02 * np.arange(60)
+        time = 0.02 * np.arange(36)
         wave = 0.3 * np.sin(rate * time) * np.exp(-0.3 * time)
         np.savetxt(folder / f"wave{number}.csv", np.column_stack([time, wave]), delimiter=",")
     return folder
