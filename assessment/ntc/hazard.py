@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Step, Trace, datum, return_period, step
-from mechanics.errors import ArgumentError, require
+from mechanics.errors import ArgumentError, is_between, require
 from mechanics.types import Array
 
 RETURN_PERIODS = np.array([30.0, 50.0, 72.0, 101.0, 140.0, 201.0, 475.0, 975.0, 2475.0])  # years
@@ -277,7 +277,8 @@ def site_curve(
 
     Without `grid` the nodes are those of Allegato B. latitude and longitude in degrees, in the datum of the grid (ED50
     in Allegato B [k]). A file of nine lines, one per return period, is the site's own table and needs no coordinates.
-    Raises HazardError where no cell of four nodes holds the site: outside the grid, at its edge, on an island.
+    Raises HazardError where no cell of four nodes holds the site: outside the grid, at its edge, on an island;
+    ArgumentError for what is no coordinate.
     """
     if grid is None:
         grid = allegato_b()
@@ -290,6 +291,10 @@ def site_curve(
         raise HazardError(
             f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site"
         )
+    require(is_between(latitude, -90.0, 90.0, "[]"), "latitude", latitude, "from -90 to 90, in degrees")
+    require(
+        is_between(longitude, -180.0, 180.0, "[]"), "longitude", longitude, "from -180 to 180, in degrees"
+    )
     x = (grid.longitude - longitude) * np.cos(np.radians(latitude)) * _KM_PER_DEGREE
     y = (grid.latitude - latitude) * _KM_PER_DEGREE
     distance = np.hypot(x, y)

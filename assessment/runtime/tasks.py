@@ -184,7 +184,7 @@ class Workers:
     def _compute(self, stage: _Stage, worthwhile: bool) -> Iterator[tuple[int, str]]:
         """Yield number and packed result of each task that is left, long ones of another process: it can be stopped."""
         waiting = list(stage.weights)
-        several = len(waiting) > 1 and (self.jobs > 1 or self.scheduler is not None)
+        several = self.scheduler is not None or (len(waiting) > 1 and self.jobs > 1)
         if not waiting or not (worthwhile or several):
             for number in waiting:
                 if self._took(stage, number):

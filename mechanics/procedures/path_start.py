@@ -14,7 +14,7 @@ from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import Limit, limit_analysis
 from mechanics.program import Certificate
-from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
+from mechanics.steps.equilibrium import check_self_weight, rest, rest_size, unpressed
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import lifted, motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem, held
@@ -194,6 +194,14 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") 
             problem = StepProblem(system, step.state, model.dead_load, rest_size(model, "elastic"))
             step = motion_to_rest(problem, step.state.positions)
     except NoEquilibriumError as fall:
+        if len(unpressed(model)):
+            raise UnstableError(
+                message(
+                    "with elastic joints the structure cannot stand under its own weight: {reason}; rigid joints would "
+                    "hold it by friction of faces that nothing presses; draw what bears these blocks",
+                    reason=fall.message,
+                )
+            ) from fall
         raise UnstableError(
             message(
                 "with elastic joints the structure cannot stand under its own weight: {reason}; "

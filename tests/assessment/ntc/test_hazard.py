@@ -116,6 +116,12 @@ def test_sites_without_nodes_get_a_clear_answer(grid, latitude, longitude):
         site_curve(grid, latitude, longitude)
 
 
+@pytest.mark.parametrize("wrong", [{"latitude": "a"}, {"longitude": float("nan")}, {"latitude": 142.35}])
+def test_what_is_no_coordinate_is_named(grid, wrong):
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))} = .*in degrees"):
+        site_curve(grid, **{"latitude": 42.35, "longitude": 13.4, **wrong})
+
+
 def test_a_hole_in_the_grid(tmp_path):
     """Without node (1, 1) its four cells are gone; no larger quadrilateral takes their place."""
     path = _write(tmp_path / "hole.txt", [_row(i, j) for i in range(4) for j in range(4) if (i, j) != (1, 1)])

@@ -16,6 +16,7 @@ from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.pool import Cluster, KilledError, Patience
 from assessment.runtime.progress import Show
+from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from tests.support.block_project import timeless
 from tests.support.campaign_project import STRIPES, write_campaign
@@ -103,3 +104,11 @@ def test_no_scheduler_at_the_address_is_told():
     for address in ("tcp://127.0.0.1:1", "nowhere"):
         with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
             Cluster(address, Patience(answer=0.5))
+
+
+def test_a_single_analysis_is_given_to_the_scheduler_too():
+    def doubled(number: int) -> int:
+        return 2 * number
+
+    with pytest.raises(ProjectError, match="--scheduler: nowhere: "):
+        Workers(jobs=1, scheduler="nowhere").each("pushover", doubled, [(2,)], ["one"], worthwhile=False)
