@@ -17,6 +17,7 @@ from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
 from assessment.results.schema import Configuration, QualityRow
 from assessment.results.schema import studies as parts
+from assessment.results.summary import UNLIKELY
 from assessment.runtime.progress import SILENCE
 from assessment.runtime.tasks import Workers, large
 from assessment.studies import fit as fitting
@@ -27,7 +28,6 @@ from mechanics.procedures import Pushdown, SupportMovement, drawn_extent, pushdo
 from mechanics.steps import Sliding
 from mechanics.types import Array, Mask
 
-UNLIKELY = 0.01  # probability of a χ² as large, below which a hypothesis does not explain the measurements
 IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that is not determined
 
 
