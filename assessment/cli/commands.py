@@ -12,14 +12,13 @@ from typing import TYPE_CHECKING
 
 from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import say, tell, unwritten
-from assessment.runtime.errors import error_text
+from assessment.runtime.errors import DONE, INCOMPLETE, WRONG_INPUT, error_text
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
 
-DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3
 EXIT_CODES = f"""exit codes:
   {DONE}  done
   {WRONG_INPUT}  the input is wrong: nothing was overwritten

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assessment.cli import commands
-from assessment.cli.commands import EXIT_CODES, INCOMPLETE, WRONG_INPUT, incomplete, tell_error
+from assessment.cli.commands import EXIT_CODES, incomplete, tell_error
 from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import collect_rarely, interrupted, leave, prepare, say, tell, watch
-from assessment.runtime.errors import is_input_error, nearest
+from assessment.runtime.errors import INCOMPLETE, WRONG_INPUT, is_input_error, nearest
 from assessment.runtime.journal import BusyError, record_exit
 from assessment.workflow import STAGES
 from mechanics.progress import before_compiling

@@ -177,7 +177,10 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
         names = iglob("*", root_dir=folder / parent)  # noqa: PTH207 - of a folder that cannot be read none
         beside = islice(names, kinds.MOST_ENTRIES)
         files = sorted(str(parent / each) for each in beside if _is_file(folder / parent / each))
-        remedy = nearest(name, files) if files else "put it there or correct the name"
+        alike = [each for each in files if Path(each).suffix.lower() == Path(name).suffix.lower()]
+        remedy = nearest(name, alike) if alike else "put it there or correct the name"
+        if (folder / name).is_dir():
+            return f'"{name}" is a folder; name a file'
         return f'no file "{name}" in the project folder; {remedy}'
     if kind == "picture" and Path(name).suffix.lower() not in SUFFIXES:
         return f'"{name}" is no {" or ".join(SUFFIXES)} file; export it, a PDF page by page, as one'

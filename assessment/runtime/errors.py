@@ -4,6 +4,7 @@ import difflib
 from collections.abc import Iterable
 from opcode import opmap
 
+DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3  # exit codes of a run
 _MOST_NAMES = 12
 RAISE = opmap["RAISE_VARARGS"]  # the instruction of a raise statement
 _QUOTED = 120  # characters of a line of the user's file that a message shows

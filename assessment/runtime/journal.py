@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from assessment.runtime.errors import ProjectError
+from assessment.runtime.errors import WRONG_INPUT, ProjectError
 from assessment.runtime.progress import Show, Stage, clock, heard
 
 LOCK = ".assesto.lock"  # in the output folder, while a run writes there
@@ -180,7 +180,9 @@ def status(folder: Path) -> str:
     for stage in recorded.stages:
         lines.append(_line(stage, running is not None))
         lines += [f"  failed: {title}: {reason}" for title, reasons in stage.faults for reason in reasons]
-    if not running and recorded.exit_code != 0:
+    if not running and recorded.exit_code == WRONG_INPUT:
+        lines.append("the run was refused: correct the input that it names, and run again")
+    elif not running and recorded.exit_code != 0:
         lines.append("finished analyses are kept: run again to go on")
     return "\n".join(lines)
 

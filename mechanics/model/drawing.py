@@ -305,7 +305,9 @@ class Sheet:
     @cached_property
     def drawing(self) -> Drawing:
         """The blocks, and all that is wrong or odd."""
-        faults = [*self._layer_faults(), *self.wrong.values(), *self._by_lines(), *self._frozen_on_sheets()]
+        faults = [*self.wrong.values(), *self._by_lines(), *self._frozen_on_sheets()]
+        if faults or any(is_polyline(p.entity) for p in self.placed):
+            faults = [*self._layer_faults(), *faults]
         if not self.closed and not faults:
             faults = [Fault("layer", self._nothing())]
         return Drawing(

@@ -18,10 +18,10 @@ from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.pushdown import AHEAD, whole_movement
 from mechanics.procedures.step_control import PATH, Bisection, reach
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
-from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, static_system
-from mechanics.steps.tolerances import REST, STEP
+from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
 
 STRAIGHT = 0.999  # cosine between two steps, up to which the rate of the first predicts the second
@@ -73,11 +73,9 @@ class Following:
         self.aim(displacement, rotation)
         while self.advance():
             pass
-        step = self.equilibrium
-        if self.stopped is None and (lift := lifted(step)) > REST.lifted * self.model.size:
-            problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
+        if self.stopped is None:
             try:
-                self.equilibrium = motion_to_rest(problem, step.state.positions)
+                self.equilibrium = come_down(self.equilibrium, self.smallest)
             except (NoEquilibriumError, ConvergenceError) as error:
                 self._stop(error)
         return self.equilibrium.state

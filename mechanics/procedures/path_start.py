@@ -16,10 +16,10 @@ from mechanics.procedures.limit_analysis import Limit, limit_analysis
 from mechanics.program import Certificate
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size, unpressed
 from mechanics.steps.geometry_iteration import find_equilibrium
-from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium, StepProblem, held
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
-from mechanics.steps.tolerances import LIMIT, REST
+from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
 
@@ -187,12 +187,10 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") 
     """
     check_self_weight(model)
     begun = model.starting(state)
-    system = static_system(model, "elastic", sliding).around(begun.positions, rest_size(model, "elastic"))
+    size = rest_size(model, "elastic")
+    system = static_system(model, "elastic", sliding).around(begun.positions, size)
     try:
-        step = rest(system, begun)
-        if lifted(step) > REST.lifted * model.size:
-            problem = StepProblem(system, step.state, model.dead_load, rest_size(model, "elastic"))
-            step = motion_to_rest(problem, step.state.positions)
+        return come_down(rest(system, begun), size)
     except NoEquilibriumError as fall:
         if len(unpressed(model)):
             raise UnstableError(
@@ -209,4 +207,3 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") 
                 reason=fall.message,
             )
         ) from fall
-    return step

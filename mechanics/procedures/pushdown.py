@@ -26,10 +26,10 @@ from mechanics.procedures.step_control import PATH, Bisection, follow, reach
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
-from mechanics.steps.rest import lifted, motion_to_rest
+from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
-from mechanics.steps.tolerances import LIMIT, REST, STEP
+from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import Array
 
 if TYPE_CHECKING:
@@ -356,20 +356,16 @@ class _Path:
     def _settle(self) -> None:
         """Let the blocks that sliding has lifted come down after the whole movement; the path ends if they fall."""
         step = self.steps[-1]
-        lift = lifted(step)
-        if lift <= REST.lifted * self.model.size:
-            self.final = step.state
-            return
-        problem = StepProblem(step.system, step.state, self.model.dead_load, max(lift, self.smallest))
         try:
-            rested = sound(motion_to_rest(problem, step.state.positions))
+            rested = sound(come_down(step, self.smallest))
         except RunawayError as fall:
             self.ultimate, self.end = self.movement[-2], fall.message
             return
         except ConvergenceError as error:
             self.undecided, self.end = error, error.message
             return
-        self.certificates.append(rested.certificate)
+        if rested is not step:
+            self.certificates.append(rested.certificate)
         self.final = rested.state
 
     def _moves_as_a_whole(self, by: float) -> bool:

@@ -196,3 +196,15 @@ def lifted(equilibrium: Equilibrium) -> float:
         half = abs(places[:, H])
         missing = missing - bed_gaps(end_forces(forces, half), half, equilibrium.system.law[carries])
     return float(missing.min(axis=1).max(initial=0.0))
+
+
+def come_down(step: Equilibrium, size: float) -> Equilibrium:
+    """Return the equilibrium under gravity into which blocks that sliding has lifted come down; `step` if none is.
+
+    `size` (m): least displacement that is expected. Raises as motion_to_rest.
+    """
+    model, lift = step.system.model, lifted(step)
+    if lift <= REST.lifted * model.size:
+        return step
+    problem = StepProblem(step.system, step.state, model.dead_load, max(lift, size))
+    return motion_to_rest(problem, step.state.positions)

@@ -18,19 +18,19 @@ LINES = {
     "assessment/benchmark": 1147,
     "assessment/cli": 768,
     "assessment/ntc": 2283,
-    "assessment/project": 4702,
+    "assessment/project": 4707,
     "assessment/report": 6118,
     "assessment/results": 3262,
-    "assessment/runtime": 1656,
+    "assessment/runtime": 1659,
     "assessment/studies": 2370,
     "assessment/workflow": 947,
     "mechanics": 968,
     "mechanics/kernels": 3642,
-    "mechanics/model": 3250,
+    "mechanics/model": 3252,
     "mechanics/procedures": 3392,
     "mechanics/records": 1086,
     "mechanics/solvers": 1081,
-    "mechanics/steps": 1880,
+    "mechanics/steps": 1892,
 }
 
 

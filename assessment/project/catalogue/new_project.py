@@ -114,7 +114,9 @@ def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
 
         shown = visible(str(folder))
         raise ProjectError(f"{shown}: folder: control characters in the name; give another one")
-    if folder.is_file() or (folder.is_dir() and any(folder.iterdir())):
+    if folder.is_file():
+        raise ProjectError(f"{folder}: is a file; give the name of a new folder")
+    if folder.is_dir() and any(folder.iterdir()):
         raise ProjectError(f"{folder}: folder: exists and is not empty; give the name of a new one")
     temporary = temporary_of(folder)
     try:

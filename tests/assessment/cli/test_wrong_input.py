@@ -21,6 +21,12 @@ WRONG = {
         'material.fricton: unknown key; did you mean "friction"',
     ),
     "missing file": ("geometry.dxf", "geometri.dxf", 'geometry.drawing: no file "geometri.dxf"'),
+    "no drawing of another kind": (
+        "geometry.dxf",
+        "drawing.dwg",
+        "project folder; put it there or correct the name",
+    ),
+    "a folder": ('"geometry.dxf"', '"."', 'geometry.drawing: "." is a folder; name a file'),
     "no stiffness": ("normal_stiffness_kN_m3 = 1e6\n", "", "material.normal_stiffness_kN_m3: missing"),
     "control outside": (
         "[0.3, 4.2]",
@@ -63,6 +69,15 @@ def test_wrong_input_is_said_in_one_message_and_nothing_is_touched(project, caps
 def test_a_project_that_is_not_there(tmp_path, capsys, verb):
     assert main([verb, str(tmp_path / "nothing")]) == 2
     assert capsys.readouterr().err.startswith(f"error: {tmp_path / 'nothing'}: project: no such folder")
+
+
+def test_the_status_of_a_refused_run_asks_for_other_input(project, capsys):
+    assert run(project, "--only", "pushover,colapse") == 2
+    capsys.readouterr()
+    assert main(["status", str(project)]) == 0
+    told = capsys.readouterr().out
+    assert "exit code 2" not in told or "correct the input" in told
+    assert "finished analyses are kept" not in told
 
 
 def test_an_unknown_stage(project, capsys):

@@ -80,6 +80,14 @@ def test_all_faults_in_one_message(tmp_path):
     assert 'layer "NAVE" is not in the drawing; it has ' in message
 
 
+def test_a_drawing_of_text_alone_is_told_before_its_layers(tmp_path):
+    document, space = drawing()
+    space.add_text("PROSPETTO")
+    message = refused(document, tmp_path, layers={"STONE": STONE})
+    assert "nothing closed is in model space, but 1 TEXT; draw each block as one closed polyline" in message
+    assert "STONE" not in message
+
+
 @pytest.mark.parametrize("layer", ["MURO", "RILIEVO"])
 @pytest.mark.parametrize("apart", [0.0, 0.004])
 def test_a_stone_drawn_by_lines_beside_blocks_is_no_hole_in_silence(layer, apart, tmp_path):
