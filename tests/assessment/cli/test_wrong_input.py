@@ -71,15 +71,6 @@ def test_a_project_that_is_not_there(tmp_path, capsys, verb):
     assert capsys.readouterr().err.startswith(f"error: {tmp_path / 'nothing'}: project: no such folder")
 
 
-def test_the_status_of_a_refused_run_asks_for_other_input(project, capsys):
-    assert run(project, "--only", "pushover,colapse") == 2
-    capsys.readouterr()
-    assert main(["status", str(project)]) == 0
-    told = capsys.readouterr().out
-    assert "exit code 2" not in told or "correct the input" in told
-    assert "finished analyses are kept" not in told
-
-
 def test_an_unknown_stage(project, capsys):
     assert run(project, "--only", "pushover,colapse") == 2
     assert 'error: --only: colapse: no such stage; valid: "pushdown", "pushover"' in capsys.readouterr().err

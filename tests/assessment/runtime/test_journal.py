@@ -35,6 +35,16 @@ def test_a_folder_in_which_nothing_has_been_run(tmp_path):
     assert status(tmp_path).startswith("results of an earlier run: ")
 
 
+@pytest.mark.parametrize(
+    ("code", "last"), [(2, "correct the input that it names"), (3, "finished analyses are kept")]
+)
+def test_what_is_to_be_done_follows_from_the_exit_code(tmp_path, code, last):
+    with locked(tmp_path):
+        Journal(tmp_path, Show()).begin("pushover", 1, 0, 1.0)
+        record_exit(tmp_path, code)
+    assert last in status(tmp_path).splitlines()[-1]
+
+
 def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
     output = tmp_path / "output"
 
