@@ -6,6 +6,7 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     outwards from where collapse is expected, in strides that double, until a level on the other side is found
     every level down to DOWN of the lowest that collapses; a collapse there begins this again
     upwards, until CERTAIN levels in a row above the highest that stands collapse
+    downwards in strides of DOWN, until the level that counts is not below all that were run (probit of bands far apart)
     around the lowest bracket the levels half-way, one for each member of an ensemble after the first
     the lowest bracket is halved to the width asked for
 """
@@ -15,6 +16,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from assessment.analyses.fragility import observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.time_history import Setting, respond, thinned
 from assessment.project.motions import BaseMotion
@@ -129,6 +131,9 @@ def scan_levels(
         place = min(place + stride, end) if fell is False else max(place - stride, end)
         stride = min(2 * stride, FARTHEST)
     _run_missing(lattice)
+    while (place := lattice.farther_down()) is not None:
+        lattice.run(place)
+        _run_missing(lattice)
     if reach.members > 1 and (fallen := lattice.those(True)):
         low = min(fallen)
         half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
@@ -172,6 +177,14 @@ class _Lattice:
     def those(self, fell: bool) -> list[float]:
         """Places at which the structure falls, or stands."""
         return [place for place, outcome in self.tried.items() if outcome is fell]
+
+    def farther_down(self) -> int | None:
+        """Return a place below all that were run where the level that counts is there; None: it is among them."""
+        known = {level: fell for level, fell in self.levels.items() if fell is not None}
+        lowest, counts = math.floor(min(self.tried)), observed(list(known), list(known.values())).capacity
+        if counts is None or counts >= min(self.levels) or lowest == self.bottom:
+            return None
+        return max(lowest - self.depth, self.bottom)
 
     def bracket(self) -> tuple[float, float] | None:
         """Return the largest level (g) below all collapses, 0: none, and the lowest collapse; None without one."""

@@ -44,6 +44,14 @@ class Trial:
         return observed(list(self.tried), list(self.tried.values()))
 
 
+def test_the_level_that_counts_is_among_those_that_were_run():
+    """Bands far apart: the 16 % level of their probit lies below 0.7 of the lowest collapse, and is looked for there."""
+    trial = Trial((0.415, 0.46), (0.51, 0.72), (0.76, 0.83), (1.12, 9.0))
+    seen = trial.seen(near=0.9, pga=0.32)
+    assert seen.capacity < DOWN * seen.lowest, "the case shows nothing"
+    assert min(trial.tried) <= seen.capacity and 0.0 < seen.safe < seen.capacity
+
+
 def largest_ratio(levels):
     levels = sorted(levels)
     return max((b / a for a, b in pairwise(levels)), default=1.0)
