@@ -45,7 +45,7 @@ class Trial:
 
 
 def test_the_level_that_counts_is_among_those_that_were_run():
-    """Bands far apart: the 16 % level of their probit lies below 0.7 of the lowest collapse, and is looked for there."""
+    """Of bands far apart the 16 % level of the probit lies below 0.7 of the lowest collapse: it is looked for there."""
     trial = Trial((0.415, 0.46), (0.51, 0.72), (0.76, 0.83), (1.12, 9.0))
     seen = trial.seen(near=0.9, pga=0.32)
     assert seen.capacity < DOWN * seen.lowest, "the case shows nothing"
