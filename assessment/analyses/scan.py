@@ -6,6 +6,7 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     outwards from where collapse is expected, in strides that double, until a level on the other side is found
     every level down to DOWN of the lowest that collapses; a collapse there begins this again
     upwards, until CERTAIN levels in a row above the highest that stands collapse
+    the levels of the project's histories of the record
     downwards in strides of DOWN, until the level that counts is not below all that were run (probit of bands far apart)
     around the lowest bracket the levels half-way, one for each member of an ensemble after the first
     the lowest bracket is halved to the width asked for
@@ -39,6 +40,7 @@ class Reach:
     """Which levels are run: up to `max_scale` times the record's PGA, a factor `ratio` apart.
 
     The lowest bracket is no wider than `width` (g); `members`: see above. `stripes`: these levels (PGA, g) alone.
+    `histories`: record and factor of motions that are computed too: none of them falls below what the scan has found.
     """
 
     max_scale: float
@@ -46,6 +48,7 @@ class Reach:
     width: float = math.inf
     members: int = 1
     stripes: tuple[float, ...] = ()
+    histories: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass
@@ -90,7 +93,8 @@ def scan(
             for pga in reach.stripes:
                 levels.collapses(pga)
         else:
-            scan_levels(levels.collapses, motion.pga, reach, near)
+            also = [abs(factor) * motion.pga for name, factor in reach.histories if name == motion.name]
+            scan_levels(levels.collapses, motion.pga, reach, near, also)
     except ConvergenceError as error:
         found.reason = error.message
     found.points = [levels.points[pga] for pga in sorted(levels.points)]
@@ -117,9 +121,16 @@ def scan(
 
 
 def scan_levels(
-    falls: Callable[[float], bool | None], pga: float, reach: Reach, near: float | None = None
+    falls: Callable[[float], bool | None],
+    pga: float,
+    reach: Reach,
+    near: float | None = None,
+    also: Sequence[float] = (),
 ) -> None:
-    """Ask at which levels (g) a structure `falls`, None: not known, near the lowest; `pga` (g): of the record."""
+    """Ask at which levels (g) a structure `falls`, None: not known, near the lowest; `pga` (g): of the record.
+
+    `also` (g): levels that are run, and around which collapse is looked for as well.
+    """
     lattice = _Lattice(falls, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands
     place, stride, fell = lattice.nearest(near or pga), 1, None
@@ -131,8 +142,11 @@ def scan_levels(
         place = min(place + stride, end) if fell is False else max(place - stride, end)
         stride = min(2 * stride, FARTHEST)
     _run_missing(lattice)
-    while (place := lattice.farther_down()) is not None:
-        lattice.run(place)
+    for level in also:
+        lattice.run(math.log(level / pga) / math.log(lattice.ratio))
+        _run_missing(lattice)
+    while (farther := lattice.farther_down()) is not None:
+        lattice.run(farther)
         _run_missing(lattice)
     if reach.members > 1 and (fallen := lattice.those(True)):
         low = min(fallen)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from assessment.analyses.found import LEVELS, accuracy_of
@@ -18,6 +19,7 @@ from assessment.runtime.cache import fingerprint
 from assessment.runtime.tasks import From, Workers
 from assessment.studies.variants import Study
 from mechanics import Assembly
+from mechanics.faults import visible
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import Mirror
 
@@ -294,7 +296,8 @@ def reach_of(project: Project) -> Reach:
     scales = [table.max_scale for table in (incremental, campaign) if table is not None]
     ratio = SPACING if campaign is None else min(SPACING, 1.0 + campaign.tolerance)
     width = math.inf if incremental is None else incremental.tolerance_g
-    return Reach(max(scales), ratio, width, project.scatter)
+    histories = tuple((visible(Path(table.record).stem), table.scale) for table in project.history)
+    return Reach(max(scales), ratio, width, project.scatter, histories=histories)
 
 
 def own_setting(table: MotionTable) -> MotionTable:

@@ -52,6 +52,15 @@ def test_the_level_that_counts_is_among_those_that_were_run():
     assert min(trial.tried) <= seen.capacity and 0.0 < seen.safe < seen.capacity
 
 
+def test_a_history_that_falls_lowers_the_scan():
+    """A band far below the lowest collapse that the scan meets: a motion of the record that falls there shows it."""
+    missed, found = (Trial((0.458, 0.49), (0.99, 9.0)) for _ in range(2))
+    assert missed.seen(near=0.9, pga=0.32).lowest > 0.9
+    scan_levels(found, 0.32, Reach(max_scale=8.0), 0.9, also=(0.47,))
+    seen = observed(list(found.tried), list(found.tried.values()))
+    assert seen.lowest == pytest.approx(0.458, rel=0.05) and min(found.tried) <= 0.33
+
+
 def largest_ratio(levels):
     levels = sorted(levels)
     return max((b / a for a, b in pairwise(levels)), default=1.0)
