@@ -94,7 +94,11 @@ EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
         "rotation_rad = -0.02", "rotation_rad = -0.03",
         {"self-weight": 0.0, "pushdown": 1.0, "finer: incremental": 0.0, OTHER: 0.5},
     ),
-    "the record's scale": ('record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9', {"history": 1.0}),
+    # a scan runs the levels of the histories too
+    "the record's scale": (
+        'record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9',
+        {"history": 1.0, "incremental": 1.0, "finer: incremental": 1.0},
+    ),
 }  # fmt: skip
 
 
