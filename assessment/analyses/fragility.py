@@ -23,7 +23,6 @@ from mechanics.types import Array, Mask
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 PROBABILITIES = (0.16, 0.5, 0.84)
 BAND = (0.01, 0.05, 0.1, 0.16, 0.3, 0.5, 0.7, 0.84, 0.9, 0.95, 0.99)
-CONSIDERED = 0.7  # of the lowest collapse: gaps between levels below it are not told
 INFORMATION = 1.806  # ∫ φ²/(Φ(1 − Φ)): of levels evenly spaced by δ, of m in Φ((x − m)/β), times β δ
 SAMPLES, SEED = 1000, 2015
 CONFIDENCE = 0.95
@@ -75,7 +74,7 @@ def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
     falls = [level for level, fell in runs if fell]
     standing = [level for level, fell in runs if not fell]
     if not falls:
-        return Observed(safe=max(standing, default=0.0), gap=_gap(levels, 0.0))
+        return Observed(safe=max(standing, default=0.0), gap=_gap(levels))
     low = falls[0]
     safe = max((level for level in standing if level < low), default=0.0)
     # in ln level; above no level at all, of the level itself
@@ -99,15 +98,14 @@ def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
         capacity=min(bracket[0], probable[0]),
         certain=certain,
         stands=stands,
-        gap=_gap([level for level in levels if certain is None or level <= certain], CONSIDERED * low),
+        gap=_gap([level for level in levels if certain is None or level <= certain]),
         spacing=math.log(low / safe) if safe else 1.0,
     )
 
 
-def _gap(levels: Sequence[float], least: float) -> tuple[float, float] | None:
-    """Return the neighbouring levels that are widest apart, in ln, of those from `least` on."""
-    considered = sorted(level for level in levels if level >= least)
-    return max(pairwise(considered), key=lambda pair: pair[1] / pair[0], default=None)
+def _gap(levels: Sequence[float]) -> tuple[float, float] | None:
+    """Return the neighbouring levels that are widest apart, in ln."""
+    return max(pairwise(sorted(levels)), key=lambda pair: pair[1] / pair[0], default=None)
 
 
 class Standard(NamedTuple):

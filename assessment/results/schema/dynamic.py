@@ -182,7 +182,7 @@ class Scanned(Part):
     level_50_g: float | None = key("P = 50 %", "Livello 50 %|Level of 50 %", ground="surface")
     level_84_g: float | None = key("P = 84 %", "Livello 84 %|Level of 84 %", ground="surface")
     beta: float | None = key("of the probit; 0: no level above a collapse stands")
-    widest_gap_g: Range | None = key("the two levels widest apart, from 0.7 of the lowest collapse on")
+    widest_gap_g: Range | None = key("of the levels run the two widest apart, up to where all collapse")
     time_step_s: float | None = key("time step of the levels; null: not completed")
     resurrections_g: list[float] = key("levels above the lowest collapse at which the structure stands")
     runs: int = key("motions computed", "Analisi|Runs")
