@@ -69,11 +69,14 @@ class Runs:
     def state(self) -> dict[str, Any]:
         """Return where the run is: what `assesto status --json` prints, and what a command of the page has said."""
         code = self.process.poll() if self.process else None
-        found = progress_of(self._recorded(), holder(self.output))
+        recorded = self._recorded()
+        found = progress_of(recorded, holder(self.output))
         own = self.process is not None and code is None
         said = "" if code in (None, 0) else self.log.read_text(encoding="utf-8", errors="replace")[-SAID:]
-        if found["exit_code"] is None and not own:
-            found["exit_code"] = code  # of a command that has left no journal
+        if found["exit_code"] is None and not own and not recorded.stages:
+            found["exit_code"] = (
+                code  # of a command that has left no journal; one that has is another run, cut short
+            )
         return found | {"running": found["running"] or own, "own": own, "said": said.strip()}
 
     def _recorded(self) -> RunRecord:
