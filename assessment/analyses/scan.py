@@ -3,7 +3,7 @@
 Collapse of rocking masonry comes in bands of the level: no bisection finds the lowest. Levels form a lattice, a factor
 `ratio` apart (5 % at most), through the record's own PGA:
 
-    outwards from where collapse is expected, in strides that double, until a level on the other side is found
+    outwards from where collapse is expected, in strides that double downwards, until a level on the other side is found
     every level down to DOWN of the lowest that collapses; a collapse there begins this again
     upwards, until CERTAIN levels in a row above the highest that stands collapse
     the levels of the project's histories of the record
@@ -29,7 +29,8 @@ from mechanics.progress import stretch
 SPACING = 1.05  # the largest ratio of levels
 DOWN = 0.7  # of the lowest collapse: down to there every level is run
 CERTAIN = 2  # levels in a row above all that stand
-FARTHEST = 8  # levels: the longest stride on the way to the first collapse
+FARTHEST = 8  # levels: the longest stride down to the first that stands
+UPWARDS = 2  # levels: the longest stride up to the first collapse, not to pass over a band
 LEAST = 1e-3  # g: the lowest level
 CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
 EXPECTED = 14  # motions of a scan, about
@@ -140,7 +141,7 @@ def scan_levels(
         if place == end:
             break
         place = min(place + stride, end) if fell is False else max(place - stride, end)
-        stride = min(2 * stride, FARTHEST)
+        stride = min(2 * stride, UPWARDS if fell is False else FARTHEST)
     _run_missing(lattice)
     for level in also:
         lattice.run(math.log(level / pga) / math.log(lattice.ratio))

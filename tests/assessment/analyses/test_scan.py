@@ -52,6 +52,11 @@ def test_the_level_that_counts_is_among_those_that_were_run():
     assert min(trial.tried) <= seen.capacity and 0.0 < seen.safe < seen.capacity
 
 
+def test_no_band_of_two_levels_is_passed_over_on_the_way_up():
+    trial = Trial((0.51, 0.571), (1.12, 9.0))
+    assert trial.seen(near=0.35, pga=0.32).lowest < 0.571
+
+
 def test_a_history_that_falls_lowers_the_scan():
     """A band far below the lowest collapse that the scan meets: a motion of the record that falls there shows it."""
     missed, found = (Trial((0.458, 0.49), (0.99, 9.0)) for _ in range(2))
