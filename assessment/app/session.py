@@ -73,10 +73,8 @@ class Runs:
         found = progress_of(recorded, holder(self.output))
         own = self.process is not None and code is None
         said = "" if code in (None, 0) else self.log.read_text(encoding="utf-8", errors="replace")[-SAID:]
-        if found["exit_code"] is None and not own and not recorded.stages:
-            found["exit_code"] = (
-                code  # of a command that has left no journal; one that has is another run, cut short
-            )
+        if found["exit_code"] is None and not own and not recorded.stages:  # else: of another run, cut short
+            found["exit_code"] = code  # of a command that has left no journal
         return found | {"running": found["running"] or own, "own": own, "said": said.strip()}
 
     def _recorded(self) -> RunRecord:

@@ -28,7 +28,7 @@ STRAIGHT = 0.999  # cosine between two steps, up to which the rate of the first 
 
 
 class Following:
-    """The equilibria of a structure while one of its supports is moved to and fro.
+    """Follows a support: the equilibrium after each step of its movement, in any direction.
 
     On a straight way from the drawing they are those of `pushdown` with the same `increment` (m, of the largest
     component of the movement or of the arc at the support's farthest corner). `reached` (3,): movement x, z (m) and

@@ -193,17 +193,15 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") 
         return come_down(rest(system, begun), size)
     except NoEquilibriumError as fall:
         if len(unpressed(model)):
-            raise UnstableError(
-                message(
-                    "with elastic joints the structure cannot stand under its own weight: {reason}; rigid joints would "
-                    "hold it by friction of faces that nothing presses; draw what bears these blocks",
-                    reason=fall.message,
-                )
-            ) from fall
-        raise UnstableError(
-            message(
+            why = message(
+                "with elastic joints the structure cannot stand under its own weight: {reason}; rigid joints would "
+                "hold it by friction of faces that nothing presses; draw what bears these blocks",
+                reason=fall.message,
+            )
+        else:
+            why = message(
                 "with elastic joints the structure cannot stand under its own weight: {reason}; "
                 "rigid joints would hold it, these are too soft: check normal_stiffness, in kN/m³",
                 reason=fall.message,
             )
-        ) from fall
+        raise UnstableError(why) from fall
