@@ -58,7 +58,7 @@ def edit(session: Session, sent: Sent) -> dict[str, Any]:
 def step(by: int, session: Session, sent: Sent) -> dict[str, Any]:
     """Bring the version before (-1) or after (1) back."""
     with session.lock:
-        return {"digest": _history(session).step(by, _given(sent, "digest", str))}
+        return {"digest": _history(session).step(by, sent.get("digest"))}
 
 
 def live(session: Session, sent: Sent) -> dict[str, Any]:
@@ -171,6 +171,6 @@ def _given(sent: Sent, key: str, kind: type[Kind]) -> Kind:
 
 
 def _history(session: Session) -> Versions:
-    if not (session.folder / TOML).is_file():
+    if (session.folder / XLSX).is_file() and not (session.folder / TOML).is_file():
         raise ProjectError(f"{session.folder}: only {TOML} is written; convert the spreadsheet first")
     return session.project.history

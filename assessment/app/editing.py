@@ -6,28 +6,24 @@ import copy
 import hashlib
 import json
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.formats import TOML
+from assessment.project.formats import SOURCES, TOML
 from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.problems import project_error, schema_problems
+from assessment.project.project import Project, spelt
 from assessment.project.schema import KeyPath, ProjectContent, alternatives, annotation_at
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically
 
-if TYPE_CHECKING:
-    from assessment.project.project import Project
-
 OWN = ".assesto"  # folder beside project.toml: versions of it, where the page is, what was dropped
 VERSIONS = 200  # that are kept
-# not in the picture
-UNDRAWN = {"title", "report", "pushover", "history", "incremental", "campaign", "sensitivity"}
 Change = tuple[KeyPath, Any]
 """Where a value stands and what it becomes; None: it is deleted, an entry of a list with its place."""
 
@@ -41,13 +37,22 @@ def digest_of(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
 
-def drawing_tag(project: Project) -> str:
-    """Return by which a page knows a drawing with all that is drawn in it."""
-    content: dict[str, Any] = {key: value for key, value in project.content().items() if key not in UNDRAWN}
-    with suppress(OSError):
-        status = project.path(project.geometry.drawing).stat()
-        content["file"] = [status.st_mtime_ns, status.st_size]
-    return digest_of(json.dumps(content, sort_keys=True).encode())
+def model_tag(project: Project) -> str:
+    """Return by which a page knows a drawing with all that a run reads beside it, of files as far as all are there."""
+    with suppress(OSError, ValueError):
+        return tags_of(spelt(project.echoed()), project.digests())["numbers"]
+    return tags_of(spelt(project.echoed()), {})["numbers"]
+
+
+def tags_of(content: Mapping[str, Any], inputs: Mapping[str, str]) -> dict[str, str]:
+    """Return digests of what numbers follow from, and of what is printed with them; `inputs`: digests of the files."""
+    page = {key: content[key] for key in ("title", "report")}
+    numbers = [
+        {**content, **dict.fromkeys(page)},
+        [item for item in inputs.items() if item[0] not in SOURCES],
+    ]
+    read = {"numbers": numbers, "page": page}
+    return {key: digest_of(json.dumps(each, sort_keys=True).encode()) for key, each in read.items()}
 
 
 def edited(text: str, changes: Sequence[Change]) -> str:
@@ -77,10 +82,10 @@ def edited(text: str, changes: Sequence[Change]) -> str:
     except ValidationError as error:
         raise project_error(TOML, schema_problems(error, content), {}) from None
     changed = updated_toml(tomlkit.dumps(document), content)
-    written, asked = (
+    said, asked = (
         json.dumps(each, sort_keys=True, default=str) for each in (tomllib.loads(changed), content)
     )
-    if written != asked:
+    if said != asked:
         raise RuntimeError(f"{TOML}: the text does not say what was asked for")
     return changed
 
@@ -128,16 +133,16 @@ class Versions:
         read_toml(self.file)  # what is refused here is nothing to parse
         after = edited(before.decode("utf-8-sig"), changes).encode()
         if after != before:
-            self._go_to(self._added(self._taken_in(before), after))
+            self._go_to(self._added(self.taken_in(before), after))
         return digest_of(after)
 
-    def step(self, by: int, digest: str) -> str:
+    def step(self, by: int, digest: str | None) -> str:
         """Go back (-1) or forward (1) by a version, to the byte; return the digest of the file.
 
-        What was changed elsewhere is taken in as a version first. Raises ConflictError as `write`, ProjectError where
-        there is no such version.
+        What was changed elsewhere is taken in as a version first; a file that was taken away comes back as it was.
+        Raises ConflictError as `write`, ProjectError where there is no such version.
         """
-        to = self._taken_in(self._known(digest)) + by
+        to = self.taken_in(self._known(digest)) + by if self.file.exists() else self._at()
         if to not in self._versions():
             raise ProjectError(f"{TOML}: nothing to {'undo' if by < 0 else 'redo'}")
         return digest_of(self._go_to(to))
@@ -149,13 +154,13 @@ class Versions:
         same = known and self.file.is_file() and self._path(at).read_bytes() == self.file.read_bytes()
         return known and (not same or at - 1 in versions), same and at + 1 in versions
 
-    def _known(self, digest: str) -> bytes:
+    def _known(self, digest: str | None) -> bytes:
         content = self.file.read_bytes()
         if digest_of(content) != digest:
             raise ConflictError(f"{TOML} was changed elsewhere")
         return content
 
-    def _taken_in(self, present: bytes) -> int:
+    def taken_in(self, present: bytes) -> int:
         """Return the number of the present version, which is made one where it is not the one at which undo is."""
         at = self._at()
         if at in self._versions() and self._path(at).read_bytes() == present:

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from assessment.analyses.demand import demand_spectra
-from assessment.app.editing import drawing_tag
+from assessment.app.editing import model_tag
 from assessment.ntc.hazard import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import new_folder
@@ -40,7 +40,7 @@ def model_picture(folder: Path) -> dict[str, Any]:
     """
     project, contradictions = survey_project(folder)
     found: dict[str, Any] = {"faults": [], "warnings": [], "joints": [], "repairable": False}
-    found |= {"error": None, "self_weight": None, "tag": drawing_tag(project)}
+    found |= {"error": None, "self_weight": None, "tag": model_tag(project)}
     try:
         model = build_model(project)
         blocks = []
@@ -149,10 +149,12 @@ def drawing_picture(path: Path) -> dict[str, Any]:
 
 
 def _proposed(drawing: Path, unit: str | None) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return what `assesto new --drawing` would make of a drawing; of one without a closed outline just itself."""
+    """Return what `assesto new --drawing` would make of a drawing; of one with faulty outlines alone just itself."""
     try:
         return proposal(drawing, unit)
-    except FaultyDrawingError:  # the page shows what is wrong and mends it
+    except FaultyDrawingError as faulty:  # the page shows what is wrong and mends it
+        if not faulty.outlines:
+            raise
         return {"geometry": {"drawing": drawing.name, "unit": unit or "m"}, "material": {}}, ()
 
 

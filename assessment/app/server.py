@@ -65,10 +65,11 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
         given = request.query_params.get("token", "")
         if not (compare_digest(given.encode(), token.encode()) or _has(request, cookie, key)):
             return _refused("open the address that assesto app has printed", 403)
-        policy = {"Content-Security-Policy": PAGE}
-        response = Response(_template("page.html"), media_type="text/html", headers=policy)
-        response.set_cookie(cookie, key, httponly=True, samesite="strict", path="/")
-        return response
+        made = Response(
+            _template("page.html"), media_type="text/html", headers={"Content-Security-Policy": PAGE}
+        )
+        made.set_cookie(cookie, key, httponly=True, samesite="strict", path="/")
+        return made
 
     def static(request: Request) -> Response:
         kind = STATIC.get(name := request.path_params["name"])
@@ -78,11 +79,10 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
         name, kind = request.path_params["name"], request.query_params.get("kind", "")
         content = await _body(request, MOST_DROPPED)
         return await run_in_threadpool(
-            _answered, session, request, lambda held: held.receive(name, kind, content)
+            _answered, session, request, lambda to: to.receive(name, kind, content)
         )
 
-    async def refused(_: Request, error: Exception) -> Response:
-        assert isinstance(error, HTTPException)
+    async def refused(_: Request, error: Any) -> Response:
         return _refused(error.detail, error.status_code)
 
     routes = [
@@ -117,9 +117,8 @@ async def _question(session: Session, request: Request) -> Response:
     if request.headers.get("content-type", "").partition(";")[0] != "application/json":
         return _refused("a question is JSON", 415)
     try:
-        # NaN and infinity are no numbers, half a character is no text
         sent = json.loads(await _body(request, MOST_SENT) or b"{}", parse_constant=int)
-        json.dumps(sent, ensure_ascii=False).encode()
+        json.dumps(sent, ensure_ascii=False).encode()  # half a character is no text; NaN above is no number
     except (ValueError, RecursionError):
         return _refused("no JSON", 422)
     if not isinstance(sent, dict):
@@ -159,9 +158,7 @@ async def _body(request: Request, most: int) -> bytes:
     return bytes(content)
 
 
-def _answered(
-    session: Session, request: Request, ask: Callable[[Session], dict[str, Any] | None]
-) -> Response:
+def _answered(session: Session, request: Request, ask: Callable[[Session], Any]) -> Response:
     """Return an answer as JSON, or what is wrong; of a bug its last line, and its number in a file of all of it."""
     try:
         return JSONResponse({"ok": True} | (ask(session.held(request.headers.get("x-project"))) or {}))
@@ -224,8 +221,7 @@ def serve(folder: Path | None, port: int, browser: bool) -> None:
     if listening is None:
         return
     tell("Ctrl-C ends it; a run that it has started goes on")
-    # its imports take longer than the page
-    threading.Thread(target=session.worker.begin, daemon=True).start()
+    threading.Thread(target=session.worker.begin, daemon=True).start()  # imports take longer than the page
     served = application(session, port, token)
     config = uvicorn.Config(served, timeout_keep_alive=IDLE, timeout_graceful_shutdown=1, **QUIET)  # type: ignore[arg-type]
     try:
@@ -251,8 +247,7 @@ def listen(port: int) -> socket.socket:
         found = socket.create_server((HOST, port))
     except OSError as error:
         raise ProjectError(f"--port {port}: {error.strerror}; leave it out, or give another one") from None
-    # the second packet of an answer is not to wait for the receipt of the first, 40 ms
-    found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)
+    found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)  # else an answer waits 40 ms for a receipt
     return found
 
 

@@ -16,7 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from assessment.app.editing import OWN, ConflictError, Versions, digest_of, drawing_tag
+from assessment.app.editing import OWN, ConflictError, Versions, digest_of, tags_of
 from assessment.app.worker import Worker
 from assessment.project.formats import SOURCES
 from assessment.project.project import project_file, spelt, survey_project
@@ -105,7 +105,7 @@ class Opened:
         self.folder, self.history = folder, Versions(folder)
         self.runs = Runs(folder, staging / f"{self.tag}.log")
         self._known: tuple[Any, dict[str, Any]] = (None, {})
-        self._stored: tuple[int, dict[str, Any]] = (0, {})
+        self._stored: tuple[int, dict[str, Any], dict[str, str]] = (0, {}, {})
 
     def state(self) -> dict[str, Any]:
         """Return content and problems of the file, the run, the results."""
@@ -113,12 +113,12 @@ class Opened:
         if self._known[0] != stamp:
             self._known = (stamp, self._read())
         undo, redo = self.history.steps()
-        results = self._results(self._known[1]["inputs"])
+        results = self._results(self._known[1]["tags"])
         return self._known[1] | {"undo": undo, "redo": redo, "run": self.runs.state(), "results": results}
 
     def _read(self) -> dict[str, Any]:
-        """Return content and problems of the project file as it is now; `inputs`: digests of the files of a run."""
-        found = dict.fromkeys(("content", "error", "tag", "inputs", "digest", "source"))
+        """Return content and problems of the project file, a version from now on; `inputs`: digests of its files."""
+        found = dict.fromkeys(("content", "error", "tag", "inputs", "digest", "source")) | {"tags": {}}
         found |= {"folder": str(self.folder), "project": self.tag, "problems": []}
         try:
             file = project_file(self.folder)
@@ -126,35 +126,37 @@ class Opened:
             project, contradictions = survey_project(file)
         except (ProjectError, OSError) as error:
             return found | {"error": error_text(error)}
+        with suppress(OSError):  # a spreadsheet, or a folder that is not to be written, has no versions
+            self.history.taken_in(self.history.file.read_bytes())
         with suppress(OSError, ValueError):
             found["inputs"] = project.digests()
+        tags = tags_of(spelt(project.echoed()), found["inputs"] or {})
+        found |= {"tag": tags["numbers"], "tags": tags}
         return found | {
             "content": spelt(project.content(defaults=False)),
             "language": project.report.language,
             "problems": str(contradictions).split("\n") if contradictions else [],
-            "tag": drawing_tag(project),
         }
 
-    def _results(self, inputs: dict[str, str] | None) -> dict[str, Any] | None:
-        """Return the summary of the last results and whether a file has changed since; None: there are none."""
+    def _results(self, tags: dict[str, str]) -> dict[str, Any] | None:
+        """Return the summary of the last results, and `stale`, which of the tags is another; None: there are none."""
         output = self.folder / "output"
         try:
             stamp = (output / "results.json").stat().st_mtime_ns
             if self._stored[0] != stamp:
                 results = json.loads((output / "results.json").read_bytes())
-                self._stored = (stamp, {key: results.get(key) for key in ("summary", "timing_s", "inputs")})
-        except (OSError, ValueError, AttributeError, RecursionError):  # none, or not written by a run
+                told = {key: results[key] for key in ("summary", "timing_s")}
+                self._stored = (stamp, told, tags_of(results["echo"], results["inputs"]))
+        except (OSError, ValueError, AttributeError, LookupError, TypeError, RecursionError):  # not by a run
             return None
-        stale = self._stored[1]["inputs"] != inputs
+        stale = next((key for key, tag in self._stored[2].items() if tags.get(key) != tag), None)
         files = [name for name in REPORTS if (output / name).is_file()]
         return self._stored[1] | {"stale": stale, "files": files, "stamp": str(stamp)}
 
     def _stamp(self) -> list[tuple[Any, ...]]:
         """Return what changes when a file of the project does: names, times and sizes, the output left out."""
         inputs = [self.folder / name for name in self._known[1].get("inputs") or ()]  # some may lie elsewhere
-        folders = [
-            path for path in self.folder.iterdir() if path.is_dir() and path.name not in ("output", OWN)
-        ]
+        folders = [at for at in self.folder.iterdir() if at.is_dir() and at.name not in ("output", OWN)]
         found = set()
         for path in (*inputs, *(path for top in (self.folder, *folders) for path in top.iterdir())):
             with suppress(OSError):

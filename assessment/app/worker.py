@@ -142,10 +142,7 @@ class Live:
             if self.follow is None or self.key != (tag, support) or home or whole:
                 self.follow, self.key = self._begun(folder, tag, support, whole), (tag, support)
             follow, began, steps, more = self.follow, time.perf_counter(), 0, True
-            if whole:
-                follow.to(target[:2], target[2])
-            else:
-                follow.aim(target[:2], target[2])
+            (follow.to if whole else follow.aim)(target[:2], target[2])
             while more and (
                 whole or steps == 0 or (steps + 1) / steps * (time.perf_counter() - began) < BUDGET
             ):
@@ -157,14 +154,14 @@ class Live:
 
     def _begun(self, folder: Path, tag: str, support: str, whole: bool) -> Following:
         """Return the structure as drawn, with the ties that are there as the support moves."""
-        from assessment.app.editing import drawing_tag
+        from assessment.app.editing import model_tag
         from assessment.project.model import build_model
         from assessment.project.project import survey_project
         from assessment.project.schema import ORIGINAL
         from mechanics import Following
 
         project = survey_project(folder)[0]
-        if drawing_tag(project) != tag:
+        if model_tag(project) != tag:
             raise ProjectError("the project has changed meanwhile; move the support again")
         if self.built is None or self.built[0] != tag:
             self.built = (tag, build_model(project))

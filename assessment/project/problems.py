@@ -38,7 +38,7 @@ _EXPECTED = {
     "literal_error": "{expected}",
     "missing": "two numbers",  # only of a pair: a missing key is another message
     "too_long": "at most {max_length} entries",
-    "too_short": "a list with one entry or more",
+    "too_short": "a list of {min_length} or more entries",
     "string_too_long": "at most {max_length} characters",
     "string_pattern_mismatch": "a text without control characters or blanks at its ends, not empty",
     "string_unicode": "a text of whole characters",

@@ -338,7 +338,7 @@ class Sheet:
                 nearest = [drawn[each] for each in get_close_matches(key, drawn, n=1)]
                 has = ", ".join(listed(sorted(drawn.values())))
                 hint = f'did you mean "{nearest[0]}"?' if nearest else f"it has {has}"
-                yield Fault("layer", f'layer "{name}" is not in the drawing; {hint}')
+                yield Fault("layer", f"layers.{name} of the project is not in the drawing; {hint}")
             elif n := hidden[key]:
                 remedy = "show them, or take the layer out of the project"
                 text = f'layer "{name}" has {n} polylines that are frozen, off or invisible; {remedy}'

@@ -2,7 +2,7 @@
 import * as drawing from "./drawing.js";
 import { forget, historyOf, panel, steps } from "./panels.js";
 
-export const store = { state: {}, model: null, stale: false, words: null, schema: null, stages: [], language: null,
+export const store = { state: {}, model: null, words: null, schema: null, stages: [], language: null,
   step: "drawing", selection: null, tool: "select" };
 export const $ = (id) => document.getElementById(id);
 export const el = (tag, attributes = {}, ...children) => {
@@ -171,8 +171,8 @@ const render = () => {
   renderPanel();
   problems();
 };
-export const ready = () => Boolean(store.state.folder) && !store.state.error && !store.state.problems?.length
-  && Boolean(store.model) && !store.model.error;
+export const ready = () => Boolean(store.state.tag) && !store.state.problems.length
+  && store.model?.tag === store.state.tag && !store.model.error;  // what a run would find wrong is known by now
 export const go = (name) => { Object.assign(store, { step: name, tool: "select" }); drawing.home(); render(); };
 
 let waiting = false;

@@ -228,8 +228,10 @@ const resultsPanel = () => {
   const at = { id: "run-state", "data-running": String(run.running), "data-code": run.exit_code ?? "" };
   return [el("h2", {}, w("results")), el("p", at, state),
     ...run.stages.map(stageBar), ...(run.running ? [] : wanted()),
-    ...(!results ? [] : [results.stale ? wrong(w("stale"), { id: "stale" }) : small(w("fresh"), { id: "fresh" })])];
+    ...standing(results)];
 };
+const standing = (results) => (!results ? [] : [results.stale
+  ? wrong({ numbers: w("stale_numbers"), page: w("stale_page") }[results.stale], { id: "stale" }) : small(w("fresh"), { id: "fresh" })]);
 const nameOf = (state) => (state === "original" ? w("original") : state);
 const summary = ({ rows, governing }) => {
   const way = (direction) => (direction ?? "").replace("-", "−");
@@ -273,7 +275,8 @@ const reportPanel = () => {
       oninput: (event) => { event.target.dataset.typed = "1"; } }),
     el("details", { "data-at": "preview" }, el("summary", {}, w("preview_text")), ...marked(opinion.text)),
     el("p", { className: "row" }, button(w("print"), print, { id: "print", disabled: !results || run.running }),
-      ...links.map((name) => el("a", { href: `/output/${name}?project=${store.state.project}`, download: name }, name)))];
+      ...links.map((name) => el("a", { href: `/output/${name}?project=${store.state.project}`, download: name }, name))),
+    ...standing(results)];
 };
 const marked = (text) => text.replace(/<!--[\s\S]*?-->/g, "").split("\n").filter((line) => line.trim()).map((line) => {
   const [, sign, rest] = /^(#+|[-*]|)\s*(.*)$/.exec(line), parts = rest.split(/\*\*(.+?)\*\*/);

@@ -7,6 +7,7 @@ import tomllib
 from importlib.resources import files
 
 from assessment.app.answers import page_words
+from assessment.project.catalogue.new_project import TEMPLATES
 from assessment.project.project import json_schema
 
 
@@ -17,7 +18,7 @@ def words(language):
 def test_both_languages_have_the_same_words():
     it, en = words("it"), words("en")
     assert it["page"].keys() == en["page"].keys()
-    assert it["templates"].keys() == en["templates"].keys()
+    assert [*it["templates"]] == [*en["templates"]] == [*TEMPLATES]
     for key, text in en["page"].items():
         assert [part.partition("}")[0] for part in text.split("{")[1:]] == [
             part.partition("}")[0] for part in it["page"][key].split("{")[1:]

@@ -13,6 +13,7 @@ import struct
 import warnings
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args, get_origin
@@ -145,17 +146,16 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], li
     Raises ProjectError.
     """
     rows, formulas = read_sheets(path)
-    faults: list[str] = []
-    for name, sheet in formulas.items():
-        if place := _unevaluated(sheet, rows[name]):
-            faults.append(
-                f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
-                "open the file in a spreadsheet program and save it, or write the value"
-            )
+    faults = [
+        f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
+        "open the file in a spreadsheet program and save it, or write the value"
+        for name, sheet in formulas.items()
+        if (place := _unevaluated(sheet, rows[name]))
+    ]
     faults += [
         f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}'
         for name in sorted(rows.keys() - _SHEETS.keys() - {"help"})  # which earlier versions wrote
-        if rows[name]
+        if rows[name] or get_close_matches(name, _SHEETS, cutoff=0.8)
     ]
     content: dict[str, Any] = {}
     places: dict[schema.KeyPath, str] = {}

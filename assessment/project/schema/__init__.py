@@ -39,7 +39,7 @@ class ReportTable(ProjectTable):
     revision: kinds.Text = entry("revision, free text of the title page", "")
     date: kinds.Text = entry("date, free text of the title page; empty: a line to write on", "")
     annexes: Literal["short", "full"] = entry(
-        "short: the governing checks and the largest values; full: every table and figure", "short"
+        "short: the governing checks; full: every step and figure; long lists are in tables/", "short"
     )
     attachments: Annotated[
         tuple[kinds.Name, ...], Field(strict=False, max_length=MOST_ENTRIES), FileName("picture")

@@ -10,6 +10,7 @@ import sys
 import time
 import tomllib
 
+import ezdxf
 import pytest
 
 from assessment.app.answers import ANSWERS
@@ -98,6 +99,28 @@ def test_a_broken_file_is_told_with_its_line_and_undone(session):
     assert ask(session, "state")["content"]["title"] == "Two"
 
 
+def test_undo_brings_back_what_an_editor_wrote_before_it_broke_the_file(session):
+    path = session.folder / "project.toml"
+    changed(session, [["title"], "Two"])
+    edit(session.folder, '"Two"', '"By hand"')
+    good = ask(session, "state")["digest"]
+    path.write_text("title = \n", encoding="utf-8")
+    ask(session, "undo", digest=ask(session, "state")["digest"])
+    assert ask(session, "state")["digest"] == good
+
+
+def test_undo_brings_a_file_back_that_was_taken_away(session):
+    path = session.folder / "project.toml"
+    known = changed(session, [["title"], "Two"])["digest"]
+    path.unlink()
+    state = ask(session, "state")
+    assert (state["digest"], state["undo"], state["redo"]) == (None, True, False)
+    assert ask(session, "undo", digest=None) == {"digest": known}
+    assert ask(session, "state")["content"]["title"] == "Two"
+    with pytest.raises(ConflictError):
+        ask(session, "undo", digest=None)
+
+
 def test_two_pages_do_not_overwrite_each_other(session):
     known = ask(session, "state")["digest"]
     ask(session, "edit", digest=known, changes=[[["title"], "One"]])
@@ -125,12 +148,20 @@ def test_a_page_of_another_project_changes_nothing_and_is_told(session):
     assert ask(session.held(ask(session, "state")["project"]), "model")["tag"] == ask(session, "state")["tag"]
 
 
-def test_the_drawing_is_drawn_again_where_it_changes_and_not_for_the_report(session):
-    tag = ask(session, "state")["tag"]
+def test_a_model_is_looked_at_again_for_all_that_a_run_reads_and_not_for_the_report(session):
+    session.receive("quake.csv", "record", RECORD)
+    tags = {ask(session, "state")["tag"]}
     changed(session, [["report", "client"], "Somebody"])
-    assert ask(session, "state")["tag"] == tag
+    assert {ask(session, "state")["tag"]} == tags
     changed(session, [["layers", "BLOCCO", "friction"], 0.4])
-    assert ask(session, "state")["tag"] != tag
+    tags.add(ask(session, "state")["tag"])
+    changed(session, [["history", 0], {"name": "quake", "record": "records/quake.csv", "contacts": "rigid"}])
+    tags.add(ask(session, "state")["tag"])
+    assert ask(session, "model")["error"] is None
+    (session.folder / "records" / "quake.csv").write_bytes(b"no record")
+    tags.add(ask(session, "state")["tag"])
+    assert len(tags) == 4
+    assert "quake.csv" in ask(session, "model")["error"]
 
 
 def test_a_spreadsheet_is_shown_not_written_and_can_be_converted(tmp_path, worker):
@@ -276,6 +307,17 @@ def test_a_file_that_is_not_what_it_should_be_is_told_and_not_kept(session, name
     assert [path for path in sorted(session.folder.rglob("*")) if ".assesto" not in path.parts] == before
 
 
+@pytest.mark.parametrize("opened", [True, False])
+def test_a_drawing_without_an_outline_is_refused(session, opened):
+    document = ezdxf.new()
+    document.modelspace().add_text("PROSPETTO")
+    document.saveas(empty := session.home / "empty.dxf")
+    if not opened:
+        session.open(None)
+    with pytest.raises(ProjectError, match="nothing closed is in model space"):
+        session.receive("empty.dxf", "drawing", empty.read_bytes())
+
+
 def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
     session = Session(tmp_path, None)
     session.worker = worker
@@ -341,8 +383,18 @@ def test_a_run_of_a_terminal_is_seen_and_stopped_and_goes_on(session):
     assert "<!--" in ask(session, "judgement")["text"]
     assert ask(session, "judgement", text="Sound.\n")["text"] == "Sound.\n"
     assert ask(Session(session.home, session.folder), "state")["run"]["exit_code"] == 0
+    assert ask(session, "state")["results"]["stale"] == "numbers"  # of one stage of two
+    changed(session, [["settlements"], None], [["assessment"], None])
+    assert ask(session, "state")["results"]["stale"] is None
+    changed(session, [["report", "language"], "en"])
+    assert ask(session, "state")["results"]["stale"] == "page"
     changed(session, [["material", "friction"], 0.5])
-    assert ask(session, "state")["results"]["stale"]
+    assert ask(session, "state")["results"]["stale"] == "numbers"
+    changed(session, [["material", "friction"], 0.7], [["report", "language"], "it"])
+    assert ask(session, "state")["results"]["stale"] is None
+    geometry = session.folder / "geometry.dxf"
+    geometry.write_bytes(geometry.read_bytes() + b"\n")
+    assert ask(session, "state")["results"]["stale"] == "numbers"
     journal = session.folder / "output" / JOURNAL
     kept = [line for line in journal.read_text().splitlines() if '"result"' not in line]
     journal.write_text("\n".join(kept))  # as of a run of a terminal that was killed

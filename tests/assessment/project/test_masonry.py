@@ -142,7 +142,8 @@ def test_a_layer_that_is_ignored_holds_nothing_and_says_nothing(tmp_path):
         load_project(tmp_path)
     (tmp_path / "project.toml").write_text(toml.replace("CORNICE", "CORNISE"), encoding="utf-8")
     with pytest.raises(
-        DrawingError, match=r'layer "CORNISE" is not in the drawing; did you mean "(?i:CORNICE)"'
+        DrawingError,
+        match=r'layers.CORNISE of the project is not in the drawing; did you mean "(?i:CORNICE)"',
     ):
         build_model(load_project(tmp_path))
 

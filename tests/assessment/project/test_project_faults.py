@@ -44,7 +44,8 @@ point_m = [1, 3] | point_m = 1 | control[2].point_m | 1 is wrong; write a list i
 ["records/*.acc"] | "records/*.acc" | incremental.records | a list in brackets
 unit = "mm" | unit = "in" | geometry.unit | write "mm", "cm" or "m"
 ["+x", "-x"] | ["+x", "x"] | pushover.directions[2] | write "+x" or "-x"
-["+x", "-x"] | [] | pushover.directions | one entry or more
+["+x", "-x"] | [] | pushover.directions | write a list of 1 or more entries
+[pushover] | [[region]]\nname = "r"\noutline_m = [[0, 0], [1, 0]]\n[pushover] | region[1].outline_m | 3 or more entries
 "implicit-euler" | "newmark" | history[1].integrator | "second-order" or "implicit-euler"
 spectrum = "ntc" | spectrum = "ec8" | assessment.spectrum | "ntc" or "record"
 soil = "B" | soil = "S1" | assessment.site.soil | "A", "B", "C", "D" or "E"

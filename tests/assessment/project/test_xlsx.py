@@ -163,6 +163,10 @@ def test_blank_rows_comments_and_a_blank_sheet_are_no_content(folder):
     book["settlements"]["A9"] = "  "
     book.save(folder / "project.xlsx")
     assert load_project(folder).content() == before
+    book.create_sheet("pushovr")
+    book.save(folder / "project.xlsx")
+    with pytest.raises(ProjectError, match='sheet "pushovr": unknown sheet; did you mean "pushover"'):
+        load_project(folder)
 
 
 @pytest.mark.parametrize(

@@ -74,10 +74,10 @@ def test_all_faults_in_one_message(tmp_path):
     for text in (
         "is open",
         "crosses or touches itself",
-        '"STONE" is not in the drawing; did you mean "STONES"?',
+        'layers.STONE of the project is not in the drawing; did you mean "STONES"?',
     ):
         assert text in message
-    assert 'layer "NAVE" is not in the drawing; it has ' in message
+    assert "layers.NAVE of the project is not in the drawing; it has " in message
 
 
 def test_a_drawing_of_text_alone_is_told_before_its_layers(tmp_path):
