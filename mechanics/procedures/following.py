@@ -15,11 +15,11 @@ from mechanics.errors import (
 )
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.procedures.pushdown import AHEAD, whole_movement
-from mechanics.procedures.step_control import PATH, Bisection, reach
-from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
+from mechanics.procedures.pushdown import Led, whole_movement
+from mechanics.procedures.step_control import Bisection
+from mechanics.steps.equilibrium import check_self_weight, reaction
 from mechanics.steps.rest import come_down
-from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_step import Equilibrium
 from mechanics.steps.static_system import Sliding, static_system
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array
@@ -53,12 +53,14 @@ class Following:
         self.model, self.support, self.increment = model, support, increment
         self.index = model.support(support)
         check_self_weight(model)
-        self.system = static_system(model, contacts, sliding)
-        self.smallest = 0.0 if self.system.rigid else rest_size(model, contacts)
-        self.equilibrium: Equilibrium = rest(self.system, model.initial)
+        self._led = Led(static_system(model, contacts, sliding), model.initial, increment)
         self.reached, self._direction = np.zeros(3), np.zeros(3)
-        self._rate = np.zeros_like(model.initial.positions)
         self.aim((0.0, 0.0))
+
+    @property
+    def equilibrium(self) -> Equilibrium:
+        """The last equilibrium."""
+        return self._led.last
 
     @property
     def reaction(self) -> Array:
@@ -75,7 +77,7 @@ class Following:
             pass
         if self.stopped is None:
             try:
-                self.equilibrium = come_down(self.equilibrium, self.smallest)
+                self._led.last = come_down(self.equilibrium, self._led.smallest)
             except (NoEquilibriumError, ConvergenceError) as error:
                 self._stop(error)
         return self.equilibrium.state
@@ -91,33 +93,33 @@ class Following:
 
     def advance(self) -> bool:
         """Take one step towards the target; return whether another one is to follow."""
-        way, last = self._target - self.reached, self.equilibrium
-        # its largest component, or the arc of the support's farthest corner
-        arc = whole_movement(self.model, self.support, (0.0, 0.0), float(way[2]))
-        length = max(float(abs(way[:2]).max()), arc)
-        if self.stopped is not None or length <= STEP.rounding * self.model.size:
-            return False
-        by = min(self._steps.length, length)
-        at = self.reached + by / length * way
-        straight = float(self._direction @ way) > STRAIGHT * np.linalg.norm(way)
-        past = self._rate if straight else np.zeros_like(self._rate)
-        guess = self.model.moved_support(last.state.positions + past * by, self.support, at[:2], float(at[2]))
-        expected = max(by, self.smallest)
-        self.system = self.system.around(last.state.positions, AHEAD * expected)
-        problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
-        try:
-            found, jumped = reach(problem, guess, last if past.any() else None, self._steps.shortest)
-        except (NoEquilibriumError, ConvergenceError) as error:
-            if not self._steps.shorter():
+        if self.stopped is None and self._left() > STEP.rounding * self.model.size:
+            error = self._steps.take(self._step)
+            if error is not None:
                 self._stop(error)
-            return self.stopped is None
-        self._steps.longer(jumped)
-        if by > PATH.shortest(self.increment):  # the rate of a shorter step is mostly rounding
-            rate = (found.state.positions - last.state.positions) / by
-            self._rate = np.zeros_like(rate) if jumped else rate
-        self._direction = way / np.linalg.norm(way)
-        self.equilibrium, self.reached = found, self._target.copy() if by == length else at
-        return by < length
+            return self.stopped is None and self._left() > 0.0
+        return False
+
+    def _left(self) -> float:
+        """Return the length (m) of the way to the target: its largest component, or the arc of the farthest corner."""
+        way = self._target - self.reached
+        arc = whole_movement(self.model, self.support, (0.0, 0.0), float(way[2]))
+        return max(float(abs(way[:2]).max()), arc)
+
+    def _step(self, length: float, shortest: bool) -> bool:
+        """Move the support on by at most a length (m); return whether the blocks have jumped. Raises as `reach`."""
+        way, left, led = self._target - self.reached, self._left(), self._led
+        by = min(length, left)
+        at = self._target.copy() if by == left else self.reached + by / left * way
+        direction = way / np.linalg.norm(way)
+        if self._direction @ direction <= STRAIGHT:
+            led.rate = np.zeros_like(led.rate)
+        guess = led.last.state.positions + by * led.rate
+        jumped = led.step(
+            self.model.moved_support(guess, self.support, at[:2], float(at[2])), by, 1.0, shortest
+        )
+        self.reached, self._direction = at, direction
+        return jumped
 
     def _stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
         self.fallen, self.stopped = isinstance(error, RunawayError), error.message

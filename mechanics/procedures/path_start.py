@@ -11,13 +11,13 @@ from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import H
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.model.contacts import Contacts
 from mechanics.procedures.limit_analysis import Limit, limit_analysis
-from mechanics.program import Certificate
+from mechanics.program import Solution, end_forces
+from mechanics.solvers.interior import Iterate
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size, unpressed
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import come_down
-from mechanics.steps.static_step import Equilibrium, StepProblem, held
+from mechanics.steps.static_step import Equilibrium, StepProblem, equilibrium
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
@@ -45,20 +45,13 @@ START = StartTolerances()
 
 @dataclass(frozen=True, eq=False)
 class PathStart:
-    """First point of a curve: its state, multiplier, forces (j, 3) of its contacts, and certificate.
+    """First point of a curve.
 
-    `lifting`: whether it has a dilation that the law does not have; `step`: its equilibrium (rigid joints by the
-    associative law: None); `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the first step; `share`:
+    `step`: its equilibrium; `rate` (b, 3): displacements per unit work (1/kN, rad/kNm) of the first step; `share`:
     length of that step as a share of an increment; `limit`: multiplier of limit analysis.
     """
 
-    state: State
-    lifting: bool
-    step: Equilibrium | None
-    alpha: float
-    forces: Array
-    contacts: Contacts
-    certificate: Certificate
+    step: Equilibrium
     rate: Array
     share: float
     limit: float
@@ -74,37 +67,32 @@ def mechanism_start(
     """
     limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
-    yields = bool(np.isfinite(limit.contacts.strength[limit.contacts.ties]).any())
-    flow = limit.sliding == "coulomb" and not (limit.dilation or yields)
-    return PathStart(
-        state or model.initial,
-        limit.sliding == "coulomb" and limit.dilation > 0.0,
-        _flow_of(limit, increment) if flow else None,
-        limit.alpha,
-        limit.forces,
-        limit.contacts,
-        limit.certificate,
-        rate,
-        1.0 if state is None else START.settled,
-        limit.alpha,
-    )
+    share = 1.0 if state is None else START.settled
+    return PathStart(_onset(limit, increment), rate, share, limit.alpha)
 
 
-def _flow_of(limit: Limit, increment: float) -> Equilibrium:
-    """Return the flow of a limit analysis as the start of a step in which a block moves by an increment (m).
+def _onset(limit: Limit, increment: float) -> Equilibrium:
+    """Return the onset of a limit analysis as the start of a step in which a block moves by an increment (m).
 
-    Other flows have other multipliers: a step that begins far from this one leads to the central flow.
+    By Coulomb's law it has the gaps and slips of its flow: other flows have other multipliers, and a step that begins
+    far from this one leads to the central flow. Flows with a dilation, or of ties that yield, are not followed.
     """
-    model, begun, size = limit.model, limit.state, LIMIT.onset * limit.model.size
-    system = static_system(model, "rigid", limit.sliding).around(begun.positions, size)
-    problem = StepProblem(system, begun, model.dead_load, size)
-    start = held(problem, limit.forces[: len(model.contacts)])
-    program, _ = problem.pose(begun.positions, None, np.arange(len(system.contacts)))
-    u, phi, slip = program.deformation(increment * limit.mechanism[model.movable].ravel()).T
-    tilt = program.places[:, H] * phi
-    gaps = np.column_stack([u - tilt, u + tilt, slip, -slip]).clip(0.0)
-    assert start.iterate is not None
-    return replace(start, alpha=limit.alpha, iterate=replace(start.iterate, alpha=limit.alpha, gaps=gaps))
+    begun, size = limit.state, LIMIT.onset * limit.model.size
+    system = static_system(limit.model, "rigid", limit.sliding).around(begun.positions, size)
+    problem = StepProblem(system, begun, limit.model.dead_load, size)
+    index = np.arange(len(system.contacts))
+    program, _ = problem.pose(begun.positions, None, index)
+    moved = increment * limit.mechanism[limit.model.movable].ravel()
+    iterate = None
+    if not limit.dilation and np.isinf(limit.contacts.strength[limit.contacts.ties]).all():
+        u, phi, slip = program.deformation(moved).T
+        tilt = program.places[:, H] * phi
+        gaps = np.column_stack([u - tilt, u + tilt, slip, -slip]).clip(0.0)
+        ends = end_forces(limit.forces, program.places[:, H])
+        iterate = Iterate(np.column_stack([ends, limit.forces[:, 2]]), gaps, limit.alpha, 0.0 * moved)
+    found = Solution(limit.forces, limit.alpha, moved, limit.certificate)
+    step = equilibrium(problem, begun.positions, index, found, iterate, 1)
+    return replace(step, state=begun, lifting=limit.sliding == "coulomb" and limit.dilation > 0.0)
 
 
 def elastic_start(
@@ -138,9 +126,7 @@ def elastic_start(
     least = START.least * size  # a stiff tie moves less than the rest is known to
     share = min(1.0, max(float(abs(moved[:, :2]).max()), least) / increment)
     rate = moved / float((lateral * moved).sum())
-    return PathStart(
-        start.state, False, start, 0.0, start.forces, start.contacts, start.certificate, rate, share, limit
-    )
+    return PathStart(start, rate, share, limit)
 
 
 def _pushed_a_little(

@@ -51,19 +51,15 @@ def closes(start: State, end: Equilibrium) -> bool:
 
 
 def behind_closing(
-    system: StaticSystem,
-    lateral: Array,
-    start: State,
-    end: Equilibrium,
-    last: Equilibrium | None,
-    part: float,
+    system: StaticSystem, lateral: Array, before: Equilibrium, end: Equilibrium, part: float
 ) -> Equilibrium | None:
     """Return the equilibrium just behind the joint that closes in a step; None if none has a larger α than its end.
 
-    `lateral` (b, 3) kN and kNm: the loads that α multiplies; `start`, `end` of the step; `last`: the equilibrium at its
-    start, None at an onset. The jump of α is located to a `part` of the step, and the equilibrium is one or two such
-    parts behind it: nearer, joints are open by less than the program resolves.
+    `lateral` (b, 3) kN and kNm: the loads that α multiplies; `before`, `end`: the points of the step. The jump of α is
+    located to a `part` of the step, and the equilibrium is one or two such parts behind it: nearer, joints are open by
+    less than the program resolves.
     """
+    start = before.state
     moved = end.state.positions - start.positions
     work, size = float((lateral * moved).sum()), float(abs(moved[:, :2]).max())
     system = system.around(start.positions, 2.0 * size)
@@ -71,21 +67,21 @@ def behind_closing(
     def reached(share: float) -> Equilibrium | None:
         step = StepProblem(system, start, system.model.dead_load, share * size, lateral, share * work)
         try:
-            return reach(step, start.positions + share * moved, last, shortest=False)[0]
+            return reach(step, start.positions + share * moved, before, shortest=False)[0]
         except (NoEquilibriumError, ConvergenceError):
             return None
 
-    before, behind, highest = 0.0, 1.0, end.alpha  # shares of the step between which α jumps
-    while behind - before > part:
-        share = 0.5 * (before + behind)
+    apart, behind, highest = 0.0, 1.0, end.alpha  # shares of the step between which α jumps
+    while behind - apart > part:
+        share = 0.5 * (apart + behind)
         step = reached(share)
         if step is None:
             break
         if step.alpha > highest:
             behind, highest = share, step.alpha
         else:
-            before = share
-    return reached(2.0 * behind - before) if behind < 1.0 else None
+            apart = share
+    return reached(2.0 * behind - apart) if behind < 1.0 else None
 
 
 def stands_until(

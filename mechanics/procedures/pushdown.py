@@ -254,6 +254,32 @@ class _Moving:
         return max(1.0, max(turned) / self.full)
 
 
+class Led:
+    """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement."""
+
+    def __init__(self, system: StaticSystem, begun: State, increment: float) -> None:
+        self.system, self.shortest = system, PATH.shortest(increment)
+        self.smallest = 0.0 if system.rigid else rest_size(system.model, system.behaviour)
+        self.last = rest(system, begun)
+        self.rate = np.zeros_like(begun.positions)
+
+    def reach(self, guess: Array, by: float, shortest: bool) -> tuple[Equilibrium, bool]:
+        """Return the equilibrium near a `guess` (b, 3), `by` (m) on, and whether blocks jump to it."""
+        here, expected = self.last.state, max(by, self.smallest)
+        self.system = self.system.around(here.positions, AHEAD * expected)
+        problem = StepProblem(self.system, here, self.system.model.dead_load, expected)
+        # the forces at rest do not show which hinges will open: the first step has a cold start
+        return reach(problem, guess, self.last if self.rate.any() else None, shortest)
+
+    def step(self, guess: Array, by: float, lever: float, shortest: bool) -> bool:
+        """Take a step of the supports, `by` (m) times a lever; return whether the blocks have jumped."""
+        before = self.last.state.positions
+        self.last, jumped = self.reach(guess, lever * by, shortest)
+        if by > self.shortest:  # the rate of a shorter step is mostly rounding
+            self.rate = 0.0 * before if jumped else (self.last.state.positions - before) / by
+        return jumped
+
+
 class _Path:
     """The path as far as it has been followed; `end`: why it ends, None while it goes on.
 
@@ -262,36 +288,23 @@ class _Path:
     """
 
     def __init__(self, moving: _Moving, increment: float, to_collapse: bool) -> None:
-        self.moving, self.system, self.model = moving, moving.system, moving.system.model
-        self.increment, self.to_collapse = increment, to_collapse
+        self.moving, self.model, self.to_collapse = moving, moving.system.model, to_collapse
         self.limit = max(moving.full, _longest(self.model)) if to_collapse else moving.full
         self.final: State | None = None
         self.undecided: ConvergenceError | None = None
         self.ultimate: float | None = None
         self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
-        self.smallest = 0.0 if self.system.rigid else rest_size(self.model, "elastic")
-        start = rest(self.system, moving.begun)
-        begun = start
-        if self.system.rigid:
+        self.led = Led(moving.system, moving.begun, increment)
+        self.steps, self.movement = [self.led.last], [0.0]
+        begun = self.led.last
+        if moving.system.rigid:
             onset = LIMIT.onset * min(increment, self.model.size)
-            begun = self._step(start, np.zeros_like(start.state.positions), 0.0, onset, onset, True)
-        self.steps, self.movement = [start], [0.0]
+            guess = moving.moved(begun.state.positions, onset)
+            begun, _ = self.led.reach(guess, moving.lever * onset, True)
         self.reactions = [reaction(self.model, begun, self.index)[:2]]
-        self.certificates = [start.certificate, begun.certificate]
-        self.past = np.zeros_like(start.state.positions)
+        self.certificates = [self.led.last.certificate, begun.certificate]
         self.crossed: list[tuple[float, float]] = []
-
-    def _step(
-        self, last: Equilibrium, past: Array, here: float, by: float, size: float, shortest: bool
-    ) -> Equilibrium:
-        guess = self.moving.moved(last.state.positions + past * by, here + by)
-        expected = max(self.moving.lever * max(by, size), self.smallest)
-        self.system = self.system.around(last.state.positions, AHEAD * expected)
-        problem = StepProblem(self.system, last.state, self.model.dead_load, expected)
-        # the forces at rest do not show which hinges will open: the first step has a cold start
-        found, self.jumped = reach(problem, guess, last if past.any() else None, shortest)
-        return found
 
     def advance(self, length: float, shortest: bool) -> bool:
         """Add the next point, at most a length (m) further on; return whether the blocks have jumped to it.
@@ -300,8 +313,16 @@ class _Path:
         is tried after this one. The errors are those of `reach`.
         """
         target = self.moving.full if self.final is None else self.limit
-        by = min(length, target - self.movement[-1])
-        self._next(by, shortest)
+        here = self.movement[-1]
+        by, led = min(length, target - here), self.led
+        guess = self.moving.moved(led.last.state.positions + by * led.rate, here + by)
+        jumped = led.step(guess, by, self.moving.lever, shortest)
+        self.steps.append(led.last)
+        self.movement.append(here + by)
+        self.certificates.append(led.last.certificate)
+        self.reactions.append(reaction(self.model, led.last, self.index)[:2])
+        if jumped:
+            self.crossed.append((here, here + by))
         if self.final is None and self.applied:
             self._settle()
         elif self.final is not None and self._moves_as_a_whole(by):
@@ -310,7 +331,7 @@ class _Path:
             self.end = message("the whole movement is applied")
         elif self.end is None and self.final is not None and len(self.steps) >= POINTS:
             self.end = self._too_many_points
-        return self.jumped
+        return jumped
 
     def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
         """End the path at its last point, beyond which the shortest step has failed.
@@ -321,20 +342,6 @@ class _Path:
         if self.final is None and not falls:
             raise error
         self.ultimate, self.end = self.movement[-1] if falls else None, error.message
-
-    def _next(self, by: float, shortest: bool) -> None:
-        """Add the point `by` (m) further on."""
-        here, last = self.movement[-1], self.steps[-1]
-        step = self._step(last, self.past, here, by, 0.0, shortest)
-        if by > PATH.shortest(self.increment):  # the rate of a shorter step is mostly rounding
-            moved = (step.state.positions - last.state.positions) / by
-            self.past = np.zeros_like(moved) if self.jumped else moved
-        self.steps.append(step)
-        self.movement.append(here + by)
-        self.certificates.append(step.certificate)
-        self.reactions.append(reaction(self.model, step, self.index)[:2])
-        if self.jumped:
-            self.crossed.append((here, here + by))
 
     @property
     def share(self) -> float:
@@ -357,7 +364,7 @@ class _Path:
         """Let the blocks that sliding has lifted come down after the whole movement; the path ends if they fall."""
         step = self.steps[-1]
         try:
-            rested = sound(come_down(step, self.smallest))
+            rested = sound(come_down(step, self.led.smallest))
         except RunawayError as fall:
             self.ultimate, self.end = self.movement[-2], fall.message
             return
@@ -374,7 +381,7 @@ class _Path:
         elsewhere = ~self.model.movable
         elsewhere[self.index] = False
         beside = elsewhere[last.contacts.a] | elsewhere[last.contacts.b]
-        if moved is None or (beside & (last.forces[:, 0] > self.system.least_force)).any():
+        if moved is None or (beside & (last.forces[:, 0] > last.system.least_force)).any():
             return False
         before, after = (step.state.positions for step in self.steps[-2:])
         apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
@@ -394,8 +401,8 @@ class _Path:
             np.array(self.crossed).reshape(-1, 2),
             tuple(self.steps),
             tuple(self.certificates),
-            self.system.sliding,
-            self.system.model,
+            self.moving.system.sliding,
+            self.model,
         )
 
     def collapse(self) -> Message:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,7 +36,6 @@ from mechanics.procedures.path_start import (
 from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
 from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
-from mechanics.steps.contact_values import moved_over
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
@@ -206,7 +206,7 @@ def pushover(
     try:
         return curve.finished()
     except ControlError:  # another part moves farther on: the curve is of what goes farthest
-        begun, moved = curve.states[0].positions, curve.states[-1].positions
+        begun, moved = curve.points[0].step.state.positions, curve.last.positions
         point, _ = farthest_corner(model, begun, moved, direction)
         return _followed(replace(first, control=point), system, state).finished()
 
@@ -243,8 +243,20 @@ class _Push:
     tolerances: PushoverTolerances
 
 
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A point of a curve: an equilibrium, the displacement (m) of the control point, whether blocks `jumped` to it."""
+
+    step: Equilibrium
+    displacement: float
+    jumped: bool = False
+
+
 class _Curve:
-    """A capacity curve as far as it has been followed; `end`: why it ends, None while it goes on."""
+    """A capacity curve as far as it has been followed; `end`: why it ends, None while it goes on.
+
+    `points`: the first one is the start; `reached`, `lost`: see Pushover; `endless`: whether it leans or only slides.
+    """
 
     def __init__(self, push: _Push, system: StaticSystem, state: State | None) -> None:
         self.push, self.system, self.model, self.drawn = push, system, system.model, state is None
@@ -252,34 +264,64 @@ class _Curve:
         self.block = self.model.block_at(push.control)
         self.lateral = self.model.lateral_load(push.direction)
         self.first = self._start(state)
-        self.states, self.multiplier, self.displacement = [self.first.state], [self.first.alpha], [0.0]
-        self.steps = [self.first.step] if self.first.step and not system.rigid else []
-        self.certificates = [self.first.certificate]
+        self.points = [_Point(self.first.step, 0.0)]
         # the next step is predicted from the displacements of blocks and control point per unit work in the last one
         self.rate = self.first.rate
-        self.control_rate = self._control_rate(self.first.state.positions)
-        self.plateau = (0.0, self.first.alpha)  # displacement at which α last changed, and its value since
-        self.crossed: list[tuple[float, float]] = []
+        self.control_rate = self._control_rate()
+        self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
         self.end: Message | None = None
-        self.reached, self.lost, self.spent = False, False, False
+        self.reached, self.lost, self.endless = False, False, False
+
+    @property
+    def last(self) -> State:
+        """The last state."""
+        return self.points[-1].step.state
+
+    @property
+    def alpha(self) -> float:
+        """The last multiplier."""
+        return self.points[-1].step.alpha
+
+    @property
+    def far(self) -> float:
+        """The last displacement (m) of the control point."""
+        return self.points[-1].displacement
+
+    @property
+    def multiplier(self) -> Array:
+        """The multipliers (k,) of the points."""
+        return np.array([point.step.alpha for point in self.points])
+
+    @property
+    def displacement(self) -> Array:
+        """The displacements (k,) m of the control point."""
+        return np.array([point.displacement for point in self.points])
+
+    @property
+    def largest(self) -> float:
+        """The largest multiplier."""
+        return max(point.step.alpha for point in self.points)
+
+    @property
+    def crossed(self) -> list[tuple[float, float]]:
+        """Displacements (m) between which blocks have jumped."""
+        return [(one.displacement, two.displacement) for one, two in pairwise(self.points) if two.jumped]
 
     def _start(self, state: State | None) -> PathStart:
         """Return the start of a curve from a state (None: as drawn)."""
-        direction, sliding = self.push.direction, self.system.sliding
-        if self.system.rigid:
-            return mechanism_start(self.model, direction, state, self.push.increment, sliding)
-        return elastic_start(self.model, direction, state, self.push.increment, sliding)
+        start = mechanism_start if self.system.rigid else elastic_start
+        return start(self.model, self.push.direction, state, self.push.increment, self.system.sliding)
 
-    def _control_rate(self, positions: Array) -> float:
-        """Return the displacement of the control point per unit work (m/kNm) at positions (b, 3) of the last point."""
+    def _control_rate(self) -> float:
+        """Return the displacement of the control point per unit work (m/kNm) at the last point."""
         little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
-        return (self.along(positions + little * self.rate) - self.displacement[-1]) / little
+        return (self.along(self.last.positions + little * self.rate) - self.far) / little
 
     def along(self, positions: Array) -> float:
         """Return the displacement (m) of the control point along the push, at positions (b, 3)."""
         now, begun = (
             self.model.point_displacement(self.push.control, self.block, at)[0]
-            for at in (positions, self.states[0].positions)
+            for at in (positions, self.points[0].step.state.positions)
         )
         return float(now - begun) if self.push.direction == "+x" else float(begun - now)
 
@@ -290,19 +332,19 @@ class _Curve:
         snaps through. Raises RunawayError where a part or the structure falls, NoEquilibriumError or ConvergenceError
         where no point is found.
         """
-        jumps = len(self.crossed)
+        before = len(self.points)
         self._next(length, shortest)
-        spent = self.spent or (self.reached and self._overturns())
-        if self.end and not self.system.rigid and not spent and len(self.states) < self.tolerances.points:
+        spent = self.endless or (self.reached and self._overturns())
+        if self.end and not self.system.rigid and not spent and len(self.points) < self.tolerances.points:
             self._snap_through()
-        return len(self.crossed) > jumps
+        return any(point.jumped for point in self.points[before:])
 
     def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
         """End the curve at its last point, beyond which the shortest step has failed."""
         self.end, self.lost = error.message, isinstance(error, RunawayError)
         if self.system.rigid and not self.lost:
             try:
-                limit_in(self.model, self.push.direction, self.states[-1], self.system.sliding)
+                limit_in(self.model, self.push.direction, self.last, self.system.sliding)
             except NoEquilibriumError:
                 self._lean()
             except ConvergenceError:
@@ -313,10 +355,9 @@ class _Curve:
         self.end = message(
             "the structure leans on what the push does not move: beyond, the multiplier has no bound"
         )
-        self.spent, last = True, len(self.multiplier) - 1
-        while last > 0 and self.multiplier[last - 1] < self.multiplier[last]:
-            last -= 1
-        self._cut(last)
+        self.endless, alpha = True, self.multiplier
+        falls = np.flatnonzero(np.diff(alpha) <= 0.0)
+        self.points = self.points[: int(falls[-1]) + 2 if falls.size else 1]
 
     def _next(self, length: float, shortest: bool) -> None:
         """Add the next point, or the last one before α = 0; the errors are those of `advance`."""
@@ -326,12 +367,10 @@ class _Curve:
         if step.alpha > self.tolerances.wedged * max(self.first.limit, 1.0):
             self._lean()
             return
-        gone_back = self.displacement[-1] - self.along(step.state.positions)
-        if gone_back > max(self.tolerances.back * self.displacement[-1], self.push.increment):
+        now = self.along(step.state.positions)
+        if self.far - now > max(self.tolerances.back * self.far, self.push.increment):
             raise RunawayError(message("a part falls, and the control point goes back"))
-        if jumped and self.along(step.state.positions) <= max(
-            (then for then, _ in self.crossed), default=-np.inf
-        ):
+        if jumped and now <= max((then for then, _ in self.crossed), default=-np.inf):
             raise RunawayError(message("the structure falls back to where it has jumped before"))
         if jumped and self.system.rigid and self._go_on_from(step):
             return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
@@ -342,7 +381,7 @@ class _Curve:
         if nearest is not None:
             self._append(*nearest)
         self.end = None
-        zero = self.multiplier[-1] <= self.tolerances.zero * max(self.multiplier)
+        zero = self.alpha <= self.tolerances.zero * self.largest
         held = None if zero and self._overturns() else self._held_again(step)
         if held is not None and self._go_on_from(held):
             return
@@ -354,14 +393,12 @@ class _Curve:
         else:
             self.end = message("α = 0, and no push moves the structure where it rests again")
 
-    def _step(self, work: float, fastest: float, shortest: bool = True) -> tuple[Equilibrium, bool]:
+    def _step(self, work: float, fastest: float, shortest: bool) -> tuple[Equilibrium, bool]:
         """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
-        now = self.states[-1]
-        self.system = self.system.around(now.positions, 2.0 * work * fastest)
-        load, size = self.model.dead_load, work * fastest
-        problem = StepProblem(self.system, now, load, size, self.lateral, work)
-        last = self.steps[-1] if self.steps else self.first.step
-        return reach(problem, now.positions + work * self.rate, last, shortest)
+        now, size = self.last, work * fastest
+        self.system = self.system.around(now.positions, 2.0 * size)
+        problem = StepProblem(self.system, now, self.model.dead_load, size, self.lateral, work)
+        return reach(problem, now.positions + work * self.rate, self.points[-1].step, shortest)
 
     def _down_to_zero(
         self, work: float, fastest: float, beyond: Equilibrium, shortest: bool
@@ -371,10 +408,10 @@ class _Curve:
         The result has the arguments of `_append`. If the multiplier jumps below zero it is the last step found before
         the jump, or None; None too from a point at α = 0, as elastic joints go on from where they rest again.
         """
-        if self.multiplier[-1] <= 0.0:
+        if self.alpha <= 0.0:
             return None
-        low, high = (0.0, self.multiplier[-1]), (work, beyond.alpha)
-        tolerance, least = self.tolerances.zero * max(self.multiplier), self.tolerances.zero * work
+        low, high = (0.0, self.alpha), (work, beyond.alpha)
+        tolerance, least = self.tolerances.zero * self.largest, self.tolerances.zero * work
         last: tuple[float, Equilibrium, bool] | None = None
         while high[0] - low[0] >= least:
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
@@ -400,11 +437,11 @@ class _Curve:
         What falls without it may be a loose block, which lets elastic joints go back; in a settled state a hinge of the
         settlement may close.
         """
-        return self.drawn and self._takes_part_by(self.displacement[-1])
+        return self.drawn and self._takes_part_by(self.far)
 
     def _takes_part_by(self, displacement: float) -> bool:
         """Return whether the control point takes part in what has moved if that is its displacement (m)."""
-        moved = float(abs(self.states[-1].positions - self.states[0].positions)[:, :2].max())
+        moved = float(abs(self.last.positions - self.points[0].step.state.positions)[:, :2].max())
         return displacement >= self.tolerances.still * moved
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
@@ -412,35 +449,34 @@ class _Curve:
 
         Just beyond, the motion of rigid blocks is too slow to tell which way it falls: it begins a little farther on.
         """
-        size = max(self.push.increment, 1e-3 * self.model.size)
-        problem = StepProblem(self.system, beyond.state, self.model.dead_load, size)
         begun = beyond.state.positions
         if self.system.rigid:
             farther = self.tolerances.farther * self.push.increment / float(abs(self.rate[:, :2]).max())
             begun = begun + farther * self.rate
-        try:
-            held = motion_to_rest(problem, begun)
-        except (NoEquilibriumError, ConvergenceError):
-            return None
-        return (
-            held if self.along(held.state.positions) >= self.displacement[-1] - self.push.increment else None
-        )
+        return self._rest(0.0, beyond.state, begun, self.far - self.push.increment)
 
     def _snap_through(self) -> None:
         """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
 
         Beyond a peak a load that stays moves the structure on, to a fall or, as an arch that snaps through, to a rest.
         """
-        peak, here = max(self.multiplier), self.states[-1]
-        load = self.model.dead_load + peak * self.lateral
-        problem = StepProblem(self.system, here, load, max(self.push.increment, 1e-3 * self.model.size))
-        try:
-            held = motion_to_rest(problem, here.positions)
-        except (NoEquilibriumError, ConvergenceError):
-            return
-        if self.along(held.state.positions) > self.displacement[-1]:
+        held = self._rest(self.largest, self.last, self.last.positions, self.far)
+        if held is not None:
             self.end, self.reached, self.lost = None, False, False
-            self._append(1.0, replace(held, alpha=peak), jumped=True)
+            self._append(1.0, replace(held, alpha=self.largest), jumped=True)
+
+    def _rest(self, alpha: float, start: State, begun: Array, farthest_back: float) -> Equilibrium | None:
+        """Return the rest, under a held multiplier, of what is released at positions `begun` (b, 3).
+
+        None if there is none, or not beyond a displacement (m) of the control point.
+        """
+        size = max(self.push.increment, 1e-3 * self.model.size)
+        problem = StepProblem(self.system, start, self.model.dead_load + alpha * self.lateral, size)
+        try:
+            rested = motion_to_rest(problem, begun)
+        except (NoEquilibriumError, ConvergenceError):
+            return None
+        return rested if self.along(rested.state.positions) > farthest_back else None
 
     def _go_on_from(self, held: Equilibrium) -> bool:
         """Add the onset of a new push where the structure rests again; return False if no push moves it there."""
@@ -448,48 +484,32 @@ class _Curve:
             start = self._start(held.state)
         except (UnstableError, NoEquilibriumError, ConvergenceError):
             return False
-        if start.alpha < 0.0:  # it stands only where a push holds it back
+        if start.step.alpha < 0.0:  # it stands only where a push holds it back
             return False
-        # the new point is the onset of the push: it has the forces under α, not those of the rest under gravity
-        forces = moved_over(start.forces, start.contacts, held.contacts)
-        onset = replace(
-            held, alpha=start.alpha, forces=forces, certificate=start.certificate, lifting=start.lifting
-        )
-        self._append(1.0, onset, jumped=True)
+        self._append(1.0, replace(start.step, solves=held.solves), jumped=True)
         self.rate = start.rate
-        self.control_rate = self._control_rate(held.state.positions)
+        self.control_rate = self._control_rate()
         return True
 
     def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
         """Add a point, the rate of the next step, and why the curve ends if it does."""
-        before = self.states[-1].positions
-        self.states.append(step.state)
-        self.steps.append(step)
-        self.certificates.append(step.certificate)
-        self.multiplier.append(step.alpha)
-        self.displacement.append(self.along(step.state.positions))
-        then, now = self.displacement[-2:]
-        if jumped:
-            self.crossed.append((then, now))
-        else:
+        then, before = self.far, self.last.positions
+        self.points.append(_Point(step, self.along(step.state.positions), jumped))
+        now, alpha, largest = self.far, step.alpha, self.largest
+        if not jumped:
             self.rate, self.control_rate = (step.state.positions - before) / work, (now - then) / work
-        if abs(self.multiplier[-1] - self.plateau[1]) > self.tolerances.flat * max(self.multiplier):
-            self.plateau = (now, self.multiplier[-1])
-        size, alpha = self.model.size, self.multiplier[-1]
-        if now - self.plateau[0] > size:
-            self.spent = True
+        if abs(alpha - self.plateau[1]) > self.tolerances.flat * largest:
+            self.plateau = (now, alpha)
+        if now - self.plateau[0] > self.model.size:
+            self.endless = True
             self.end = message(
                 "the structure slides: α stays {alpha:.4g} over {distance:.3g} m, and nothing ends that",
                 alpha=alpha,
-                distance=size,
+                distance=self.model.size,
             )
-        if (
-            not self.end
-            and now > 0.5 * self.push.increment
-            and alpha <= self.push.until * max(self.multiplier)
-        ):
+        elif now > 0.5 * self.push.increment and alpha <= self.push.until * largest:
             self.end = message("α has come down to {until:g} of its peak", until=self.push.until)
-        if len(self.states) == self.tolerances.points and not self.end:
+        elif len(self.points) == self.tolerances.points:
             self.end = message(
                 "a curve has {count} points at most; write a larger {key}",
                 count=self.tolerances.points,
@@ -499,46 +519,39 @@ class _Curve:
     @property
     def share(self) -> float:
         """Share that is done, about: of the rise, then of the way from the peak down, or of the slide that ends it."""
-        now, alpha, largest = self.displacement[-1], self.multiplier[-1], max(self.multiplier)
+        now, alpha, largest = self.far, self.alpha, self.largest
         fallen = (1.0 - alpha / largest) / (1.0 - self.push.until) if largest > 0.0 else 0.0
         down = max(fallen, (now - self.plateau[0]) / self.model.size)
-        if largest <= self.first.alpha:
+        if largest <= self.first.step.alpha:
             return down
         risen = 0.5 * RISE * (1.0 + largest / max(self.first.limit, largest))
         return risen + (1.0 - risen) * min(down, 1.0)
 
     def locate_peak(self) -> None:
         """Add the points just behind joints that close, in the steps in which α may be largest."""
-        best = max(self.multiplier)
+        best = self.largest
         tolerance = self.tolerances.closing * best
-        steps = zip(self.displacement, self.displacement[1:], strict=False)
-        jumped = {point for point, step in enumerate(steps, 1) if step in self.crossed}
         added: dict[int, Equilibrium] = {}
         for most, point in may_peak(self.multiplier, self.displacement, self.tolerances.flat * best):
-            start, end = self.states[point - 1], self.steps[point - 1]
-            if point in jumped or most < best or not closes(start, end):
+            before, end = self.points[point - 1].step, self.points[point].step
+            if self.points[point].jumped or most < best or not closes(before.state, end):
                 continue
-            last = self.steps[point - 2] if point > 1 else None
             part = tolerance / max(most - end.alpha, tolerance)
-            step = behind_closing(self.system, self.lateral, start, end, last, part)
+            step = behind_closing(self.system, self.lateral, before, end, part)
             if step is not None and step.alpha > best:
                 added[point], best = step, step.alpha
         for point in sorted(added, reverse=True):
-            step = added[point]
-            self.states.insert(point, step.state)
-            self.steps.insert(point - 1, step)
-            self.certificates.insert(point, step.certificate)
-            self.multiplier.insert(point, step.alpha)
-            self.displacement.insert(point, self.along(step.state.positions))
+            self.points.insert(point, _Point(added[point], self.along(added[point].state.positions)))
 
     def finished(self) -> Pushover:
         """Return the curve; raise ControlError if the control point takes no part in it."""
         assert self.end is not None
-        if len(self.states) == 1 and self.spent:
+        alone = len(self.points) == 1
+        if alone and self.endless:
             raise NoEquilibriumError(self.end)
-        if not self.system.rigid and self.drawn and (len(self.states) == 1 or self._is_hidden_by_rounding):
+        if not self.system.rigid and self.drawn and (alone or self._is_hidden_by_rounding):
             raise no_way_from_rest(self.model, self.end)
-        if len(self.states) == 1 or not self._takes_part_by(max(self.displacement)):
+        if alone or not self._takes_part_by(max(self.displacement)):
             raise ControlError(
                 message(
                     "control = {point} takes no part in the mechanism along {direction}, "
@@ -549,26 +562,28 @@ class _Curve:
                 )
             )
         self._end_where_it_falls()
-        check_path(self.steps)
-        formed, mechanism, forces, contacts = self._mechanism()
+        equilibria = [point.step for point in self.points]
+        steps = equilibria[1:] if self.system.rigid else equilibria
+        check_path(steps)
+        formed, mechanism = self._mechanism()
         return Pushover(
             self.push.control,
             self.block,
-            np.array(self.displacement),
-            np.array(self.multiplier),
-            tuple(self.states),
-            tuple(self.steps),
-            tuple(self.certificates),
+            self.displacement,
+            self.multiplier,
+            tuple(step.state for step in equilibria),
+            tuple(steps),
+            tuple(step.certificate for step in equilibria),
             self.reached,
             self.lost,
             self.end,
             np.array(self.crossed).reshape(-1, 2),
             mechanism,
             formed,
-            forces,
-            contacts,
+            equilibria[formed].forces,
+            equilibria[formed].contacts,
             self.system.sliding,
-            self.first.lifting + sum(step.lifting for step in self.steps),
+            sum(step.lifting for step in equilibria),
             self.model,
             self.push.direction,
         )
@@ -576,58 +591,45 @@ class _Curve:
     @property
     def _is_hidden_by_rounding(self) -> bool:
         """Whether an elastic curve ends as it rises, and joints are compressed by hardly more than rounding."""
-        return self.model.rounding > START.resolved and self.multiplier[-1] >= max(self.multiplier)
+        return self.model.rounding > START.resolved and self.alpha >= self.largest
 
     def _end_where_it_falls(self) -> None:
         """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls."""
-        moves = np.diff([state.positions for state in self.states], axis=0)
-        steps = zip(self.displacement, self.displacement[1:], strict=False)
-        jumps = np.array([step in self.crossed for step in steps], dtype=bool)
-        alpha, flat, zero = np.array(self.multiplier), self.tolerances.flat, self.tolerances.zero
+        moves = np.diff([point.step.state.positions for point in self.points], axis=0)
+        jumps = np.array([point.jumped for point in self.points[1:]])
+        alpha, flat, zero = self.multiplier, self.tolerances.flat, self.tolerances.zero
         last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
         if last < len(alpha) - 1:
             self.reached = bool(alpha[last] <= zero * alpha.max())
             self.lost = not self.reached
             self.end = message("the structure falls under α = {alpha:.4g} held", alpha=held)
-            self._cut(last)
+            self.points = self.points[: last + 1]
 
-    def _cut(self, last: int) -> None:
-        """Leave out the points behind the one of index `last`."""
-        del self.states[last + 1 :], self.multiplier[last + 1 :], self.displacement[last + 1 :]
-        del self.certificates[last + 1 :], self.steps[last + 1 - self.system.rigid :]
-
-    def _mechanism(self) -> tuple[int, Array, Array, Contacts]:
-        """Return the point at which the mechanism forms, its displacements (b, 3), forces (j, 3) and contacts."""
-        peak = _peak(np.array(self.multiplier))
-        for point in range(peak, len(self.states)):
-            mechanism, forces, contacts = self._mechanism_at(point)
+    def _mechanism(self) -> tuple[int, Array]:
+        """Return the point at which the mechanism forms, and its displacements (b, 3)."""
+        peak = _peak(self.multiplier)
+        for point in range(peak, len(self.points)):
+            mechanism = self._mechanism_at(point)
             if self._takes_part(point, mechanism):
-                return point, mechanism, forces, contacts
-        return peak, *self._mechanism_at(peak)
+                return point, mechanism
+        return peak, self._mechanism_at(peak)
 
-    def _mechanism_at(self, point: int) -> tuple[Array, Array, Contacts]:
-        """Return virtual displacements (b, 3), forces (j, 3) and contacts at a point.
-
-        With elastic joints the displacements are those of the step from it.
-        """
-        rigid = self.system.rigid
-        if rigid and point == 0:
-            return self.first.rate, self.first.forces, self.first.contacts
-        step = self.steps[point - rigid]
-        forces, contacts = step.forces, step.contacts
-        if rigid:
-            try:
-                found = limit_in(self.model, self.push.direction, self.states[point], self.system.sliding)
-                return found.mechanism, forces, contacts
-            except (NoEquilibriumError, ConvergenceError):
-                pass
-        begin = min(point, len(self.states) - 2)
-        return self.states[begin + 1].positions - self.states[begin].positions, forces, contacts
+    def _mechanism_at(self, point: int) -> Array:
+        """Return virtual displacements (b, 3) at a point: with elastic joints those of the step from it."""
+        if self.system.rigid and point == 0:
+            return self.first.rate
+        state = self.points[point].step.state
+        if self.system.rigid:
+            with suppress(NoEquilibriumError, ConvergenceError):
+                return limit_in(self.model, self.push.direction, state, self.system.sliding).mechanism
+        begin = min(point, len(self.points) - 2)
+        one, two = (each.step.state.positions for each in self.points[begin : begin + 2])
+        return two - one
 
     def _takes_part(self, point: int, mechanism: Array) -> bool:
         """Whether virtual displacements (b, 3) at a point move the control point along the push."""
         fastest = float(abs(mechanism[:, :2]).max())
-        little, at = 1e-6 * self.model.size / fastest, self.states[point].positions
+        little, at = 1e-6 * self.model.size / fastest, self.points[point].step.state.positions
         moved = self.along(at + little * mechanism) - self.along(at)
         return moved >= self.tolerances.still * little * fastest
 

@@ -13,6 +13,7 @@ The same follower serves pushdown and pushover, rigid and elastic:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -67,16 +68,21 @@ class Bisection:
         """Whether the length may not be halved any more."""
         return self.length <= PATH.shortest(self.increment) * (1.0 + 1e-9)
 
-    def shorter(self) -> bool:
-        """Halve the length; return False, and leave it, if it is the shortest already."""
-        if self.shortest:
-            return False
-        self.length *= 0.5
-        return True
+    def take(self, step: Callable[[float, bool], bool]) -> NoEquilibriumError | ConvergenceError | None:
+        """Take a step of that length, see Path.advance; return why the shortest one has failed, None if none has.
 
-    def longer(self, jumped: bool) -> None:
-        """Lengthen the step, up to the increment; at once if the blocks have `jumped`: the difficult part is behind."""
+        A step that fails is followed by one of half its length, others by longer ones, up to the increment; at once if
+        the blocks have jumped: the difficult part is behind.
+        """
+        try:
+            jumped = step(self.length, self.shortest)
+        except (NoEquilibriumError, ConvergenceError) as error:
+            if self.shortest:
+                return error
+            self.length *= 0.5
+            return None
         self.length = self.increment if jumped else min(self.increment, PATH.growth * self.length)
+        return None
 
 
 class Path(Protocol):
@@ -102,13 +108,9 @@ class Path(Protocol):
 def follow(path: Path, steps: Bisection) -> None:
     """Follow a path to its end. Raises what its `stop` raises."""
     while not path.end:
-        try:
-            jumped = path.advance(steps.length, steps.shortest)
-        except (NoEquilibriumError, ConvergenceError) as error:
-            if not steps.shorter():
-                path.stop(error)
-            continue
-        steps.longer(jumped)
+        error = steps.take(path.advance)
+        if error is not None:
+            path.stop(error)
         tell(path.share)
 
 

@@ -20,11 +20,11 @@ from mechanics.errors import ConvergenceError
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.messages import message
-from mechanics.program import Program, certify, end_forces
+from mechanics.program import Program, Solution, certify, end_forces
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, over_all, spread, state_at_rest, taken
-from mechanics.steps.static_step import Equilibrium, StepProblem, check_motion, displaced, penetration
+from mechanics.steps.contact_values import iterate_over, taken
+from mechanics.steps.static_step import Equilibrium, StepProblem, check_motion, displaced, equilibrium
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import Array, Mask
 
@@ -95,20 +95,9 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
     if answer is None:
         raise ended
     forces, alpha = answer
-    count, places = len(system.contacts), system.places(at, problem.start)
-    everywhere = spread(forces, index, count)
-    ends = np.column_stack([end_forces(forces, program.places[:, H]), forces[:, 2]])
-    certificate = certify(program, forces, alpha, np.zeros(len(program.load)))
-    if certificate.worst(problem.size) > STEP.certificate(system.behaviour):
+    rest = np.zeros(len(program.load))
+    flow = Solution(forces, alpha, rest, certify(program, forces, alpha, rest))
+    if flow.certificate.worst(problem.size) > STEP.certificate(system.behaviour):
         raise ended
-    return Equilibrium(
-        state_at_rest(system, at, everywhere, problem.start),
-        system,
-        places,
-        everywhere,
-        alpha,
-        over_all(Iterate(ends, gaps, alpha, np.zeros(len(program.load))), index, count),
-        certificate,
-        penetration(system, places, everywhere),
-        1,
-    )
+    ends = np.column_stack([end_forces(forces, program.places[:, H]), forces[:, 2]])
+    return equilibrium(problem, at, index, flow, Iterate(ends, gaps, alpha, rest), 1)

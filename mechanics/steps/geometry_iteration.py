@@ -10,16 +10,16 @@ from mechanics.errors import NoEquilibriumError, UnsettledError
 from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
-from mechanics.program import Program, certify
+from mechanics.program import Solution, certify
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, state_at_rest, taken
+from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.static_step import (
     Equilibrium,
     StepProblem,
     check_motion,
     displaced,
-    penetration,
+    equilibrium,
     proximal,
     solve_program,
 )
@@ -166,27 +166,13 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
     program, index = problem.pose(now.at, now.forces, now.touching)
     if now.reference is not None:
         program = proximal(program, now.reference[index])
-    places = system.places(now.at, problem.start)
-    return Equilibrium(
-        state_at_rest(system, now.at, now.forces, problem.start),
-        system,
-        places,
-        now.forces,
-        now.alpha,
-        now.iterate,
-        certify(program, now.forces[index], now.alpha, np.zeros(len(program.load))),
-        penetration(system, places, now.forces),
-        now.solves,
-        problem.dilation is not None,
-        system.rigid or _is_stable(system, program, index, now),
-    )
-
-
-def _is_stable(system: StaticSystem, program: Program, index: Index, now: Round) -> bool:
-    """Whether the equilibrium of a round is known to be stable: not without an iterate, as after another solver."""
-    return now.iterate is not None and interior.stable(
-        program, system.layout.take(index), taken(now.iterate, index)
-    )
+    forces, rest = now.forces[index], np.zeros(len(program.load))
+    iterate = now.iterate and taken(now.iterate, index)
+    found = Solution(forces, now.alpha, rest, certify(program, forces, now.alpha, rest))
+    # not known to be stable without an iterate, as after another solver
+    layout = system.layout.take(index)
+    stable = system.rigid or (iterate is not None and interior.stable(program, layout, iterate))
+    return equilibrium(problem, now.at, index, found, iterate, now.solves, stable)
 
 
 def _stable(found: Equilibrium) -> Equilibrium:

@@ -13,7 +13,7 @@ from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
-from mechanics.program import BOUNDED, Certificate, Program, bed_gaps, certify, end_forces
+from mechanics.program import BOUNDED, Certificate, Program, Solution, bed_gaps, end_forces
 from mechanics.solvers import GOOD, check_balance, interior, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
@@ -28,11 +28,10 @@ class Equilibrium:
     """A point of a path: forces and a geometry in agreement.
 
     `places` (j, PLACE) of the system's contacts in the state; `forces` (j, 3): N, P and T, kN and kNm; `alpha`: the
-    multiplier of the lateral load; `iterate`: start of the next program; `certificate` of the forces in this
-    geometry; `penetration` (m): the deepest one beyond the elastic compression; `solves`: number of programs
-    solved; `lifting`: whether they had a dilation that the law does not have; `stable`: whether the stiffness of
-    elastic joints is positive there (interior.stable); rigid joints, whose geometry is followed exactly, are not
-    checked.
+    multiplier of the lateral load; `iterate`: start of the next program; `certificate` of the forces in this geometry;
+    `solves`: number of programs solved; `lifting`: whether they had a dilation that the law does not have; `stable`:
+    whether the stiffness of elastic joints is positive there (interior.stable); rigid joints, whose geometry is
+    followed exactly, are not checked.
     """
 
     state: State
@@ -42,7 +41,6 @@ class Equilibrium:
     alpha: float
     iterate: Iterate | None
     certificate: Certificate
-    penetration: float
     solves: int
     lifting: bool = False
     stable: bool = True
@@ -51,6 +49,17 @@ class Equilibrium:
     def contacts(self) -> Contacts:
         """The contacts, the drawn joints first."""
         return self.system.contacts
+
+    @property
+    def penetration(self) -> float:
+        """The deepest penetration (m) beyond the elastic compression."""
+        overlapping = (self.places[:, H] > self.system.no_overlap) & ~self.contacts.ties
+        places, forces = self.places[overlapping], self.forces[overlapping]
+        gaps = end_gaps(places)
+        if not self.system.rigid:
+            half = places[:, H]
+            gaps = gaps - bed_gaps(end_forces(forces, half), half, self.system.law[overlapping])
+        return float(max(0.0, -gaps.min(initial=0.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,23 +159,30 @@ def lay_shear(places: Array, forces: Array, turned: Array) -> None:
     places[:, MV] -= height
 
 
-def held(problem: StepProblem, forces: Array) -> Equilibrium:
-    """Return the start of a step under `forces` (j, 3) N, P, T of the drawn joints, with their residuals."""
-    system, start = problem.system, problem.start
-    places = system.places(start.positions, start)
-    known = spread(forces, np.arange(len(forces)), len(places))
-    ends = end_forces(known, places[:, H])
-    slips = np.zeros((len(places), 2))
-    iterate = Iterate(
-        np.column_stack([ends, known[:, 2]]),
-        np.column_stack([np.maximum(end_gaps(places), 0.0), slips]),
-        0.0,
-        np.zeros(3 * int(system.model.movable.sum())),
+def equilibrium(
+    problem: StepProblem,
+    at: Array,
+    index: Index,
+    found: Solution,
+    iterate: Iterate | None,
+    solves: int,
+    stable: bool = True,
+) -> Equilibrium:
+    """Return the equilibrium at positions `at` (b, 3) that a program of the joints `index` (k,) has found there."""
+    system, count = problem.system, len(problem.system.contacts)
+    forces = spread(found.forces, index, count)
+    return Equilibrium(
+        state_at_rest(system, at, forces, problem.start),
+        system,
+        system.places(at, problem.start),
+        forces,
+        found.alpha,
+        iterate and over_all(iterate, index, count),
+        found.certificate,
+        solves,
+        problem.dilation is not None,
+        stable,
     )
-    program, index = problem.pose(start.positions, known)
-    residuals = certify(program, known[index], 0.0, np.zeros(len(program.load)))
-    deepest = penetration(system, places, known)
-    return Equilibrium(start, system, places, known, 0.0, iterate, residuals, deepest, 0)
 
 
 def proximal(program: Program, forces: Array) -> Program:
@@ -266,26 +282,4 @@ def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int 
         known = taken(near, index)
         program, start = proximal(program, known.forces), known.warm(program)
     found, more = solve_program(program, system.layout.take(index), start, GOOD)
-    solution, count = interior.solution(program, found), len(system.contacts)
-    forces, places = spread(solution.forces, index, count), system.places(at, problem.start)
-    return Equilibrium(
-        state_at_rest(system, at, forces, problem.start),
-        system,
-        places,
-        forces,
-        solution.alpha,
-        over_all(found, index, count),
-        solution.certificate,
-        penetration(system, places, forces),
-        solves + more,
-    )
-
-
-def penetration(system: StaticSystem, places: Array, forces: Array) -> float:
-    """Return the deepest penetration (m) at places (j, PLACE) beyond the elastic compression under forces (j, 3)."""
-    overlapping = (places[:, H] > system.no_overlap) & ~system.contacts.ties
-    p, f = places[overlapping], forces[overlapping]
-    gaps = end_gaps(p)
-    if not system.rigid:
-        gaps = gaps - bed_gaps(end_forces(f, p[:, H]), p[:, H], system.law[overlapping])
-    return float(max(0.0, -gaps.min(initial=0.0)))
+    return equilibrium(problem, at, index, interior.solution(program, found), found, solves + more)

@@ -27,10 +27,10 @@ LINES = {
     "mechanics": 968,
     "mechanics/kernels": 3642,
     "mechanics/model": 3252,
-    "mechanics/procedures": 3392,
+    "mechanics/procedures": 3376,
     "mechanics/records": 1086,
     "mechanics/solvers": 1081,
-    "mechanics/steps": 1892,
+    "mechanics/steps": 1861,
 }
 
 
