@@ -53,7 +53,7 @@ class Following:
         self.model, self.support, self.increment = model, support, increment
         self.index = model.support(support)
         check_self_weight(model)
-        self._led = Led(static_system(model, contacts, sliding), model.initial, increment)
+        self._led = Led(static_system(model, contacts, sliding), model.initial)
         self.reached, self._direction = np.zeros(3), np.zeros(3)
         self.aim((0.0, 0.0))
 

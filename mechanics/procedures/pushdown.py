@@ -22,7 +22,7 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.model_check import check_path, sound
-from mechanics.procedures.step_control import PATH, Bisection, follow, reach
+from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
@@ -257,8 +257,8 @@ class _Moving:
 class Led:
     """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement."""
 
-    def __init__(self, system: StaticSystem, begun: State, increment: float) -> None:
-        self.system, self.shortest = system, PATH.shortest(increment)
+    def __init__(self, system: StaticSystem, begun: State) -> None:
+        self.system = system
         self.smallest = 0.0 if system.rigid else rest_size(system.model, system.behaviour)
         self.last = rest(system, begun)
         self.rate = np.zeros_like(begun.positions)
@@ -275,8 +275,7 @@ class Led:
         """Take a step of the supports, `by` (m) times a lever; return whether the blocks have jumped."""
         before = self.last.state.positions
         self.last, jumped = self.reach(guess, lever * by, shortest)
-        if by > self.shortest:  # the rate of a shorter step is mostly rounding
-            self.rate = 0.0 * before if jumped else (self.last.state.positions - before) / by
+        self.rate = 0.0 * before if jumped else (self.last.state.positions - before) / by
         return jumped
 
 
@@ -295,7 +294,7 @@ class _Path:
         self.ultimate: float | None = None
         self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
-        self.led = Led(moving.system, moving.begun, increment)
+        self.led = Led(moving.system, moving.begun)
         self.steps, self.movement = [self.led.last], [0.0]
         begun = self.led.last
         if moving.system.rigid:

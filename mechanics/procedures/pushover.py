@@ -57,8 +57,7 @@ class PushoverTolerances:
     a change that does not count; `closing`, to which the peak behind a joint that closes is located. `back`: share of
     its displacement, an increment at least, by which the control point goes back where a part falls; `wedged`:
     multiplier beyond which the load only wedges the blocks, times that of limit analysis where this is above 1;
-    `farther`: share of an increment beyond α = 0 from which a structure is left to itself; `points`: most points of a
-    curve.
+    `points`: most points of a curve.
     """
 
     still: float = 1e-3
@@ -68,7 +67,6 @@ class PushoverTolerances:
     closing: float = 2e-4
     back: float = 0.5
     wedged: float = 10.0
-    farther: float = 0.1
     points: int = 5000
 
 
@@ -445,35 +443,28 @@ class _Curve:
         return displacement >= self.tolerances.still * moved
 
     def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
-        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back.
-
-        Just beyond, the motion of rigid blocks is too slow to tell which way it falls: it begins a little farther on.
-        """
-        begun = beyond.state.positions
-        if self.system.rigid:
-            farther = self.tolerances.farther * self.push.increment / float(abs(self.rate[:, :2]).max())
-            begun = begun + farther * self.rate
-        return self._rest(0.0, beyond.state, begun, self.far - self.push.increment)
+        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
+        return self._rest(0.0, beyond.state, self.far - self.push.increment)
 
     def _snap_through(self) -> None:
         """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
 
         Beyond a peak a load that stays moves the structure on, to a fall or, as an arch that snaps through, to a rest.
         """
-        held = self._rest(self.largest, self.last, self.last.positions, self.far)
+        held = self._rest(self.largest, self.last, self.far)
         if held is not None:
             self.end, self.reached, self.lost = None, False, False
             self._append(1.0, replace(held, alpha=self.largest), jumped=True)
 
-    def _rest(self, alpha: float, start: State, begun: Array, farthest_back: float) -> Equilibrium | None:
-        """Return the rest, under a held multiplier, of what is released at positions `begun` (b, 3).
+    def _rest(self, alpha: float, start: State, farthest_back: float) -> Equilibrium | None:
+        """Return the rest, under a held multiplier, of what is released in a state.
 
         None if there is none, or not beyond a displacement (m) of the control point.
         """
         size = max(self.push.increment, 1e-3 * self.model.size)
         problem = StepProblem(self.system, start, self.model.dead_load + alpha * self.lateral, size)
         try:
-            rested = motion_to_rest(problem, begun)
+            rested = motion_to_rest(problem, start.positions)
         except (NoEquilibriumError, ConvergenceError):
             return None
         return rested if self.along(rested.state.positions) > farthest_back else None

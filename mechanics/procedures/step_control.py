@@ -178,10 +178,6 @@ def _reach(
         raise RunawayError(
             fall.message if same else message("{reason} ({stop})", reason=fall.message, stop=stop.message)
         ) from stop
-    except ConvergenceError:  # undecided
-        if not rigid and (lifting := _lifting(problem, guess, last)) is not None:
-            return lifting, False
-        raise
     jumped = way(begun, rested.state.positions, problem.system.model.size) > REST.jump * problem.size
     return rested, jumped
 

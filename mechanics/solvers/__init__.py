@@ -71,17 +71,6 @@ def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | No
             return best, None
     if undecided is not None:
         raise undecided
-    _check_balance(acceleration)
-    raise ConvergenceError(message("equilibrium exists, but no solver found it to the required accuracy"))
-
-
-def check_balance(program: Program, layout: Elimination) -> None:
-    """Raise NoEquilibriumError if no joint forces balance the loads, ConvergenceError if that cannot be decided."""
-    _check_balance(imbalance(program, layout))
-
-
-def _check_balance(acceleration: float) -> None:
-    """Raise NoEquilibriumError for a least acceleration, per gravity, of loads that no solver has balanced."""
     if acceleration > GOOD:
         raise NoEquilibriumError(
             message(
@@ -89,6 +78,7 @@ def _check_balance(acceleration: float) -> None:
                 acceleration=acceleration,
             )
         )
+    raise ConvergenceError(message("equilibrium exists, but no solver found it to the required accuracy"))
 
 
 def _better(program: Program, best: Solution | None, found: Solution) -> Solution:

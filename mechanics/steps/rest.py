@@ -7,6 +7,7 @@ run away there is none, and the structure collapses.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -17,14 +18,14 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
-from mechanics.solvers import ACCEPTED, USABLE, interior, solve
+from mechanics.solvers import ACCEPTED, USABLE, interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced, proximal
 from mechanics.steps.static_system import StaticSystem
-from mechanics.steps.tolerances import LIMIT, REST, STEP, RestTolerances
+from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
 UNSTABLE = message("the structure balances on an unstable equilibrium: its joints are too soft to hold it")
@@ -53,15 +54,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         mass = model.mass / (time**2 * model.size / GRAVITY)
-        try:
-            last = _step_from_rest(
-                replace(now, mass=mass), at, last and _over(last, before.system, now.system)
-            )
-        except ConvergenceError:
-            if tolerances.first <= tolerances.careful:
-                raise
-            # the first steps may have led blocks into each other: again with shorter ones
-            return motion_to_rest(problem, begun, replace(tolerances, first=tolerances.careful))
+        last = _step_from_rest(replace(now, mass=mass), at, last and _over(last, before.system, now.system))
         moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
@@ -79,8 +72,9 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if force > still:
             continue
         held = certified(replace(now, size=problem.size), last)
-        found = _rest_near(replace(now, size=problem.size), held, tolerances.jump * problem.size)
-        if found is not None:
+        with suppress(NoEquilibriumError, ConvergenceError):
+            # next to an unstable equilibrium a motion is slow too, and another may lie on its other side
+            found = find_equilibrium(replace(now, size=problem.size), moved, held)
             return replace(found, solves=found.solves + solves)
         # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
         if slowing and held.stable and held.certificate.worst(least) <= exact:
@@ -91,21 +85,6 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
     raise kind(_goes_on(left))
-
-
-def _rest_near(problem: StepProblem, last: Equilibrium, farthest: float) -> Equilibrium | None:
-    """Return the equilibrium near the `last` point, at which a motion is slow; None if there is none.
-
-    Next to an unstable equilibrium a motion is slow too, and another may lie on its other side: that of rigid joints,
-    whose stability is not known, lies at most `farthest` (m) away.
-    """
-    moved = last.state.positions
-    try:
-        found = find_equilibrium(problem, moved, last)
-    except (NoEquilibriumError, ConvergenceError):
-        return None
-    far = way(moved, found.state.positions, problem.system.model.size)
-    return None if problem.system.rigid and far > farthest else found
 
 
 def _falls(moved: float) -> RunawayError:
@@ -155,27 +134,24 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
             full = None
     if full is None:
         cold = interior.cold(frozen)
-        tries = [(frozen, warm and warm.warm(frozen)), (frozen, cold)]
-        if system.dilation < 1.0:  # a step by Coulomb's law may have no solution, one that lifts always has
-            tries += [(interior.with_dilation(frozen, psi), cold) for psi in (LIMIT.slight, 1.0)]
-        for tried, start in tries:
+        # a step by Coulomb's law may have no solution, one that lifts always has
+        lifting = interior.with_dilation(frozen, 1.0) if system.dilation < 1.0 else frozen
+        for tried, start in ((frozen, warm and warm.warm(frozen)), (frozen, cold), (lifting, cold)):
             if start and not held:
                 held, solves = _solved(tried, layout, start), solves + 1
         if held and curved:
             near = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
             full, solves = _solved(program, layout, near), solves + 1
     found = full or held
-    if found:
-        solution = interior.solution(program, found)
-    else:
-        (solution, found), solves = solve(frozen, layout), solves + 1
+    if found is None:
+        raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
     count = len(system.contacts)
     return Round(
-        displaced(system.model, at, solution.displacement),
-        spread(solution.forces, index, count),
-        found and over_all(found, index, count),
+        displaced(system.model, at, found.displacement),
+        spread(interior.resultants(program, found), index, count),
+        over_all(found, index, count),
         touching=index,
-        alpha=solution.alpha,
+        alpha=found.alpha,
         solves=solves,
         held=curved and full is None,
     )

@@ -25,8 +25,8 @@ from mechanics.types import GRAVITY, Array
 def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Equilibrium:
     """Return the equilibrium of a step of rigid joints taken in short ones, up to the supports in `guess` (b, 3).
 
-    Each short step is one program in the geometry in which it begins. A little inertia keeps loose blocks in place;
-    under given loads there is hardly any, for it would hold what falls. A joint that sliding has lifted stays lifted
+    Each short step is one program in the geometry in which it begins. A little inertia keeps loose blocks in place.
+    A joint that sliding has lifted stays lifted
     while it slides: the further lift (dilation) vanishes, as with Coulomb friction. The forces of the result hold the
     blocks at their positions without inertia. Raises NoEquilibriumError if there are no such forces or blocks fall,
     ConvergenceError if a program is not solved.
@@ -34,8 +34,7 @@ def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None)
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable
     count = int(np.ceil(problem.size / (REST.way * model.size)))
-    time = STEP.short_time if problem.lateral is not None else STEP.still_time
-    mass = model.mass * GRAVITY / (time**2 * model.size)
+    mass = model.mass * GRAVITY / (STEP.short_time**2 * model.size)
     short = replace(problem, size=problem.size / count, work=problem.work / count, mass=mass)
     at, solves = begun, 0
     iterate: Iterate | None = None

@@ -14,7 +14,7 @@ from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import BOUNDED, Certificate, Program, Solution, bed_gaps, end_forces
-from mechanics.solvers import GOOD, check_balance, interior, solve
+from mechanics.solvers import GOOD, interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import over_all, spread, spring_forces, state_at_rest, taken
@@ -211,8 +211,7 @@ def solve_program(
 
     The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
     with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.
-    Raises NoEquilibriumError if the structure is unstable, no load moves it or no forces balance the loads,
-    ConvergenceError if no iterate solves it.
+    Raises NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if it is not solved.
     """
     unstable, solves = False, 0
     held = interior.frozen(program)
@@ -234,12 +233,6 @@ def solve_program(
         raise NoEquilibriumError(
             message("loss of stability: the stiffness of the structure is no longer positive")
         )
-    if (program.law[:, BED] < np.inf).all():  # where other solvers take seconds in vain
-        check_balance(program, layout)
-    elif not skew:
-        _, iterate = solve(program, layout)  # raises if there is no equilibrium
-        if iterate is not None:
-            return iterate, solves + 1
     raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
 
 

@@ -30,9 +30,8 @@ class StepTolerances:
     Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
     that is none.
 
-    Short steps, as long as those of a motion (RestTolerances.way). `short_time`: time of each in a push, in units of
-    √(size/g), long enough for inertia to have little effect; `still_time`: the same under given loads: what they do not
-    balance by 1e-5 of the weight falls at once.
+    Short steps, as long as those of a motion (RestTolerances.way). `short_time`: time of each, in units of √(size/g),
+    long enough for inertia to have little effect.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
@@ -50,7 +49,6 @@ class StepTolerances:
     slides: float = 1e-3
     touching: float = 1e-7
     short_time: float = 4.5
-    still_time: float = 450.0
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
         """Return the residuals of the programs for joints of a behaviour; the last one is repeated."""
@@ -65,17 +63,15 @@ class StepTolerances:
 class RestTolerances:
     """Tolerances of a motion whose velocity is reset in every step.
 
-    In units of √(size/g): `first`, time of the first step; `careful`, the same where a motion leads into a step that is
-    not solved; `longest`, time of a step that hardly moves. `stride`: motion in a step, as a share of the whole motion
-    so far, and at least `way`. As shares of the block size: `way`; `lifted`, gap of joints that carry; `farthest`, way
-    beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if
-    it comes to rest where it falls. `steps`: largest number of steps. `jump`: times the intended motion of a step, a
-    longer one is another solution of a program that is not convex; `steady`: share of the unbalanced force half-way
-    that is left at the end of a motion that does not slow down.
+    In units of √(size/g): `first`, time of the first step; `longest`, time of a step that hardly moves. `stride`:
+    motion in a step, as a share of the whole motion so far, and at least `way`. As shares of the block size: `way`;
+    `lifted`, gap of joints that carry; `farthest`, way beyond which a block runs away (1 rad counts as 1): a block that
+    leaves its seat or topples has collapsed, even if it comes to rest where it falls. `steps`: largest number of steps.
+    `jump`: times the intended motion of a step, a longer one is another solution of a program that is not convex;
+    `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow down.
     """
 
     first: float = 0.5
-    careful: float = 0.1
     longest: float = 5.0
     way: float = 0.01
     stride: float = 0.2

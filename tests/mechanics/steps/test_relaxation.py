@@ -19,8 +19,6 @@ from mechanics import (
 )
 from mechanics.errors import RunawayError
 from mechanics.kernels.joint import H
-from mechanics.solvers import solve
-from mechanics.steps import rest as rest_module
 from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
@@ -105,25 +103,6 @@ def test_what_comes_to_no_rest_is_refused():
     problem = raised(model, 0.1)
     with pytest.raises(ConvergenceError, match="does not come to rest"):
         motion_to_rest(problem, problem.start.positions, replace(REST, steps=1))
-
-
-def test_programs_of_other_solvers_count(monkeypatch):
-    """Of a step that the interior point does not solve: its attempts and theirs."""
-    solved = []
-
-    def fails(program, layout, start):
-        solved.append(program)
-
-    def other(program, layout):
-        solved.append(program)
-        return solve(program, layout)
-
-    monkeypatch.setattr(rest_module, "_solved", fails)
-    monkeypatch.setattr(rest_module, "solve", other)
-    problem = raised(block_on_base(0.6, 4.2, stiffness=1e6), 1e-3)
-    problem = replace(problem, mass=problem.system.model.mass)
-    step = rest_module._step_from_rest(problem, problem.start.positions, None)
-    assert step.solves == len(solved) == 2
 
 
 def test_a_lift_counts_from_the_compression_that_forces_ask_for():
