@@ -1,15 +1,20 @@
 # make run | test | least | docs | benchmark | clean; all but clean first build the environment in .venv.
-.PHONY: run test least docs benchmark setup clean
+.PHONY: run test least docs benchmark checks loops setup clean
 
-run: setup
+run: loops
 	.venv/bin/assesto run projects/buttressed_arch
 
-test: setup
+test: checks loops
+	.venv/bin/python -m pytest -n 2 --dist loadfile
+
+checks: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-cache
-	.venv/bin/python -m pytest -n 2 --dist loadfile
+
+loops: setup  # compiled once for an environment: `make -j2` does it beside the checks
+	@[ .venv/.loops -nt .venv/.ready ] || { .venv/bin/python tools/compile_loops.py && touch .venv/.loops; }
 
 least: setup  # comparisons with closed forms and a run, on the least versions that pyproject.toml allows
 	.venv/bin/python -m venv --clear build/least
@@ -21,7 +26,7 @@ least: setup  # comparisons with closed forms and a run, on the least versions t
 docs: setup
 	.venv/bin/python -m sphinx -q -W --keep-going -b html docs build/docs
 
-benchmark: setup
+benchmark: loops
 	.venv/bin/assesto benchmark
 
 setup:

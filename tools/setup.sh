@@ -17,7 +17,7 @@ install() { # Debian packages, where that needs no password
     echo "installing $*" >&2
     patience="-o Acquire::Retries=1 -o Acquire::http::Timeout=30 -o Acquire::https::Timeout=30"
     # shellcheck disable=SC2086  # the options are meant to be split
-    $as_root apt-get -q $patience update >&2 &&
+    { [ -n "${updated:-}" ] || $as_root apt-get -q $patience update >&2; } && updated=yes &&
         $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qy $patience install --no-install-recommends "$@" >&2
 }
 
@@ -39,6 +39,19 @@ sys.exit(not any(True for folder in folders for _ in folder.rglob("*.[to]tf")))
 END
 }
 
+libraries() {
+    # shellcheck disable=SC2086  # the list is meant to be split
+    if ! pdf_ready && ! { install $pdf_packages && pdf_ready; }; then
+        echo "setup: the report will be HTML only; for PDF run this, then make again:" >&2
+        echo "    sudo apt-get install $pdf_packages" >&2
+    fi
+
+    # in CI the page is tested in a browser where one can be had; elsewhere those tests say why they are skipped
+    if [ -n "${CI:-}" ] && ! command -v chromium >/dev/null && ! install chromium; then
+        echo "setup: no Chromium could be installed: the tests of the page in a browser are skipped" >&2
+    fi
+}
+
 if ! [ "$ready" -nt pyproject.toml ] || ! [ "$ready" -nt constraints.txt ] || ! .venv/bin/python -c "" 2>/dev/null; then
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
         echo "setup: $python is missing or older than Python 3.11; try: make PYTHON=python3.12" >&2
@@ -52,22 +65,14 @@ if ! [ "$ready" -nt pyproject.toml ] || ! [ "$ready" -nt constraints.txt ] || ! 
         }
     fi
     echo "installing the Python packages into .venv" >&2
+    libraries &
     pip() { .venv/bin/python -m pip install --quiet --disable-pip-version-check "$@" -e '.[dev,docs]'; }
     pip -c "${CONSTRAINTS:-constraints.txt}" || {
         echo "setup: the versions of constraints.txt are not all to be had here: the newest instead" >&2
         pip
     }
-    .venv/bin/python tools/compile_loops.py
+    wait
     touch "$ready"
-fi
-
-# shellcheck disable=SC2086  # the list is meant to be split
-if ! pdf_ready && ! { install $pdf_packages && pdf_ready; }; then
-    echo "setup: the report will be HTML only; for PDF run this, then make again:" >&2
-    echo "    sudo apt-get install $pdf_packages" >&2
-fi
-
-# in CI the page is tested in a browser where one can be had; elsewhere those tests say why they are skipped
-if [ -n "${CI:-}" ] && ! command -v chromium >/dev/null && ! install chromium; then
-    echo "setup: no Chromium could be installed: the tests of the page in a browser are skipped" >&2
+else
+    libraries
 fi
