@@ -23,6 +23,7 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, MotionTable
 from mechanics import Assembly, ConvergenceError, Material, Record, State
+from mechanics.pictures import draw_curve
 from mechanics.types import Array, Mask
 
 if TYPE_CHECKING:
@@ -111,8 +112,6 @@ class IncrementalCurve:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the peaks of the levels that were withstood; return the matplotlib axes."""
-        from mechanics.pictures import draw_curve  # late: with it comes matplotlib
-
         labels = ("peak displacement of the control point [mm]", "PGA [g]")
         stood = ~self.collapsed
         return draw_curve(1000.0 * self.peaks[stood], self.levels[stood], {}, labels, self.record, axes)

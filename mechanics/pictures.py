@@ -1,4 +1,4 @@
-"""Drawings of blocks and curves, of plain arrays, on matplotlib axes: what analyses and reports draw with."""
+"""Drawings of blocks and curves, of plain arrays, on matplotlib axes, which only who draws imports: it takes long."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.animation import FuncAnimation
-from matplotlib.axes import Axes
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Outline
 from numpy.typing import ArrayLike
 
 from mechanics.types import Array, Index, Mask
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
+    from matplotlib.patches import PathPatch
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,11 +64,6 @@ class Shape:
         rate = np.asarray(velocity, dtype=float)
         shift = amount * field(self.points, self.owner, self.centroids, rate)
         return replace(self, points=self.points + shift, centroids=self.centroids + amount * rate[:, :2])
-
-    def path(self, chosen: Sequence[int] | Index) -> Outline:
-        """Return one compound path of the chosen blocks: one element of the SVG, however many blocks."""
-        closed = [Outline(np.vstack([ring, ring[:1]]), closed=True) for ring in self.rings(chosen)]
-        return Outline.make_compound_path(*closed)
 
     def nearest(self, point: ArrayLike) -> int:
         """Return the block whose outline passes nearest to a point (2,) m."""
@@ -146,30 +141,34 @@ STYLE = {
     "lines.linewidth": 1.0,
 }
 INK, FAINT, SUPPORT, MOVING, MASONRY = "0.0", "0.55", "0.55", "0.82", "0.92"
+FILLED = {"edgecolor": INK, "linewidth": 0.45}
 GHOST = {"fill": False, "edgecolor": FAINT, "linewidth": 0.5, "linestyle": (0, (4, 2))}
 TIE: dict[str, Any] = {"color": INK, "linewidth": 1.1, "linestyle": (0, (7, 1.2, 1.5, 1.2))}
 THRUST: dict[str, Any] = {"color": INK, "linewidth": 1.8}
 SLIDING: dict[str, Any] = {"color": INK, "linewidth": 2.4, "solid_capstyle": "butt"}
-HINGE: dict[str, Any] = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 5.0,
-    "markerfacecolor": "1.0",
-    "markeredgecolor": INK,
-    "markeredgewidth": 1.2,
-}
-MARKS: dict[str, dict[str, Any]] = {  # of the points of a curve, by their names in the legend
-    name: {"marker": marker, "markersize": size, "markerfacecolor": "1.0", "linestyle": "none"}
+HOLLOW: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "1.0"}
+HINGE = HOLLOW | {"marker": "o", "markersize": 5.0, "markeredgecolor": INK, "markeredgewidth": 1.2}
+MARKS = {  # of the points of a curve, by their names in the legend
+    name: HOLLOW | {"marker": marker, "markersize": size}
     for name, marker, size in (("α_0", "o", 4.5), ("d_0", "^", 5.0), ("d_y, α_y", "s", 4.0))
 }
 SHOWN = 0.06  # of the size of the model: the largest displacement of a settlement, magnified
 SWEPT = 0.08  # likewise, of the virtual displacements of a mechanism
 
 
+def _patch(shape: Shape, chosen: Any, style: dict[str, Any]) -> PathPatch:
+    """Return one compound path of the chosen blocks: one element of the SVG, however many blocks."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    closed = [Path(np.vstack([ring, ring[:1]]), closed=True) for ring in shape.rings(chosen)]
+    return PathPatch(Path.make_compound_path(*closed), **style)
+
+
 def fill(axes: Axes, shape: Shape, chosen: Any, grey: str) -> None:
     """Fill some blocks with a grey."""
     if len(chosen):
-        axes.add_artist(PathPatch(shape.path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45))
+        axes.add_artist(_patch(shape, chosen, FILLED | {"facecolor": grey}))
 
 
 def fill_roles(axes: Axes, shape: Shape) -> None:
@@ -180,7 +179,7 @@ def fill_roles(axes: Axes, shape: Shape) -> None:
 
 def ghost(axes: Axes, shape: Shape) -> None:
     """Draw the outlines of an earlier configuration, dashed."""
-    axes.add_artist(PathPatch(shape.path(shape.every), **GHOST))
+    axes.add_artist(_patch(shape, shape.every, GHOST))
 
 
 def union(shapes: Sequence[Shape]) -> Bounds:
@@ -219,7 +218,9 @@ def _styled(draw: Callable[Given, Shown]) -> Callable[Given, Shown]:
 
     @wraps(draw)
     def styled(*args: Given.args, **kwargs: Given.kwargs) -> Shown:
-        with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+        from matplotlib import rc_context
+
+        with rc_context(STYLE):  # type: ignore[arg-type]
             return draw(*args, **kwargs)
 
     return styled
@@ -272,11 +273,8 @@ def draw_mechanism(
     axes.set_title(title)
     ghost(axes, swept)
     fast = np.abs(velocity).max(axis=1) > 1e-4 * np.abs(velocity).max()
-    for chosen, grey in (
-        (~fast & ~start.supports, MASONRY),
-        (start.supports, SUPPORT),
-        (fast & ~start.supports, MOVING),
-    ):
+    own = ~start.supports
+    for chosen, grey in ((~fast & own, MASONRY), (start.supports, SUPPORT), (fast & own, MOVING)):
         fill(axes, start, np.flatnonzero(chosen), grey)
     for style, pieces in ((THRUST, thrust), (SLIDING, slides), (TIE, ties)):
         for line in pieces:
@@ -308,25 +306,25 @@ def draw_curve(
 @_styled
 def film(shapes: Sequence[Shape], drawn: Shape, titles: Sequence[str], interval: float) -> FuncAnimation:
     """Return an animation of blocks over their outlines as drawn, a frame each `interval`, s."""
-    import matplotlib.pyplot as plt  # late: as above
+    import matplotlib.pyplot as plt
     from matplotlib.animation import FuncAnimation
 
     bounds = union([drawn, *shapes])
     width, height = bounds[2] - bounds[0], bounds[3] - bounds[1]
     figure = plt.figure(figsize=(WIDE, WIDE * min(1.5, max(0.4, height / width))))
     axes = _axes(figure.add_axes((0.0, 0.0, 1.0, 0.92)), bounds)
-    axes.add_artist(PathPatch(drawn.path(drawn.every), **GHOST))
+    ghost(axes, drawn)
     roles = [(np.flatnonzero(~drawn.supports), MASONRY), (np.flatnonzero(drawn.supports), SUPPORT)]
     groups: list[tuple[Any, PathPatch]] = []
     for chosen, grey in roles:
         if len(chosen):
-            patch = PathPatch(shapes[0].path(chosen), facecolor=grey, edgecolor=INK, linewidth=0.45)
+            patch = _patch(shapes[0], chosen, FILLED | {"facecolor": grey})
             axes.add_patch(patch)
             groups.append((chosen, patch))
 
     def show(frame: int) -> list[PathPatch]:
         for chosen, patch in groups:
-            patch.set_path(shapes[frame].path(chosen))
+            patch.set_path(_patch(shapes[frame], chosen, {}).get_path())
         axes.set_title(titles[frame])
         return [patch for _, patch in groups]
 

@@ -16,13 +16,13 @@ from mechanics.kernels.joint import H
 from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints
 from mechanics.model.contacts import Contacts, drawn_contacts, tie_contacts
 from mechanics.model.proximity import Outlines
+from mechanics.pictures import Shape, draw_state, place
 from mechanics.types import GRAVITY, Array, Index, Mask
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-    from mechanics.pictures import Shape
 
 LIGHTEST = (
     1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
@@ -135,8 +135,6 @@ class Assembly:
     @cached_property
     def shape(self) -> Shape:
         """The outlines of the blocks as drawn, for pictures."""
-        from mechanics.pictures import Shape  # late: with it comes matplotlib
-
         b = self.blocks
         return Shape.of([e.polygon for e in b], [e.centroid for e in b], (~self.movable).tolist())
 
@@ -150,16 +148,12 @@ class Assembly:
 
         `state`: default as drawn; `magnified`: factor of its displacements; `axes`: default those of a new figure.
         """
-        from mechanics.pictures import draw_state  # late: as above
-
         moved, ties = self.displaced(self.starting(state)), self.tie_ends(self.starting(state), magnified)
         title = "" if magnified == 1.0 else f"displacements × {magnified:g}"
         return draw_state(self.shape.moved(moved, magnified), self.shape, ties, title, axes)
 
     def tie_ends(self, state: State, magnified: float = 1.0) -> list[Array]:
         """Return the ends (2, 2), m, of every tie in a state, its displacements magnified, for pictures."""
-        from mechanics.pictures import place  # late: as above
-
         moved, middles = self.displaced(state), self.shape.centroids
         found = zip([np.asarray(tie.points) for tie in self.ties], self.tie_blocks, strict=True)
         return [ends + magnified * (place(ends, pair, middles, moved) - ends) for ends, pair in found]

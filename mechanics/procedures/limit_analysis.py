@@ -27,6 +27,7 @@ from mechanics.kernels.law import FRICTION, STEEP
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points
+from mechanics.pictures import draw_mechanism, through_blocks
 from mechanics.program import BOUNDED, LARGEST_MULTIPLIER, Certificate, Program, Solution, certify
 from mechanics.solvers import GOOD, USABLE, iterated, solve
 from mechanics.solvers.elimination import Elimination
@@ -76,7 +77,6 @@ class Limit:
 
         Blocks that move are grey, where they go is dashed; `axes` of matplotlib: by default those of a new figure.
         """
-        from mechanics.pictures import draw_mechanism, through_blocks  # late: with it comes matplotlib
         from mechanics.procedures.mechanism import CARRYING, hinges, pressure_centres
 
         model, contacts, at = self.model, self.contacts, self.state.positions
@@ -212,7 +212,7 @@ def _least(
     any mechanism, whatever its frictions, are with it one of its flows. Of the mechanisms that fit the forces in the
     end, that of least gaps and slips is taken. None where no flow is found, and the central one is not given.
     """
-    from mechanics.solvers import lp_highs  # late: with them comes scipy.optimize
+    from mechanics.solvers import lp_highs, qp_piqp  # late: with them comes scipy.optimize
 
     none, chance = LIMIT.idle * program.weight, np.random.default_rng(0)
     if central is None or iterate is None:
@@ -226,9 +226,9 @@ def _least(
         displacement, flowing = central.displacement, flows_at(program, central.forces, iterate.gaps)
         if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
             return central  # what only turns has one multiplier
-    best, tries = central, 0
+    best, tries, form = central, 0, qp_piqp.StandardForm.of(program)
     while tries <= min(LIMIT.tries, LIMIT.tried // len(flowing)):
-        answer = lp_highs.least_multiplier(program, flowing)
+        answer = lp_highs.least_multiplier(form, flowing)
         other, tries = None, tries + 1
         if answer is not None:
             found = Solution(*answer, displacement, certify(program, *answer, displacement))

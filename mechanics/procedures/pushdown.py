@@ -21,6 +21,7 @@ from mechanics.errors import (
 )
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
+from mechanics.pictures import film, magnification
 from mechanics.procedures.model_check import check_path, sound
 from mechanics.procedures.step_control import Bisection, follow, reach
 from mechanics.program import Certificate
@@ -89,15 +90,11 @@ class Pushdown:
 
         `magnified`: factor of displacements, by default one that lets them be seen.
         """
-        from mechanics.pictures import magnification  # late: with it comes matplotlib
-
         times = magnified or magnification(self.model.shape, self.model.displaced(self.final))
         return self.model.plot(self.final, times, axes)
 
     def animate(self, interval: float = 0.1) -> FuncAnimation:
         """Return the points of the path as a film, one each `interval`, s; `.save("path.gif")` writes it."""
-        from mechanics.pictures import film  # late: as above
-
         shapes = [self.model.shape.moved(self.model.displaced(state)) for state in self.states]
         return film(shapes, self.model.shape, [f"{1000.0 * each:.4g} mm" for each in self.movement], interval)
 

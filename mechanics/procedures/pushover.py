@@ -23,6 +23,7 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
+from mechanics.pictures import draw_curve, film
 from mechanics.procedures.limit_analysis import limit_analysis, limit_in
 from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.model_check import check_path
@@ -139,8 +140,6 @@ class Pushover:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the curve with α_0, and d_0 where α vanishes or equilibrium ends; return the matplotlib axes."""
-        from mechanics.pictures import draw_curve  # late: with it comes matplotlib
-
         d = 1000.0 * self.displacement
         marks = {"α_0": (float(d[self.peak]), self.alpha_0)}
         if self.reached_zero or self.lost:
@@ -150,8 +149,6 @@ class Pushover:
 
     def animate(self, interval: float = 0.05) -> FuncAnimation:
         """Return the points of the curve as a film, one each `interval`, s; `.save("push.gif")` writes it."""
-        from mechanics.pictures import film  # late: as above
-
         shapes = [self.model.shape.moved(self.model.displaced(state)) for state in self.states]
         points = zip(1000.0 * self.displacement, self.multiplier, strict=True)
         return film(shapes, self.model.shape, [f"d = {d:.4g} mm, α = {a:.4g}" for d, a in points], interval)

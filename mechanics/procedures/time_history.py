@@ -20,6 +20,7 @@ from mechanics.kernels.dynamics.motion import TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
+from mechanics.pictures import draw_curve, film
 from mechanics.procedures.collapse import ControlPoint, collapse, far, passing_through
 from mechanics.procedures.elastic_periods import contact_period, first_frequency
 from mechanics.procedures.energy import Energy, may_fall
@@ -164,8 +165,6 @@ class TimeHistory:
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the displacement of the control point, without one of the block that goes farthest; return the axes."""
-        from mechanics.pictures import draw_curve  # late: with it comes matplotlib
-
         moved = self.positions[:, :, 0] - self.start.positions[:, 0]
         block = int(abs(moved).max(axis=0).argmax())
         whose, x = f"block {block}", moved[:, block]
@@ -176,8 +175,6 @@ class TimeHistory:
 
     def animate(self, frames_per_second: int = 25) -> FuncAnimation:
         """Return the motion as a film in real time; `.save("motion.gif")` writes it."""
-        from mechanics.pictures import film  # late: as above
-
         wanted = np.arange(0.0, self.time[-1], 1.0 / frames_per_second)
         kept = np.unique(np.searchsorted(self.time, wanted - 1e-9))
         shapes = [self.model.shape.moved(self.positions[at] - self.model.initial.positions) for at in kept]

@@ -67,19 +67,19 @@ def least_residual(program: Program, closed: Mask) -> float:
     return float(abs(form.a @ forces - form.b).max())
 
 
-def least_multiplier(program: Program, flowing: Mask) -> tuple[Array, float] | None:
+def least_multiplier(form: StandardForm, flowing: Mask) -> tuple[Array, float] | None:
     """Return forces (j, 3) and the least multiplier α ≥ 0 with which they balance the loads and fit a mechanism.
 
     `flowing` (j, 4): what the mechanism opens or slides, y₁, y₂, λ₊ and λ₋: there N₁, N₂, μN + T or μN − T is zero.
     None if there are no such forces.
     """
-    form = StandardForm.of(program)
     first, second, forth, back = flowing.T
     idle = np.stack([first | forth, first | back, second | forth, second | back], axis=1)  # rays of +T and −T
-    idle |= ((forth | back) & np.isinf(program.law[:, FRICTION]))[:, None]  # what presses does not slide
+    idle |= ((forth | back) & np.isinf(form.program.law[:, FRICTION]))[:, None]  # what presses does not slide
     q = np.zeros(len(form.q))
     q[form.rays] = 1.0
-    bounds = [(0.0, 0.0 if none else None) for none in idle.ravel()] + [(0.0, LARGEST_MULTIPLIER)]
+    bounds = np.zeros((len(q), 2))
+    bounds[:, 1] = np.append(np.where(idle.ravel(), 0.0, np.inf), LARGEST_MULTIPLIER)
     # where no forces fit, the simplex method may take minutes to say so
     found = linprog(q, A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ipm", options=EXACTLY)
     if found.status != 0:

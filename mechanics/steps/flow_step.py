@@ -67,7 +67,7 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
     Its work is that of the `problem`, kNm. Source: the program of eq. 5 without dilation; docs/theory.md, Static paths.
     Raises NoEquilibriumError where blocks fall, ConvergenceError where the flow ends.
     """
-    from mechanics.solvers import lp_highs  # late: with them comes scipy.optimize
+    from mechanics.solvers import lp_highs, qp_piqp  # late: with them comes scipy.optimize
 
     system, model = problem.system, problem.system.model
     assert last.iterate is not None
@@ -91,7 +91,7 @@ def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilib
     else:
         raise ended
     program, _ = problem.pose(at, None, index)
-    answer = lp_highs.least_multiplier(program, gaps > STEP.touching * program.step)
+    answer = lp_highs.least_multiplier(qp_piqp.StandardForm.of(program), gaps > STEP.touching * program.step)
     if answer is None:
         raise ended
     forces, alpha = answer

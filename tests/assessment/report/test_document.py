@@ -12,11 +12,11 @@ from markupsafe import Markup
 
 from assessment.report.chapters.lead import lead
 from assessment.report.chapters.synthesis import basis, synthesis_grid
-from assessment.report.document import CHAPTERS, render_html, write_page, write_pdf
-from assessment.report.figures.index import pictures, write_figures
+from assessment.report.document import CHAPTERS, render_html, write_pdf
+from assessment.report.figures.index import pictures
 from assessment.report.language import LANGUAGES, NO_BREAK, Words, words_of
 from assessment.report.printing import APT_COMMAND, COMMANDS
-from assessment.runtime.pool import Pool
+from assessment.workflow.run import write
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
@@ -42,10 +42,8 @@ def report(tmp_path_factory):
     pytest.importorskip("weasyprint", exc_type=OSError)
     folder = tmp_path_factory.mktemp("it")
     results = results_example("it")
-    one_direction(results)  # half the time; test_products has both
-    write_figures(Pool(0, typed(results)), folder / "figures")
-    write_page(typed(results), folder)
-    assert write_pdf(typed(results), folder) == []
+    one_direction(results)  # half the time
+    assert write(typed(results), folder) == []
     pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
     return "it", results, folder, pages
 
@@ -126,13 +124,29 @@ def test_figures_and_tables_are_numbered_without_gaps(report):
 
 def test_no_page_is_empty_and_nothing_is_left_unfilled(report):
     _, _, made, pages = report
-    assert sorted(path.name for path in made.iterdir()) == ["figures", "report.html", "report.pdf"]
+    assert {"figures", "report.html", "report.pdf"} <= {path.name for path in made.iterdir()}
     assert min(len(page) for page in pages) > 100
     html = (made / "report.html").read_text()
     assert not re.search(
         r"\bNone\b|\bnan\b|\{\w+\}|http",
         re.sub(r"base64,[^\"]*|<(style|script).*?</\1>", "", html, flags=re.S),
     )
+
+
+def test_the_same_results_leave_the_same_bytes(report, tmp_path):
+    """In two processes what was made in one: every file."""
+    _, results, made, _ = report
+    shares: list[float] = []
+    assert write(typed(results), tmp_path, jobs=2, reached=shares.append) == []
+    assert 0.0 < shares[0] < 0.05 and 0.9 < shares[-1] <= 1.0 and shares == sorted(shares)
+    before, after = (
+        {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        for folder in (made, tmp_path)
+    )
+    assert before.keys() == after.keys() and {".pdf", ".docx", ".html", ".svg", ".png", ".csv", ".json"} <= {
+        name.suffix for name in before
+    }
+    assert [name for name in before if before[name] != after[name]] == []
 
 
 def without_settlement(results):
