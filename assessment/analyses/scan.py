@@ -7,15 +7,20 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     every level down to DOWN of the lowest that collapses; a collapse there begins this again
     upwards, until CERTAIN levels in a row above the highest that stands collapse
     the levels of the project's histories of the record
-    downwards in strides of DOWN, until the level that counts is not below all that were run (probit of bands far apart)
     around the lowest bracket the levels half-way, one for each member of an ensemble after the first
+    downwards in strides of DOWN, until the level that counts is not below all that were run (probit of bands far apart)
+    where a level may hide a collapse: half-way to the next that was run, or below all, to DOWN² of the lowest
     the lowest bracket is halved to the width asked for
+
+A level hides a collapse the farther away, the less it moves the structure: CLOSEST (u_max/u)³ in ln level from it, with
+its peak displacement u and the largest one, u_max, with which the structure stood (docs/campaigns.md, "Limits").
 """
 
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from assessment.analyses.fragility import observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
@@ -31,9 +36,10 @@ DOWN = 0.7  # of the lowest collapse: down to there every level is run
 CERTAIN = 2  # levels in a row above all that stand
 FARTHEST = 8  # levels: the longest stride down to the first that stands
 UPWARDS = 2  # levels: the longest stride up to the first collapse, not to pass over a band
+CLOSEST = 0.0125  # ln level: the spacing beside a level that moves the structure as far as it ever stood
 LEAST = 1e-3  # g: the lowest level
 CURVE_POINTS = 400  # of a curve: those of ten thousand motions stay below 100 MB
-EXPECTED = 14  # motions of a scan, about
+EXPECTED = 25  # motions of a scan, about
 
 
 @dataclass(frozen=True)
@@ -92,10 +98,10 @@ def scan(
     try:
         if reach.stripes:
             for pga in reach.stripes:
-                levels.collapses(pga)
+                levels.peak(pga)
         else:
             also = [abs(factor) * motion.pga for name, factor in reach.histories if name == motion.name]
-            scan_levels(levels.collapses, motion.pga, reach, near, also)
+            scan_levels(levels.peak, motion.pga, reach, near, also)
     except ConvergenceError as error:
         found.reason = error.message
     found.points = [levels.points[pga] for pga in sorted(levels.points)]
@@ -122,20 +128,21 @@ def scan(
 
 
 def scan_levels(
-    falls: Callable[[float], bool | None],
+    peak: Callable[[float], float | None],
     pga: float,
     reach: Reach,
     near: float | None = None,
     also: Sequence[float] = (),
 ) -> None:
-    """Ask at which levels (g) a structure `falls`, None: not known, near the lowest; `pga` (g): of the record.
+    """Ask for the `peak` displacement (m) at levels (g) near the lowest collapse; `pga` (g): of the record.
 
-    `also` (g): levels that are run, and around which collapse is looked for as well.
+    The peak of a collapse is ∞; None: not known. `also` (g): levels that are run, and around which collapse is looked
+    for as well.
     """
-    lattice = _Lattice(falls, pga, reach)
+    lattice = _Lattice(peak, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands
     place, stride, fell = lattice.nearest(near or pga), 1, None
-    while (now := lattice.run(place)) in (fell, None) or fell is None:
+    while (now := lattice.falls(place)) in (fell, None) or fell is None:
         fell = fell if now is None else now
         end = lattice.top if fell is False else lattice.bottom
         if place == end:
@@ -144,71 +151,102 @@ def scan_levels(
         stride = min(2 * stride, UPWARDS if fell is False else FARTHEST)
     _run_missing(lattice)
     for level in also:
-        lattice.run(math.log(level / pga) / math.log(lattice.ratio))
-        _run_missing(lattice)
-    while (farther := lattice.farther_down()) is not None:
-        lattice.run(farther)
+        lattice.falls(lattice.place(level))
         _run_missing(lattice)
     if reach.members > 1 and (fallen := lattice.those(True)):
         low = min(fallen)
         half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
         for half in half_way[: reach.members - 1]:
-            lattice.run(half)
+            lattice.falls(half)
+        _run_missing(lattice)
+    while (next_one := lattice.suspected()) is not None:
+        lattice.falls(next_one)
         _run_missing(lattice)
     known: bool | None = True
     while known is not None and (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
-        known = lattice.at(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
+        known = lattice.falls(
+            lattice.place(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
+        )
 
 
 class _Lattice:
-    """The levels pga·ratio^k, up to the largest; places k that were run, with whether the structure fell."""
+    """The levels pga·ratio^k, up to the largest; peaks of the places k that were run, whole numbers or not."""
 
-    def __init__(self, falls: Callable[[float], bool | None], pga: float, reach: Reach) -> None:
-        self.falls, self.pga, self.ratio = falls, pga, reach.ratio
+    def __init__(self, peak: Callable[[float], float | None], pga: float, reach: Reach) -> None:
+        self.peak, self.pga, self.ratio = peak, pga, reach.ratio
         self.largest = reach.max_scale * pga
-        step = math.log(reach.ratio)
-        self.top = math.ceil(math.log(reach.max_scale) / step - 1e-9)
-        self.bottom = min(math.ceil(math.log(LEAST / pga) / step), self.top)
-        self.depth = math.ceil(math.log(1.0 / DOWN) / step - 1e-9)
-        self.tried: dict[float, bool | None] = {}
-        self.levels: dict[float, bool | None] = {}
+        self.step = math.log(reach.ratio)
+        self.top = math.ceil(math.log(reach.max_scale) / self.step - 1e-9)
+        self.bottom = min(math.ceil(math.log(LEAST / pga) / self.step), self.top)
+        self.depth = math.ceil(math.log(1.0 / DOWN) / self.step - 1e-9)
+        self.peaks: dict[float, float | None] = {}
+
+    def place(self, level: float) -> float:
+        """Return the place of a level (g); a level of the lattice to rounding is there."""
+        return round(math.log(level / self.pga) / self.step, 9)
 
     def nearest(self, level: float) -> int:
-        """Return the place of a level (g)."""
-        return min(max(round(math.log(level / self.pga) / math.log(self.ratio)), self.bottom), self.top)
+        """Return the place of the lattice that is nearest to a level (g)."""
+        return min(max(round(self.place(level)), self.bottom), self.top)
 
-    def run(self, place: float) -> bool | None:
-        """Whether the structure falls at a place; half a place lies between two."""
-        if place not in self.tried:
-            self.tried[place] = self.at(min(self.pga * self.ratio**place, self.largest))
-        return self.tried[place]
+    def level(self, place: float) -> float:
+        """Return the level (g) of a place."""
+        return min(self.pga * self.ratio**place, self.largest)
 
-    def at(self, level: float) -> bool | None:
-        """Whether the structure falls at a level (g)."""
-        if level not in self.levels:
-            self.levels[level] = self.falls(level)
-        return self.levels[level]
+    def falls(self, place: float) -> bool | None:
+        """Whether the structure falls at a place; None: not known."""
+        if place not in self.peaks:
+            self.peaks[place] = self.peak(self.level(place))
+        peak = self.peaks[place]
+        return None if peak is None else peak == math.inf
 
     def those(self, fell: bool) -> list[float]:
         """Places at which the structure falls, or stands."""
-        return [place for place, outcome in self.tried.items() if outcome is fell]
+        return [place for place in self.peaks if self.falls(place) is fell]
 
-    def farther_down(self) -> int | None:
+    def suspected(self) -> float | None:
+        """Return the place where a lower collapse is to be looked for next; None: nowhere."""
+        farther = self.farther_down()
+        return self.hiding() if farther is None else farther
+
+    def farther_down(self) -> float | None:
         """Return a place below all that were run where the level that counts is there; None: it is among them."""
-        known = {level: fell for level, fell in self.levels.items() if fell is not None}
-        lowest, counts = math.floor(min(self.tried)), observed(list(known), list(known.values())).capacity
-        if counts is None or counts >= min(self.levels) or lowest == self.bottom:
+        known = [(self.level(place), fell) for place in self.peaks if (fell := self.falls(place)) is not None]
+        lowest = math.floor(min(self.peaks))
+        counts = observed([level for level, _ in known], [fell for _, fell in known]).capacity
+        if counts is None or counts >= self.level(min(self.peaks)) or lowest == self.bottom:
             return None
         return max(lowest - self.depth, self.bottom)
 
+    def hiding(self) -> float | None:
+        """Return the place below the lowest collapse that is most likely to hide another; None: no place is."""
+        low = min(self.those(True), default=-math.inf)
+        largest = max((self.peaks[place] or 0.0 for place in self.those(False)), default=0.0)
+        runs = sorted(place for place in self.peaks if place <= low)
+        if not largest or not runs:
+            return None
+        shares = [
+            ((self.peaks[place] or 0.0) / largest) ** 3 if self.falls(place) is False else 0.0
+            for place in runs
+        ]
+        hidden = [
+            ((above - below) * max(both), 0.5 * (below + above))
+            for (below, above), both in zip(pairwise(runs), pairwise(shares), strict=True)
+        ]
+        closest, lowest = CLOSEST / self.step, math.floor(runs[0])
+        if lowest > max(self.bottom, low - 2 * self.depth):
+            known = min(closest / shares[0], self.depth) if shares[0] else self.depth
+            hidden.append((self.depth * shares[0], max(lowest - max(math.floor(known), 1), self.bottom)))
+        most, place = max(hidden, default=(0.0, 0.0))
+        return place if most > closest else None
+
     def bracket(self) -> tuple[float, float] | None:
         """Return the largest level (g) below all collapses, 0: none, and the lowest collapse; None without one."""
-        fallen = [level for level, fell in self.levels.items() if fell]
-        if not fallen:
+        low = min(self.those(True), default=None)
+        if low is None:
             return None
-        low = min(fallen)
-        below = (level for level, fell in self.levels.items() if fell is False and level < low)
-        return max(below, default=0.0), low
+        below = (self.level(place) for place in self.those(False) if place < low)
+        return max(below, default=0.0), self.level(low)
 
 
 def _run_missing(lattice: _Lattice) -> None:
@@ -218,10 +256,10 @@ def _run_missing(lattice: _Lattice) -> None:
         high = math.floor(max(lattice.those(False), default=low - 1))
         below = range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1)
         above = range(low + 1, min(max(high, low - 1) + CERTAIN, lattice.top) + 1)
-        place = next((each for each in (*below, *above) if each not in lattice.tried), None)
+        place = next((each for each in (*below, *above) if each not in lattice.peaks), None)
         if place is None:
             return
-        lattice.run(place)
+        lattice.falls(place)
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,8 +288,8 @@ class _Motions:
     counts: dict[str, int] = field(default_factory=lambda: {"motions": 0})
     worst: float = 0.0
 
-    def collapses(self, pga: float) -> bool | None:
-        """Run the motions of a level, of stripes the members of an ensemble; whether any collapses, None: not known."""
+    def peak(self, pga: float) -> float | None:
+        """Run the motions of a level, of stripes the members of an ensemble; peak (m), ∞: collapse, None: not known."""
         scatter = self.scatter if self.reach.stripes else replace(self.scatter, members=1)
         members: list[_Member] = []
         try:
@@ -262,7 +300,7 @@ class _Motions:
                 raise
             self.refused[pga] = error.message
         self.points[pga] = self._point(pga, members)
-        return self.points[pga].collapsed
+        return math.inf if self.points[pga].collapsed else self.points[pga].peak_displacement_m
 
     def _run(self, pga: float, number: int) -> _Member:
         factor = self.scatter.strongest_first[number] * pga / self.motion.pga

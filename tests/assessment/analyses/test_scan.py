@@ -14,7 +14,7 @@ from scipy.special import ndtr
 from assessment.analyses import scan as scans
 from assessment.analyses.fragility import Observed, RecordLevel, observed, over_records
 from assessment.analyses.histories import Scatter
-from assessment.analyses.scan import CERTAIN, DOWN, FARTHEST, Reach, scan, scan_levels
+from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, FARTHEST, Reach, scan, scan_levels
 from assessment.analyses.time_history import Setting
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
@@ -29,15 +29,15 @@ RATIO = 1.05
 
 
 class Trial:
-    """A structure that collapses in some intervals of the level; notes what is run."""
+    """A structure that collapses in intervals of the level, else it moves by `moves`(level). Notes what is run."""
 
-    def __init__(self, *falls):
-        self.falls, self.tried = falls, {}
+    def __init__(self, *falls, moves=lambda level: 0.0):
+        self.falls, self.moves, self.tried = falls, moves, {}
 
     def __call__(self, level):
         assert level not in self.tried
         self.tried[level] = any(low <= level < high for low, high in self.falls)
-        return self.tried[level]
+        return math.inf if self.tried[level] else self.moves(level)
 
     def seen(self, near=None, pga=0.3, **reach):
         scan_levels(self, pga, Reach(**({"max_scale": 8.0} | reach)), near)
@@ -64,6 +64,45 @@ def test_a_history_that_falls_lowers_the_scan():
     scan_levels(found, 0.32, Reach(max_scale=8.0), 0.9, also=(0.47,))
     seen = observed(list(found.tried), list(found.tried.values()))
     assert seen.lowest == pytest.approx(0.458, rel=0.05) and min(found.tried) <= 0.33
+
+
+def test_large_displacements_far_below_the_lowest_collapse_announce_a_band():
+    """The band lies below 0.7 of the collapse that the scan meets first; the structure moves as far there as at it."""
+
+    def moves(level):
+        return 1.0 if 0.44 < level < 0.75 or level > 0.95 else 0.3 * level
+
+    quiet, told = Trial((0.458, 0.466), (0.99, 9.0)), Trial((0.458, 0.466), (0.99, 9.0), moves=moves)
+    assert quiet.seen(near=0.9, pga=0.32).lowest > 0.9
+    assert told.seen(near=0.9, pga=0.32).lowest < 0.466
+
+
+@given(
+    limit=st.floats(0.2, 2.0),
+    grows=st.floats(0.0, 6.0),
+    bands=st.lists(st.tuples(st.floats(0.1, 2.0), st.floats(0.001, 0.1)), max_size=3),
+    lost=st.integers(0, 60),
+)
+def test_a_level_that_moves_the_structure_far_has_close_neighbours(limit, grows, bands, lost):
+    """Below the lowest collapse no gap exceeds CLOSEST (u_max/u)³; the lowest tells as far or is at half of it."""
+    trial = Trial(
+        (limit, 99.0), *((low, low * (1.0 + width)) for low, width in bands), moves=lambda u: u**grows
+    )
+    peaks = {}
+
+    def peak(level):
+        peaks[level] = None if len(peaks) == lost else trial(level)
+        return peaks[level]
+
+    scan_levels(peak, 0.3, Reach(8.0))
+    low = min(level for level, u in peaks.items() if u == math.inf)
+    standing = {level: u for level, u in peaks.items() if u is not None and u < math.inf}
+    largest, runs = max(standing.values()), sorted(level for level in peaks if level <= low)
+    within = [CLOSEST * (largest / standing[each]) ** 3 if each in standing else math.inf for each in runs]
+    for one, other, near, far in zip(runs, runs[1:], within, within[1:], strict=False):
+        assert math.log(other / one) <= min(near, far) * (1.0 + 1e-6)
+    assert runs[0] <= max(0.00106, 0.5 * low) or within[0] >= math.log(1.0 / DOWN) - math.log(RATIO)
+    assert len(peaks) <= 250
 
 
 def largest_ratio(levels):
@@ -154,7 +193,8 @@ def test_a_level_that_cannot_be_completed_counts_as_neither_and_the_scan_goes_on
         again = Trial((0.5, 99.0))
 
         def falls(level, again=again, lost=lost):
-            return None if again(level) is None or level == lost else again.tried[level]
+            peak = again(level)
+            return None if level == lost else peak
 
         scan_levels(falls, 0.3, Reach(8.0))
         known = {level: fell for level, fell in again.tried.items() if level != lost}
