@@ -18,7 +18,7 @@ from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, FARTHEST, Reach, sc
 from assessment.analyses.time_history import Setting
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
-from assessment.studies.scans import level_found, observed_in
+from assessment.studies.scans import observed_in
 from mechanics import Assembly, Block, ConvergenceError, Material
 from mechanics.messages import message
 from mechanics.records.record import Record
