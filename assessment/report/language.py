@@ -202,6 +202,7 @@ COARSE = 2  # digits of numbers that follow from a few records, or are only show
 WHOLE = "*"  # the macro-element of a mechanism in which every layer moves
 COUNTED = re.compile(r"(\d+) \+ (\d+)")  # a mechanism by its hinges and sliding joints
 GENERATED = re.compile(r"^generated (\d+)$")  # the name of a record that the program made
+SAID = ("state", "record", "direction", "limit_state", "stage")  # columns that are fields of sentences too
 INDEX = re.compile(r"_(\w+(?:,\w+)*)")
 
 
@@ -416,13 +417,10 @@ def _item(name: str, item: Any, form: str, words: Words) -> str:
         return translated(item, words)
     if not isinstance(item, str):
         return words.comma(english(item, form)).replace("-", "−")
-    if name == "state":
-        return words.state(item)
-    if name == "check":
-        return check_name(item, words)
     if name == "contacts" and words.language != "en":
         return words.plain(f"value.{item}")
-    return direction_name(item) if name == "direction" else item
+    named = {"check": "limit_state", "study": "stage"}.get(name, name)
+    return WRITERS[named](item, words) if named in SAID else item
 
 
 @cache

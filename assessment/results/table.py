@@ -182,7 +182,7 @@ class Derived(Part):
     efficient: str = key("", "La più efficiente|Most efficient")
     analysis: str = key("", "Analisi|Analysis")
     pga_surface_g: float = key("", "PGA", null="not_determined", ground="surface")
-    over_static: float = key("", "Su quella statica|Over the static one", null="none", ratio=True)
+    over_static: float = key("", "Sulla statica minima|Over the least static one", null="none", ratio=True)
     capacity_loss: float = key("", "Perdita|Loss", shown="%", digits=2, null="none")
     static_loss: float = key("", "Perdita statica|Static loss", shown="%", digits=2)
     work_load: float = key("", "W_s δ_x", unit="kNm")

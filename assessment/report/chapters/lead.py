@@ -41,10 +41,11 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     value = check.zeta_E if check else getattr(row, quantity)
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
+    where = [words.plain("value.pushover"), limit if check else "", direction_name(row.direction or "")]
     place = {
         "symbol": indexed(label(quantity, words)),
         "value": written(quantity, value, words),
-        "where": ", ".join([*([limit] if check and limit else []), direction_name(row.direction or "")]),
+        "where": ", ".join(filter(None, where)),
         "outcome": outcome,
     }
     if name == ORIGINAL:

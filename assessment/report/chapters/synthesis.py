@@ -82,9 +82,9 @@ def basis(results: Results, words: Words) -> Iterator[Markup]:
     yield _friction(results, words)
     if results.echo.assessment:
         yield knowledge(results, words)
-    if (demand := (results.spectra or {}).get("SLV")) is not None:
-        pga = demand.pga_g if demand.pga_g is not None else demand.a_g_g
-        yield words("synthesis.hazard", pga=pga, reference=reference_life(results, words))
+    if (demand := (results.spectra or {}).get(limit := index_limit(results) or "")) is not None:
+        life, pga = reference_life(results, words), demand.pga_g or demand.a_g_g
+        yield words("synthesis.hazard", pga=pga, limit=limit, reference=life)
     yield _range(results, words)
     yield _pressure(results, words)
     if decree := results.echo.report.get("protection"):
@@ -117,15 +117,15 @@ def knowledge(results: Results, words: Words) -> Markup:
 
 
 def reference_life(results: Results, words: Words) -> Markup:
-    """Return V_N, C_U, V_R and the return period at SLV; empty without a nominal life and a class of use."""
+    """Return V_N, C_U, V_R and the return period of the index; empty without a nominal life and a class of use."""
     site = (results.echo.assessment or {}).get("site") or {}
     life, use = site.get("nominal_life_years"), site.get("use_class")
     if not life or use not in USE_COEFFICIENT:
         return Markup("")
     figures = {"V_N": life, "C_U": USE_COEFFICIENT[use], "V_R": life * USE_COEFFICIENT[use]}
     shown = {name: words.comma(f"{value:g}") for name, value in figures.items()}
-    shown["T_R"] = words.rounded(return_period("SLV", life, use), 0)
-    return words("synthesis.life", use_class=use, **shown)
+    shown["T_R"] = words.rounded(return_period(limit := index_limit(results) or "SLV", life, use), 0)
+    return words("synthesis.life", use_class=use, limit=limit, **shown)
 
 
 def _range(results: Results, words: Words) -> Markup:

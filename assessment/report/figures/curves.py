@@ -132,10 +132,8 @@ def draw_spectra(
     Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
     latter meets the line of period T of the limit state at d*. The curve with elastic joints is grey.
     """
-    columns, mm = min(2, len(views)), scale("d_star_m")
-    figure, panels = chart(
-        words, columns=columns, rows=-(-len(views) // columns), height_mm=60.0, foot_mm=14.0
-    )
+    columns, mm, demand = min(2, len(views)), scale("d_star_m"), "outside"
+    figure, panels = chart(words, columns, -(-len(views) // columns), height_mm=60.0, foot_mm=14.0)
     spectrum = (results.spectra or {}).get(limit)
     frames = _frames(results, views, limit)
     for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=False):
@@ -155,6 +153,8 @@ def draw_spectra(
                 displacement = mm * factor * np.asarray(spectrum.damped_S_De_m)[shown]
                 acceleration = factor * np.asarray(spectrum.damped_S_e_g)[shown]
                 axes.plot(displacement, acceleration, color="0.0", linewidth=0.9, linestyle=dashes)
+                if dashes == DASHES[2] and ((displacement < mm * reach) & (acceleration < top)).any():
+                    demand = "spectrum"
         if point.d_star_m is not None:
             _limit_point(axes, point, limit)
     for axes in panels[len(views) :]:
@@ -165,7 +165,7 @@ def draw_spectra(
     handles = [key(words.plain("figure.fitted_curve"), linewidth=1.9)]
     handles += [key(words.plain("figure.elastic_capacity"), **ELASTIC)] if elastic else []
     handles += [key(borne, linewidth=0.9)]
-    handles += [key(words.plain("figure.demand_spectrum", limit=limit), linewidth=0.9, linestyle=DASHES[2])]
+    handles += [key(words.plain(f"figure.demand_{demand}", limit=limit), linewidth=0.9, linestyle=DASHES[2])]
     figure.legend(handles=handles, loc="lower center", ncols=2)
     return figure
 

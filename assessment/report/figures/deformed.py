@@ -50,7 +50,8 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
     """Draw a settled state, magnified until it shows, and the last one before collapse where it was found."""
     shape, content = outlines(results), results.states[state]
     times = pictures.magnification(shape, content.configuration)
-    views: list[tuple[str, Configuration, float]] = [(_times(times, words), content.configuration, times)]
+    assigned = words.plain("figure.assigned", times=_times(times, words))
+    views: list[tuple[str, Configuration, float]] = [(assigned, content.configuration, times)]
     for contacts, path in content.pushdown.items():
         if path.ultimate_configuration is not None:
             title = words.plain("figure.ultimate", contacts=contacts, movement=path.ultimate_movement_m)
@@ -79,7 +80,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     shown = [shape, view, *([mechanism.start, mechanism.swept] if mechanism else [])]
     sizes = {"border_mm": 7.0, "below_mm": 7.0, "foot_mm": foot(2), "height_mm": 88.0, "most_mm": 55.0}
     page = sheet(pictures.union(shown), 2 if mechanism else 1, **sizes)
-    axes, handles = page.panels[0], [parts.ghost_handle(words.plain("figure.original_outline"))]
+    axes, handles = page.panels[0], [parts.ghost_handle(words.plain("figure.before"))]
     axes.set_title(words.state(settled or "original") + (f", {_times(times, words)}" if settled else ""))
     if settled:
         pictures.ghost(axes, shape)
@@ -91,7 +92,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
         page.panels[1].set_title(words.at(*governing))
         mechanism.draw(page, page.panels[1])
         parts.push_arrow(page, page.panels[1], mechanism.swept.bounds, governing[1])
-        handles = [*(handles if settled else []), *mechanism_handles([mechanism], words)[1:]]
+        handles += mechanism_handles([mechanism], words)[1:]
     page.legend(handles, words)
     return page.figure
 

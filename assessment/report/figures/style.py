@@ -184,8 +184,7 @@ def sheet(
     """
     x0, z0, x1, z1 = bounds
     width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
-    head_mm = 9.0
-    most = most_mm if count == 1 else 85.0  # of several, so that two figures stand on a page
+    head_mm, most = 9.0, most_mm if count == 1 else 85.0  # of several, so that two figures stand on a page
 
     def denominator(columns: int) -> float:
         across = WIDTH_MM / columns - 2.0 * border_mm
@@ -193,7 +192,8 @@ def sheet(
         needed = max(width / across, height / max(up, 1.0)) * 1000.0
         return next((scale for scale in SCALES if scale >= needed - 1e-9), needed)
 
-    columns = min({1: (1,), 3: (3, 1)}.get(count, (2, 1)), key=denominator)  # of equal scales the flattest
+    least = 2.0 * denominator(1)  # beside one another unless below one another they are twice as large
+    columns = next((each for each in {1: (), 3: (3,)}.get(count, (2,)) if denominator(each) < least), 1)
     scale, rows = denominator(columns), math.ceil(count / columns)
     cell = (WIDTH_MM / columns, height * 1000.0 / scale + border_mm + below_mm)
     total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)

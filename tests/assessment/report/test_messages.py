@@ -130,6 +130,11 @@ def test_messages_within_messages_numbers_and_names():
     assert in_italian(message("{state}: {text}", state="original", text=told)) == (
         "stato “originale”: direzione −x: SLC: a d* = 0,1 m la capacità in accelerazione è esaurita"
     )
+    single = message("{state}, {record}, {sign}", state="moved", record="generated 1", sign="+")
+    several = "{study}: {count} warnings of single runs, in results.json; the first: {text}"
+    assert in_italian(message(several, study="campaign", count=7, text=single)) == (
+        "campagna: avvertenze di singoli calcoli, in results.json: 7; la prima: moved, generato 1, +"
+    )
     hidden = message(
         'layer "{name}": frozen, off or invisible polylines left out: {count}', name="A.1", count=3
     )

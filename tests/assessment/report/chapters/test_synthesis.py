@@ -129,7 +129,7 @@ def test_without_an_assessment_the_multiplier_is_the_answer():
     results["echo"]["assessment"] = None
     found = typed(results)
     said = Markup(lead(found, WORDS)[0]).striptags()
-    assert re.search(r"α0 = 0\.\d+ \([+−]x\); before the settlement 0\.\d+: a reduction of", said)
+    assert re.search(r"α0 = 0\.\d+ \(pushover, [+−]x\); before the settlement 0\.\d+: a reduction of", said)
     assert "erified" not in said and "ζ" not in " ".join(found for found in synthesis_grid(found, WORDS).head)
 
 
@@ -143,6 +143,15 @@ def test_the_range_stands_beside_the_index_that_is_used():
     used = WORDS.ratio(found.summary.governing.zeta_E)
     said = " ".join(map(str, basis(found, WORDS)))
     assert f"{used} is the least of several computations" in said and "between 0.25 and 2.50" in said
+
+
+def test_the_action_is_that_of_the_limit_state_of_the_index():
+    results = results_example("en")
+    results["echo"]["assessment"]["site"] |= {"nominal_life_years": 50.0, "use_class": "II"}
+    found = typed(results)
+    rows = [row.replace(checks={"SLC": row.checks["SLC"]}) for row in found.summary.rows]
+    said = " ".join(map(plain_text, basis(found.replace(summary=found.summary.replace(rows=rows)), WORDS)))
+    assert "Action at SLC" in said and "T_R,SLC = 975 years" in said.replace("\u00a0", " ")
 
 
 def test_an_intervention_is_told_in_the_direction_in_which_it_found_the_structure_weakest():
@@ -166,7 +175,7 @@ def test_an_intervention_is_told_in_the_direction_in_which_it_found_the_structur
         states={"original": drawn, "tied": tied}, summary=example.summary.replace(rows=rows)
     )
     said = [plain_text(sentence) for sentence in lead(results, WORDS)]
-    assert any("0.40 (SLV, −x)" in each for each in said)
+    assert any("0.40 (pushover, SLV, −x)" in each for each in said)
     assert any(
         "from 0.40 to 1.30 (SLV, −x): a gain of 225 %; the least is now 1.10 (SLV, +x)"
         in each.replace("\u00a0", " ")

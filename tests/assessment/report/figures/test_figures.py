@@ -31,6 +31,12 @@ def drawn(tmp_path_factory):
     return write_figures(Pool(0, typed(results_example())), folder)
 
 
+def test_two_drawings_stand_beside_one_another_unless_below_they_are_twice_as_large():
+    high, wide = (sheet((0.0, 0.0, width, 2.0), 2).panels for width in (3.6, 30.0))
+    assert high[0].get_position().y0 == high[1].get_position().y0
+    assert wide[0].get_position().y0 > wide[1].get_position().y1
+
+
 def test_every_figure_of_the_results_is_written(drawn):
     names = {path.stem for path in drawn}
     stem = slug(typed(results_example()), SETTLED)

@@ -22,6 +22,20 @@ def _drawn(results, limit="SLV"):
         return typeset(draw_spectra(results, words_of(results), views(results), limit))
 
 
+def test_a_spectrum_that_is_in_no_panel_is_told_as_such():
+    results = typed(results_example("en"))
+    assert _legend(_drawn(results))[-1] == "SLV spectrum demanded"
+    far = {
+        limit: each.replace(damped_S_e_g=[1e3 * a for a in each.damped_S_e_g])
+        for limit, each in results.spectra.items()
+    }
+    assert _legend(_drawn(results.replace(spectra=far)))[-1] == "SLV spectrum demanded: beyond the panels"
+
+
+def _legend(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
 def test_the_elastic_curve_stands_beside_the_fitted_one():
     results = typed(results_example())
     figure = _drawn(results)
