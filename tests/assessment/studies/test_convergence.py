@@ -139,7 +139,7 @@ def written_arch(folder, voussoirs: int) -> Project:
     new_project(folder, "arch", {"voussoirs": voussoirs})
     project = load_project(folder)
     assert project.pushover is not None
-    rigid = project.pushover.model_copy(update={"contacts": ("rigid",)})
+    rigid = project.pushover.model_copy(update={"contacts": ("rigid",), "directions": ("+x",)})
     return project.model_copy(update={"pushover": rigid, "settlements": (), "assessment": None})
 
 
@@ -151,9 +151,8 @@ def arch(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fine(arch):
-    """The rigid push of the arch towards +x by an eighth of its increment."""
-    one_way = arch.model_copy(update={"pushover": arch.pushover.model_copy(update={"directions": ("+x",)})})
-    request = Request(refined(one_way, 3), build_model(arch).states["original"], None, "rigid")
+    """The rigid push of the arch by an eighth of its increment."""
+    request = Request(refined(arch, 3), build_model(arch).states["original"], None, "rigid")
     with Workers(1) as workers:
         [stage] = analyse_states([request], workers)
     return stage.pushover["+x"].rigid
@@ -166,20 +165,19 @@ def within_a_hundredth(arch):
 
 def test_the_error_of_an_arch_is_within_the_tolerance(fine, within_a_hundredth):
     found = within_a_hundredth
-    right, left = found["convergence"]["rows"]
+    [right] = found["convergence"]["rows"]
     values = right["levels"]["d_0_m"]
     assert max(values) < 1.02 * min(values)  # small increments reach across that part too
     assert abs(values[-1] - fine.d_0_m) <= 0.01 * values[-1]
     assert right["d_0_error_m"] <= 0.01 * values[-1]
     assert found["states"]["original"]["pushover"]["+x"]["rigid"]["d_0_m"] == values[-1]
     assert right["alpha_0_error"] == 0.0  # the onset knows no increment
-    assert left["halvings"] == right["halvings"] >= 1
-    assert left["levels"]["d_0_m"] == pytest.approx(values, rel=1e-6)  # the mirror image
+    assert right["halvings"] >= 1
 
 
 def test_the_error_of_an_arch_is_bounded_by_the_estimate(fine, within_a_hundredth):
     """Its d_0 is 46.12 and 46.13 mm by the first two increments, 46.04 by the third, 46.08 by smaller ones."""
-    right, _ = within_a_hundredth["convergence"]["rows"]
+    [right] = within_a_hundredth["convergence"]["rows"]
     error = abs(right["levels"]["d_0_m"][-1] - fine.d_0_m)
     assert error <= right["d_0_error_m"]
 
@@ -188,10 +186,10 @@ def test_where_the_tolerance_is_not_met_a_warning_says_so(tmp_path):
     arch = written_arch(tmp_path / "arch", 9)
     found = results_of(arch.model_copy(update={"accuracy": 1e-7}))
     rows = found["convergence"]["rows"]
-    assert [row["halvings"] for row in rows] == [4, 4]
+    assert [row["halvings"] for row in rows] == [4]
     assert not any(row["met"] for row in rows)
     said = [text for text in found["quality"]["warnings"] if "discretisation" in text]
-    assert [text.partition(":")[0] for text in said] == ["original, +x", "original, -x"]
+    assert [text.partition(":")[0] for text in said] == ["original, +x"]
     assert "d_0_m is" in said[0] and "1/16" in said[0] and "alpha_0" not in said[0]
 
 
@@ -210,7 +208,7 @@ def _converged(arch, *levels: dict[str, StateResult]):
         return [levels[len(asked) - 1][name] for name in states if name in levels[len(asked) - 1]]
 
     settled = SettlementTable(name="settled", support="right", displacement_m=(0.01, 0.0))
-    push = arch.pushover.model_copy(update={"directions": ("+x",), "increment_m": 1.0})
+    push = arch.pushover.model_copy(update={"increment_m": 1.0})
     project = arch.model_copy(update={"settlements": (settled,), "pushover": push, "accuracy": "standard"})
     return converge(project, build_model(project).states, Demands(), analyse), asked
 

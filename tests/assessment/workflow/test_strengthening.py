@@ -120,7 +120,8 @@ def test_a_tie_of_every_state_is_there_as_the_support_moves(tmp_path):
 def test_changed_layers_change_the_joints_of_the_strengthened_state_only(tmp_path):
     """With a friction of 0.05 the block slides before it turns: α0 = friction."""
     changed = strengthening("original") + "[strengthening.layers.BASE]\nfriction = 0.05\n"
-    found = results_of(tmp_path / "block", block() + PUSHED + changed)
+    pushed = PUSHED.replace("increment_m = 0.2", "increment_m = 1.0")
+    found = results_of(tmp_path / "block", block() + pushed + changed)
     slides = found.states["strengthened"].pushover["+x"].rigid
     assert slides.alpha_0 == pytest.approx(0.05, rel=1e-5)
     assert found.states["original"].pushover["+x"].rigid.alpha_0 == pytest.approx(

@@ -25,7 +25,7 @@ def test_walls_that_slide_neither_penetrate_nor_exceed_the_associative_law(conta
 def test_a_curve_goes_on_along_its_flow_whatever_the_increment():
     """Programs alone go over to other flows: α 0.335 for 0.310 after the first step of wall 60, 2.7 times its d_0."""
     model = small_wall(60)
-    curves = [pushover(model, increment=increment) for increment in (0.01, 0.02)]
+    curves = [pushover(model, increment=increment) for increment in (0.02, 0.04)]
     least = limit_analysis(model).alpha
     assert [curve.alpha_0 for curve in curves] == pytest.approx([least, least], rel=1e-6)
     far = [curve.displacement[-1] for curve in curves]
