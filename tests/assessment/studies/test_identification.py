@@ -44,14 +44,14 @@ UPRIGHT, DOES_NOT_TURN = (0.012, -0.008, 0.0), '[{ destro = ["x", "z"] }]'
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
     """Few and short paths: what they lead to does not depend on their increments here."""
-    for name, value in {"FARTHEST": 2.0, "COARSE": 20, "FINE": 4, "STARTS": 1}.items():
+    for name, value in {"FARTHEST": 2.0, "COARSE": 5, "FINE": 2, "STARTS": 1}.items():
         monkeypatch.setattr(search_module, name, value)
 
 
 @pytest.fixture
 def fine(monkeypatch, short):
     """As by default, where the way to a movement tells which joints open."""
-    monkeypatch.setattr(search_module, "FINE", 20)
+    monkeypatch.setattr(search_module, "FINE", 10)
 
 
 @pytest.fixture(scope="module")
