@@ -14,7 +14,6 @@ The same follower serves pushdown and pushover, rigid and elastic:
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -29,7 +28,7 @@ from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.short_steps import in_short_steps
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.tolerances import LIMIT, REST
+from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
 
@@ -154,9 +153,6 @@ def _reach(
             raise stop
         if higher is not None:
             return higher, False
-    if rigid and problem.system.dilation < LIMIT.slight:
-        with suppress(NoEquilibriumError, ConvergenceError):
-            return sound(find_equilibrium(replace(problem, dilation=LIMIT.slight), guess, last)), False
     unsettled = isinstance(stop, UnsettledError)
     if rigid:
         try:
@@ -168,8 +164,6 @@ def _reach(
             stop = error
     if not shortest:
         raise stop
-    if rigid and (lifting := _lifting(problem, guess, last)) is not None:
-        return lifting, False
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         rested = sound(motion_to_rest(problem, begun))
@@ -180,11 +174,3 @@ def _reach(
         ) from stop
     jumped = way(begun, rested.state.positions, problem.system.model.size) > REST.jump * problem.size
     return rested, jumped
-
-
-def _lifting(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Equilibrium | None:
-    """Return the equilibrium of a shortest step by the associative law, whose lift is small; None if there is none."""
-    if problem.system.dilation < 1.0:
-        with suppress(NoEquilibriumError, ConvergenceError):
-            return sound(find_equilibrium(replace(problem, dilation=1.0), guess, last))
-    return None

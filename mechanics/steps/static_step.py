@@ -67,8 +67,7 @@ class StepProblem:
     """A step: the equilibrium at about `size` (m) from `start` under `load` (b, 3), kN and kNm.
 
     With a `lateral` load the multiplier α is free, and the lateral load does the given `work` (kNm). `mass` (b, 3),
-    Mg/s²: of a step from rest, the mass over the square of its time; None in statics. `dilation`: share of μ|slip| by
-    which sliding lifts; None: that of the system's law.
+    Mg/s²: of a step from rest, the mass over the square of its time; None in statics.
     """
 
     system: StaticSystem
@@ -78,7 +77,6 @@ class StepProblem:
     lateral: Array | None = None
     work: float = 0.0
     mass: Array | None = None
-    dilation: float | None = None
 
     @cached_property
     def slid(self) -> Array:
@@ -105,8 +103,6 @@ class StepProblem:
         law = system.law[index].copy()
         law[:, SLID] = self.slid[index]
         friction_between(places[index], law)
-        if self.dilation is not None:
-            law[:, DILATION] = self.dilation
         moved = (at - self.start.positions)[movable].ravel()
         load = self.load[movable].ravel()
         mass = None if self.mass is None else self.mass[movable].ravel()
@@ -180,8 +176,7 @@ def equilibrium(
         iterate and over_all(iterate, index, count),
         found.certificate,
         solves,
-        problem.dilation is not None,
-        stable,
+        stable=stable,
     )
 
 
