@@ -38,12 +38,12 @@ def quality_row(state: str, stage: str, path: Pushdown | Pushover | None) -> Qua
         worst_equilibrium_residual=worst.equilibrium,
         worst_penetration_m=max([worst.penetration, *(step.penetration for step in steps)]),
         worst_complementarity=worst.complementarity, worst_cone_violation=worst.cone,
-        lifting=(path.lifting or None) if isinstance(path, Pushover) else None,
+        lifting=(path.lifting or None) if path is not None else None,
     )  # fmt: skip
 
 
-def lifts(title: str, path: Pushover) -> list[Message]:
-    """Return a warning if points of a curve were solved with a dilation."""
+def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
+    """Return a warning if points of a path were solved with a dilation."""
     if not path.lifting:
         return []
     text = message(
@@ -216,7 +216,7 @@ def settle(
                 reason=path.end,
             )
             found.warnings.append(headed(title, none))
-        found.warnings += crossings(title, path.crossed, increment)
+        found.warnings += crossings(title, path.crossed, increment) + lifts(title, path)
         found.scatters = turns_on_rounding(path)
         found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))
         if moved.local_loss is not None:

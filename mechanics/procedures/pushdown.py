@@ -75,6 +75,11 @@ class Pushdown:
     sliding: Sliding
     model: Assembly
 
+    @property
+    def lifting(self) -> int:
+        """Number of points solved with a dilation, where Coulomb's law was not."""
+        return sum(step.lifting for step in self.steps)
+
     def __repr__(self) -> str:
         ends = f"{1000.0 * self.movement[-1]:.4g} mm"
         last = "" if self.ultimate is None else f", ultimate movement {1000.0 * self.ultimate:.4g} mm"

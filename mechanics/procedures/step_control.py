@@ -14,6 +14,7 @@ The same follower serves pushdown and pushover, rigid and elastic:
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -164,6 +165,9 @@ def _reach(
             stop = error
     if not shortest:
         raise stop
+    if rigid and problem.system.dilation < 1.0:
+        with suppress(NoEquilibriumError, ConvergenceError):  # by the associative law: its lift is small here
+            return sound(find_equilibrium(replace(problem, lifts=True), guess, last)), False
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         rested = sound(motion_to_rest(problem, begun))

@@ -67,7 +67,8 @@ class StepProblem:
     """A step: the equilibrium at about `size` (m) from `start` under `load` (b, 3), kN and kNm.
 
     With a `lateral` load the multiplier α is free, and the lateral load does the given `work` (kNm). `mass` (b, 3),
-    Mg/s²: of a step from rest, the mass over the square of its time; None in statics.
+    Mg/s²: of a step from rest, the mass over the square of its time; None in statics. `lifts`: whether what slides
+    lifts as by the associative law, whatever the law.
     """
 
     system: StaticSystem
@@ -77,6 +78,7 @@ class StepProblem:
     lateral: Array | None = None
     work: float = 0.0
     mass: Array | None = None
+    lifts: bool = False
 
     @cached_property
     def slid(self) -> Array:
@@ -103,6 +105,8 @@ class StepProblem:
         law = system.law[index].copy()
         law[:, SLID] = self.slid[index]
         friction_between(places[index], law)
+        if self.lifts:
+            law[:, DILATION] = 1.0
         moved = (at - self.start.positions)[movable].ravel()
         load = self.load[movable].ravel()
         mass = None if self.mass is None else self.mass[movable].ravel()
@@ -176,7 +180,8 @@ def equilibrium(
         iterate and over_all(iterate, index, count),
         found.certificate,
         solves,
-        stable=stable,
+        problem.lifts,
+        stable,
     )
 
 

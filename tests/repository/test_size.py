@@ -27,10 +27,10 @@ LINES = {
     "mechanics": 966,
     "mechanics/kernels": 3642,
     "mechanics/model": 3246,
-    "mechanics/procedures": 3334,
+    "mechanics/procedures": 3343,
     "mechanics/records": 1086,
     "mechanics/solvers": 1071,
-    "mechanics/steps": 1820,
+    "mechanics/steps": 1825,
 }
 
 

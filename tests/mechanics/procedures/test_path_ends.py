@@ -243,6 +243,7 @@ def test_an_elastic_path_that_only_bends_is_followed_without_letting_blocks_go()
     path = pushdown(drawn("triumphal_arch"), "destro", movement, increment=0.01, contacts="elastic")
     assert path.movement[-1] == pytest.approx(0.03)
     assert not len(path.crossed)
+    assert not path.lifting
 
 
 @pytest.mark.parametrize(
