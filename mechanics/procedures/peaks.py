@@ -19,7 +19,6 @@ from mechanics.model.contacts import end_gaps
 from mechanics.procedures.step_control import reach
 from mechanics.program import end_forces
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Mask
 
@@ -50,19 +49,16 @@ def closes(start: State, end: Equilibrium) -> bool:
     return bool((apart & carries).any())
 
 
-def behind_closing(
-    system: StaticSystem, lateral: Array, before: Equilibrium, end: Equilibrium, part: float
-) -> Equilibrium | None:
+def behind_closing(lateral: Array, before: Equilibrium, end: Equilibrium, part: float) -> Equilibrium | None:
     """Return the equilibrium just behind the joint that closes in a step; None if none has a larger α than its end.
 
     `lateral` (b, 3) kN and kNm: the loads that α multiplies; `before`, `end`: the points of the step. The jump of α is
     located to a `part` of the step, and the equilibrium is one or two such parts behind it: nearer, joints are open by
     less than the program resolves.
     """
-    start = before.state
+    start, system = before.state, end.system
     moved = end.state.positions - start.positions
     work, size = float((lateral * moved).sum()), float(abs(moved[:, :2]).max())
-    system = system.around(start.positions, 2.0 * size)
 
     def reached(share: float) -> Equilibrium | None:
         step = StepProblem(system, start, system.model.dead_load, share * size, lateral, share * work)

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
 
-AHEAD = 4.0  # expected displacements of a step: the range in which contacts are looked for
 POINTS = 20_000  # most of a path that goes on to collapse
 
 
@@ -255,16 +254,14 @@ class Led:
     """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement."""
 
     def __init__(self, system: StaticSystem, begun: State) -> None:
-        self.system = system
         self.smallest = 0.0 if system.rigid else rest_size(system.model, system.behaviour)
         self.last = rest(system, begun)
         self.rate = np.zeros_like(begun.positions)
 
     def reach(self, guess: Array, by: float, shortest: bool) -> tuple[Equilibrium, bool]:
         """Return the equilibrium near a `guess` (b, 3), `by` (m) on, and whether blocks jump to it."""
-        here, expected = self.last.state, max(by, self.smallest)
-        self.system = self.system.around(here.positions, AHEAD * expected)
-        problem = StepProblem(self.system, here, self.system.model.dead_load, expected)
+        here, system = self.last.state, self.last.system
+        problem = StepProblem(system, here, system.model.dead_load, max(by, self.smallest))
         # the forces at rest do not show which hinges will open: the first step has a cold start
         return reach(problem, guess, self.last if self.rate.any() else None, shortest)
 

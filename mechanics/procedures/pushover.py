@@ -55,8 +55,7 @@ class PushoverTolerances:
     `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
     `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
     largest multiplier: `zero`, a multiplier that counts as zero (located to as much of a step: else it jumps); `flat`,
-    a change that does not count; `closing`, to which the peak behind a joint that closes is located. `back`: share of
-    its displacement, an increment at least, by which the control point goes back where a part falls; `wedged`:
+    a change that does not count; `closing`, to which the peak behind a joint that closes is located. `wedged`:
     multiplier beyond which the load only wedges the blocks, times that of limit analysis where this is above 1;
     `points`: most points of a curve.
     """
@@ -66,7 +65,6 @@ class PushoverTolerances:
     zero: float = 1e-6
     flat: float = 1e-3
     closing: float = 2e-4
-    back: float = 0.5
     wedged: float = 10.0
     points: int = 5000
 
@@ -182,8 +180,8 @@ def pushover(
     near, the blocks are released with that work held constant; at α = 0 they are released under gravity, but for a
     structure pushed as drawn whose control point moves: its capacity is spent, whatever it falls on. If they come
     to rest, the curve goes on (with rigid joints at the multiplier that moves them again; with elastic ones, past its
-    peak, at the largest load so far). If they do not, or the
-    control point goes back, or α jumps below zero, the structure has collapsed: the last equilibrium before is located.
+    peak, at the largest load so far). If they do not, or fall back behind an earlier jump, or α jumps below zero, the
+    structure has collapsed: the last equilibrium before is located.
 
     Raises UnstableError if the state cannot stand, ArgumentError for a control point outside every block, ControlError
     for one that takes no part in the mechanism, NoEquilibriumError if the load meets no mechanism.
@@ -363,8 +361,6 @@ class _Curve:
             self._lean()
             return
         now = self.along(step.state.positions)
-        if self.far - now > max(self.tolerances.back * self.far, self.push.increment):
-            raise RunawayError(message("a part falls, and the control point goes back"))
         if jumped and now <= max((then for then, _ in self.crossed), default=-np.inf):
             raise RunawayError(message("the structure falls back to where it has jumped before"))
         if jumped and self.system.rigid and self._go_on_from(step):
@@ -390,10 +386,9 @@ class _Curve:
 
     def _step(self, work: float, fastest: float, shortest: bool) -> tuple[Equilibrium, bool]:
         """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
-        now, size = self.last, work * fastest
-        self.system = self.system.around(now.positions, 2.0 * size)
-        problem = StepProblem(self.system, now, self.model.dead_load, size, self.lateral, work)
-        return reach(problem, now.positions + work * self.rate, self.points[-1].step, shortest)
+        here, size = self.points[-1].step, work * fastest
+        problem = StepProblem(here.system, here.state, self.model.dead_load, size, self.lateral, work)
+        return reach(problem, here.state.positions + work * self.rate, here, shortest)
 
     def _down_to_zero(
         self, work: float, fastest: float, beyond: Equilibrium, shortest: bool
@@ -459,7 +454,8 @@ class _Curve:
         None if there is none, or not beyond a displacement (m) of the control point.
         """
         size = max(self.push.increment, 1e-3 * self.model.size)
-        problem = StepProblem(self.system, start, self.model.dead_load + alpha * self.lateral, size)
+        load = self.model.dead_load + alpha * self.lateral
+        problem = StepProblem(self.points[-1].step.system, start, load, size)
         try:
             rested = motion_to_rest(problem, start.positions)
         except (NoEquilibriumError, ConvergenceError):
@@ -525,7 +521,7 @@ class _Curve:
             if self.points[point].jumped or most < best or not closes(before.state, end):
                 continue
             part = tolerance / max(most - end.alpha, tolerance)
-            step = behind_closing(self.system, self.lateral, before, end, part)
+            step = behind_closing(self.lateral, before, end, part)
             if step is not None and step.alpha > best:
                 added[point], best = step, step.alpha
         for point in sorted(added, reverse=True):

@@ -125,6 +125,7 @@ def reach(
     contact. Raises RunawayError if the motion does not come to rest, NoEquilibriumError or ConvergenceError if the step
     may still be halved, ConvergenceError if nothing is decided.
     """
+    problem = replace(problem, system=problem.system.around(problem.start.positions, problem.size))
     while True:
         found, jumped = _reach(problem, guess, last, shortest)
         system = problem.system.around(found.state.positions, 0.0)

@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 966,
     "mechanics/kernels": 3642,
     "mechanics/model": 3246,
-    "mechanics/procedures": 3343,
+    "mechanics/procedures": 3333,
     "mechanics/records": 1086,
     "mechanics/solvers": 1071,
     "mechanics/steps": 1825,
