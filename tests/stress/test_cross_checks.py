@@ -86,9 +86,9 @@ def test_on_random_paths_flat_supports_carry_no_more_than_friction(seed):
 def test_exact_beds_need_no_points():
     """A path in a hundred at most is not solved, and a step in a hundred has to be tried again in shorter ones."""
     found = Counter[str]()
-    for _, model in assemblies(6):
+    for _, model in assemblies(3):
         found += counted(model)
-    assert found["paths"] == 18
+    assert found["paths"] == 9
     assert found["not solved"] <= 0.01 * found["paths"]
     assert found["attempts failed"] <= 0.01 * found["steps"]
 
@@ -96,7 +96,7 @@ def test_exact_beds_need_no_points():
 def test_peaks_of_points_lie_above_those_of_the_exact_bed():
     """By little, and where joints do not slide: 32 segments are stiffer by 2/32² in rotation."""
     over = []
-    for _, model in assemblies(6):
+    for _, model in assemblies(3):
         try:
             over.append(same_peak(model))
         except (ControlError, NoEquilibriumError, UnstableError):

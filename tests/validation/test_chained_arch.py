@@ -21,7 +21,7 @@ from tests import ROOT
 def project():
     whole = load_project(ROOT / "projects" / "chained_arch")
     assert whole.pushover is not None
-    rigid = whole.pushover.model_copy(update={"contacts": ("rigid",), "increment_m": 0.02})
+    rigid = whole.pushover.model_copy(update={"contacts": ("rigid",), "increment_m": 0.05})
     return whole.model_copy(update={"pushover": rigid, "assessment": None})
 
 

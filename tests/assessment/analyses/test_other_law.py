@@ -25,7 +25,7 @@ def rubbing(folder, sliding: str) -> dict:
         text.replace('[[control]]\nname = "left"\npoint_m = [-0.3, 4.2]\n', "")
         + '[layers.SIDE]\nsupport = "side"\n'
     )
-    text += sliding + PUSHED.replace("0.2\n", "0.05\n") + ASSESSMENT
+    text += sliding + PUSHED + ASSESSMENT
     (folder / "project.toml").write_text(text, encoding="utf-8")
     assert main(["run", str(folder), "--no-report"]) == 0
     return read_results(folder / "output")

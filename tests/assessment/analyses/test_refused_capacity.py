@@ -75,7 +75,7 @@ def test_the_capacity_is_that_of_the_blocks_whatever_point_is_followed(height, t
     times the way: from 0.02 m the panel bore several times the acceleration, or was refused, by a threshold of 80 %.
     """
     text = block().replace("point_m = [0.3, 4.2]", f"point_m = [-0.3, {height}]")
-    folder = write_block(tmp_path, text + PUSHED.replace("0.2\n", "0.002\n") + ASSESSMENT)
+    folder = write_block(tmp_path, text + PUSHED.replace("0.2\n", "0.01\n") + ASSESSMENT)
     run(folder)
     state = read_results(folder / "output")["states"]["original"]
     rigid, capacity = state["pushover"]["+x"]["rigid"], state["capacity"]["+x"]
@@ -93,7 +93,7 @@ def test_the_elastic_curve_is_over_the_way_of_the_blocks_too(tmp_path):
     found = []
     for height in (4.2, 0.3):
         text = block().replace("point_m = [0.3, 4.2]", f"point_m = [-0.3, {height}]")
-        pushed = PUSHED.replace('"rigid"', '"rigid", "elastic"').replace("0.2\n", f"{0.002 * height}\n")
+        pushed = PUSHED.replace('"rigid"', '"rigid", "elastic"').replace("0.2\n", f"{0.004 * height}\n")
         folder = write_block(
             tmp_path / str(height), text + pushed + ASSESSMENT.replace('"none"', '"trilinear"')
         )

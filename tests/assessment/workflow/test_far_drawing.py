@@ -21,7 +21,7 @@ from tests.support.tied_project import TIE
 UTM = (498123.4, 4601237.7)
 TABLES = """[pushover]
 contacts = ["rigid"]
-increment_m = 0.05
+increment_m = 0.2
 [pushover.control]
 "+x" = "right"
 "-x" = "left"
@@ -57,7 +57,7 @@ def project(folder: Path, away: tuple[float, float]):
 
 
 def test_points_are_given_and_told_as_drawn_and_numbers_are_those_at_the_origin(tmp_path, monkeypatch):
-    for name, value in {"FARTHEST": 2.0, "COARSE": 10, "FINE": 4, "STARTS": 1}.items():
+    for name, value in {"FARTHEST": 2.0, "COARSE": 5, "FINE": 2, "STARTS": 1}.items():
         monkeypatch.setattr(identification, name, value)
     near, far = project(tmp_path / "near", (0.0, 0.0)), project(tmp_path / "far", UTM)
     models = [build_model(each) for each in (near, far)]
