@@ -5,7 +5,7 @@ run: loops
 	.venv/bin/assesto run projects/buttressed_arch
 
 test: checks loops
-	.venv/bin/python -m pytest -n 2 --dist loadfile
+	.venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder  # the long files are the first
 
 checks: setup
 	.venv/bin/ruff check .

@@ -30,7 +30,7 @@ gc.set_threshold(50_000, 20, 100)
 
 # no example is too slow: how long one takes is the machine's affair, and that of what else it is doing
 settings.register_profile(
-    "assesto", max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "assesto", max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("assesto")
 

@@ -27,7 +27,7 @@ def started(*arguments):
     )  # fmt: skip
 
 
-def test_it_prints_where_it_is_and_a_second_one_opens_the_first(tmp_path):
+def test_it_prints_where_it_is_and_a_second_one_opens_the_first(tmp_path, capsys):
     folder = write_block(tmp_path / "block")
     first = started(folder)
     address = first.stdout.readline().strip()
@@ -39,13 +39,12 @@ def test_it_prints_where_it_is_and_a_second_one_opens_the_first(tmp_path):
         pass
     if os.name != "nt":
         assert stat.S_IMODE(place.stat().st_mode) == 0o600
-    second = started(folder / "project.toml")
-    assert second.communicate()[0].strip() == address
-    assert second.returncode == 0
+    assert main(["app", str(folder / "project.toml"), "--no-browser"]) == 0
+    assert capsys.readouterr().out.strip() == address
     port = address.partition("127.0.0.1:")[2].partition("/")[0]
-    taken = started(write_block(tmp_path / "other"), "--port", port)
-    said = taken.communicate()[1]
-    assert (taken.returncode, said.startswith(f"error: --port {port}: ")) == (2, True), said
+    other = write_block(tmp_path / "other")
+    assert main(["app", str(other), "--port", port, "--no-browser"]) == 2
+    assert capsys.readouterr().err.startswith(f"error: --port {port}: ")
     first.send_signal(signal.SIGINT)
     assert first.communicate()[1].splitlines() == ["Ctrl-C ends it; a run that it has started goes on"]
     assert first.returncode == 0

@@ -16,7 +16,7 @@ from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
 from assessment.project.catalogue.new_project import TEMPLATES, made, new_project
 from assessment.project.project import load_project
 from assessment.runtime.errors import ProjectError
-from mechanics import Material, limit_analysis, read_drawing
+from mechanics import Material, read_drawing
 from mechanics.model.drawing import Layer
 from tests import ROOT
 from tests.support.template_assembly import template_assembly
@@ -64,11 +64,6 @@ def test_joints_are_exact_and_long_enough_to_carry(template: str) -> None:
     assert exact.length.min() > 0.005
 
 
-@templates
-def test_template_stands_and_can_be_pushed_over(template: str) -> None:
-    assert 0.02 < limit_analysis(template_assembly(template)).alpha < 1.0
-
-
 @given(
     span=st.floats(0.4, 12.0),
     ratio=st.floats(0.1, 0.5),
@@ -89,7 +84,7 @@ def test_ring_has_the_asked_span_rise_and_thickness(
     assert area == pytest.approx(0.5 * voussoirs * np.sin(2.0 * ring.half_angle / voussoirs) * annulus)
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(
     span=st.floats(4.0, 8.0),
     ratio=st.floats(0.1, 0.5),

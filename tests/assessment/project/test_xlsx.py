@@ -196,7 +196,7 @@ def test_messages_name_sheet_and_cell(folder, sheet, cell, value, key, said):
 # Any valid project ------------------------------------------------------------------------------------
 
 
-@settings(max_examples=8, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=5, phases=[Phase.explicit, Phase.generate])
 @given(project_contents())
 @example(CONTENT)
 def test_any_project_survives_toml_to_xlsx_to_toml(content):
