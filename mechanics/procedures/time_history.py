@@ -34,8 +34,7 @@ from mechanics.steps.dynamic_system import (
     Recorded,
 )
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.rest import lifted, motion_to_rest, way
-from mechanics.steps.static_step import StepProblem
+from mechanics.steps.rest import come_down, way
 from mechanics.steps.static_system import Sliding, static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
@@ -422,11 +421,8 @@ def _settled(
     try:
         if state.carrying is None:
             check_self_weight(model, state)
-        step = rest(static_system(model, contacts, sliding).around(state.positions, size), state)
-        if lifted(step) > REST.lifted * model.size:
-            step = motion_to_rest(
-                StepProblem(step.system, step.state, model.dead_load, size), step.state.positions
-            )
+        system = static_system(model, contacts, sliding).around(state.positions, size)
+        step = come_down(rest(system, state), size)
         # the joints of a pushed state carry the push too: that it stands without it has to be checked
         if (
             state.carrying is not None

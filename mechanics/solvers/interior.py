@@ -27,7 +27,6 @@ ROUGH = 1e-3  # residual of a solution by the associative law near which another
 APART = (
     0.3  # distance from the bounds, per weight and step, at which a program begins near an earlier solution
 )
-LARGER = 10.0  # forces of a further start
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
 
 
@@ -129,14 +128,12 @@ def cold(program: Program) -> Iterate:
 def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
     """Yield starts far from any solution, the likeliest first.
 
-    Without the lift of the associative law the program is no minimum, and a start may lead nowhere: then come that near
-    a rough solution of the associative program, and one of larger forces.
+    Without the lift of the associative law the program is no minimum, and a start may lead nowhere: then comes one near
+    a rough solution of the associative program.
     """
     yield cold(program)
     if (program.law[:, DILATION] < 1.0).any():
         yield near_lifting(program, layout)
-        far = cold(program)
-        yield replace(far, forces=LARGER * far.forces)
 
 
 def with_dilation(program: Program, psi: float) -> Program:

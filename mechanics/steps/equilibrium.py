@@ -206,20 +206,16 @@ def unpressed(model: Assembly) -> Index:
     return np.flatnonzero(model.movable)[fallen]
 
 
-def rest(
-    system: StaticSystem, state: State, size: float | None = None, last: Equilibrium | None = None
-) -> Equilibrium:
+def rest(system: StaticSystem, state: State) -> Equilibrium:
     """Return the equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
 
-    `size` (m): expected displacement; `last`: an equilibrium near it. A slender arch sinks by a hundred times the
-    compression of its joints: if no static step finds that, the blocks are released until they rest. Raises
-    NoEquilibriumError or ConvergenceError if they do not come to rest.
+    A slender arch sinks by a hundred times the compression of its joints: if no static step finds that, the blocks are
+    released until they rest. Raises NoEquilibriumError or ConvergenceError if they do not come to rest.
     """
     model = system.model
-    size = rest_size(model, system.behaviour) if size is None else size
-    problem = StepProblem(system, state, model.dead_load, size)
+    problem = StepProblem(system, state, model.dead_load, rest_size(model, system.behaviour))
     try:
-        return find_equilibrium(problem, state.positions, last)
+        return find_equilibrium(problem, state.positions)
     except (NoEquilibriumError, ConvergenceError):
         if system.rigid:
             raise
