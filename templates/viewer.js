@@ -153,12 +153,12 @@
   };
 
   const drawMarkers = () => {
-    const x = path.frames.x[frame];
+    const x = path.frames.x[frame], unit = /\[(.+)\]/.exec(path.y_label)?.[1] ?? "";
     $("viewer-cursor").setAttribute("x1", scaleX(x)); $("viewer-cursor").setAttribute("x2", scaleX(x));
     const shown = path.series.map((each, k) => {
       const y = path.frames.y[k][frame], marker = $(`viewer-marker-${k}`);
       marker.setAttribute("cx", scaleX(x)); marker.setAttribute("cy", scaleY(y));
-      return `${each.label} = ${number(y)}`;
+      return `${each.label} = ${number(y)} ${unit}`.trim();
     });
     const said = [`${frame + 1}/${path.frames.x.length}`, `${path.x_label}: ${number(x)}`, ...shown];
     $("viewer-values").textContent = said.join("   ");

@@ -117,6 +117,7 @@ class Words:
 
     def number(self, value: float, significant: int = 3) -> str:
         """Write a number with so many significant digits; never fewer digits than its whole part has."""
+        value = float(f"{value:.12g}")  # what differs by rounding alone is written alike
         if value == 0.0 or not math.isfinite(value):
             return "0" if value == 0.0 else ("∞" if value > 0 else "−∞")
         mantissa, _, power = f"{value:.{significant - 1}e}".partition("e")

@@ -44,13 +44,8 @@ def viewer(results: Results, words: Words) -> Viewer | None:
         for block in results.geometry.blocks
     ]
     ties = [
-        {
-            "name": tie.name,
-            "ends": [tie.start_m, tie.end_m],
-            "blocks": tie.blocks,
-            "yield": tie.yield_force_kN,
-        }
-        for tie in results.model.ties or ()
+        {"name": at.name, "ends": [at.start_m, at.end_m], "blocks": at.blocks, "yield": at.yield_force_kN}
+        for at in results.model.ties or ()
     ]
     data = {
         "blocks": blocks,
@@ -134,11 +129,8 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
             if (kept := entry.snapshots) and (curve := entry.curve):
                 axes = ("time_s", curve.time_s), label("displacement_m", words)
                 title = f"history: {words.state(name)}, {entry.record}"
-                curves, ties = (
-                    {"d": _shown("displacement_m", curve.displacement_m)},
-                    _ties(results, name, kept),
-                )
-                yield _path(results, words, title, *axes, curves, kept, ties)
+                curves = {"d": _shown("displacement_m", curve.displacement_m)}
+                yield _path(results, words, title, *axes, curves, kept, _ties(results, name, kept))
 
 
 def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:

@@ -100,7 +100,7 @@ def _parts(
             for title, parts in calculations.items()
             if part in parts
         }
-        title = words.plain(f"value.{named[part]}") if part in named else check_name(part, words)
+        title = words(f"value.{named[part]}") if part in named else check_name(part, words)
         yield from _tables(columns, words(f"caption.{caption}", limit=title), words, digits)
 
 
@@ -176,7 +176,7 @@ def _row(line: TraceRow, columns: Iterable[Column], words: Words, digits: int) -
     cells = [typeset(line.symbol, words) + (f" [{unit}]" if unit else "")]
     cells.append(typeset(line.formula, words) or words("value.datum"))
     for column in columns:
-        text = words.number(column[line], digits) if line in column else words("value.none")
+        text = words.number(round(column[line], 12), digits) if line in column else words("value.none")
         decimal = mark in text and "·" not in text
         cells.append(Markup.escape(text.rstrip("0").rstrip(mark) if decimal else text))
     text = translated(line.paragraph, words)

@@ -11,7 +11,7 @@ from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.results.hand_check import rigid_push
 from assessment.results.schema import Results, SummaryRow
-from assessment.results.summary import coulomb, governing_view, index_limit, least_row
+from assessment.results.summary import coulomb, governing_view, index_limit, least_row, worst_settled
 from assessment.results.table import ORIGINAL
 
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
@@ -129,13 +129,17 @@ def reference_life(results: Results, words: Words) -> Markup:
 
 
 def _range(results: Results, words: Words) -> Markup:
-    """Return the range of the governing index where an ensemble was run, else that none was."""
+    """Return the range of the governing index, without one of α0, where an ensemble was run, else that none was."""
     least = results.summary.governing
-    row = least_row(results, least.state) if least else None
+    row = least_row(results, least.state if least else worst_settled(results) or ORIGINAL)
     check = row.checks.get(least.limit_state) if row and least else None
     if check and check.zeta_E_range:
         low, high = check.zeta_E_range
         return words("synthesis.range", used=check.zeta_E, low=low, high=high)
+    push = rigid_push(results, row.state, row.direction) if row and row.direction and row.alpha_0 else None
+    if push and not least and push.alpha_0_range:
+        low, high = push.alpha_0_range
+        return words("synthesis.range_alpha", used=push.alpha_0, low=low, high=high)
     return words("synthesis.no_range" if (results.echo.scatter or 1) == 1 else "synthesis.one_path")
 
 

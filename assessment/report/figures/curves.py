@@ -18,6 +18,7 @@ from assessment.results.table import compared, reference_of, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY
 
+Views = Sequence[tuple[str, Direction]]
 WIDTHS = {"rigid": 1.4, "elastic": 2.4}
 ONSET, END, YIELD = MARKS
 
@@ -74,6 +75,8 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
         for contacts, width in WIDTHS.items()
         if any(contacts in pushover.by_contacts for pushover in every)
     ]
+    if any(push.members for each in every for push in each.by_contacts.values()):
+        handles.append(key(words.plain("figure.ensemble"), color="0.65", linewidth=0.4))
     columns, mm = 2 if yields else 1, scale("displacement_m")
     foot = 4.0 + 4.0 * -(-len(handles) // 3)
     figure, panels = chart(words, columns=columns, rows=len(directions), height_mm=58.0, foot_mm=foot)
@@ -124,9 +127,7 @@ ELASTIC: dict[str, Any] = {"color": "0.5", "linewidth": 1.4}
 PERIODS = (0.5, 1.0, 2.0, 3.0)  # s: of the grey lines
 
 
-def draw_spectra(
-    results: Results, words: Words, views: Sequence[tuple[str, Direction]], limit: str
-) -> Figure:
+def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Figure:
     """Draw a* over d* (m) of states and directions with the spectrum each can bear and the one demanded of it.
 
     Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
@@ -170,7 +171,7 @@ def draw_spectra(
     return figure
 
 
-def one_scale(results: Results, views: Sequence[tuple[str, Direction]], limit: str) -> bool:
+def one_scale(results: Results, views: Views, limit: str) -> bool:
     """Return whether the panels have the same axes: none of them would be squeezed into a corner."""
     return len(set(_frames(results, views, limit))) == 1
 
@@ -190,9 +191,7 @@ def draw_demand(results: Results, words: Words) -> Figure:
     return figure
 
 
-def _frames(
-    results: Results, views: Sequence[tuple[str, Direction]], limit: str
-) -> list[tuple[float, float]]:
+def _frames(results: Results, views: Views, limit: str) -> list[tuple[float, float]]:
     """Return the ends of both axes, m and g, of each panel: those of the largest if they differ little."""
     reaches, tops = [], []
     for name, direction in views:

@@ -33,14 +33,15 @@ from mechanics.types import Array
 View = tuple[str, Direction]
 """A state and the direction in which it is pushed."""
 LIGHT = 0.01  # of the moving weight: a macro-block that is lighter is not numbered
-SMALLEST_PT, LARGEST_PT = 3.5, 6.5  # of the number of a block, as large as the block has room for
-ROOM = 0.9  # points of that number for each mm on paper of the root of the block's area
+SMALLEST_PT, LARGEST_PT = 4.5, 6.5  # of the number of a block, as large as the block has room for
+ROOM = 1.1  # points of that number for each mm on paper of the root of the block's area
 CRACK: dict[str, Any] = {"color": pictures.INK, "linewidth": 2.0, "solid_capstyle": "butt"}
 SURVEYED: dict[str, Any] = {"color": "#a33c0a", "linewidth": 1.6, "linestyle": (0, (3, 1)), "marker": "|"}
 MEASURED: dict[str, Any] = pictures.HINGE | {"marker": "D", "markersize": 4.0, "markeredgewidth": 1.0}
 MOVED: dict[str, Any] = {"facecolor": pictures.MOVING, "edgecolor": pictures.INK, "linewidth": 0.5}
 WHITE = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.5}
-NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE}
+NUMBER: dict[str, Any] = {"fontsize": 6.5, "fontweight": "bold", "bbox": WHITE, "zorder": 5}
+CLEAR_MM = np.array([7.5, 3.0])  # between two of these numbers
 BESIDE = (10.0, 0.0)  # points, of a number from its mark
 FRAME = {"facecolor": "1.0", "edgecolor": pictures.INK, "linewidth": 0.4, "pad": 1.4}
 BOXED: dict[str, Any] = {"fontsize": 7.0, "fontweight": "bold", "bbox": FRAME}
@@ -237,16 +238,19 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     page = sheet(pictures.union([shape]), border_mm=8.0, foot_mm=foot(2))
     axes = page.panels[0]
     pictures.fill_roles(axes, shape)
-    found = cracks_of(results, state)
+    found, named = cracks_of(results, state), list[Array]()  # joints, and where their numbers stand
     middle = np.asarray(shape.bounds).reshape(2, 2).mean(axis=0)
     for place, crack in enumerate(found):  # the face of the second block
         face, owner = np.asarray(results.geometry.joints[crack.joint].ends_m), np.full(2, crack.block_b)
         ends = pictures.place(face, owner, drawn.centroids, moved)
         axes.plot(*ends.T, **CRACK)
-        if place < most:  # numbered beyond its end that is farther out
+        if place < most:  # numbered beyond its end that is farther out, or where no other number is
             inner, outer = sorted(ends, key=lambda end: float(np.hypot(*(end - middle))))
-            out = (outer - inner) / max(float(np.hypot(*(outer - inner))), 1e-12)
-            parts.write_number(axes, f"G{crack.joint}", outer + page.paper(3.0) * out, **NUMBER)
+            out = page.paper(3.0) / max(float(np.hypot(*(outer - inner))), 1e-12) * (outer - inner)
+            tried = [end + far * out for far in (1.0, 2.0, 3.0) for end, far in ((outer, far), (inner, -far))]
+            crowd = [sum((abs(at - to) < page.paper(1.0) * CLEAR_MM).all() for to in named) for at in tried]
+            named.append(tried[int(np.argmin(crowd))])
+            parts.write_number(axes, f"G{crack.joint}", named[-1], **NUMBER)
     for number, (ring, centroid) in enumerate(zip(shape.rings(shape.every), shape.centroids, strict=True)):
         size = min(LARGEST_PT, ROOM * 1000.0 * hand_check.outline_area(ring) ** 0.5 / page.scale)
         if size >= SMALLEST_PT:

@@ -36,6 +36,11 @@ def test_only_the_headings_of_accelerations_say_what_they_refer_to():
     assert ENGLISH.plain("value.on_rock") not in heading("alpha_0", ENGLISH, "rock")
 
 
+def test_what_differs_by_rounding_alone_is_written_alike():
+    words = Words.of("en")
+    assert words.number(0.07865) == words.number(0.07865 * (1.0 + 3e-16)) == words.number(0.07865000000001)
+
+
 def test_what_is_not_there_is_told_from_what_was_not_reached():
     dash, not_reached = ENGLISH("value.none"), ENGLISH("value.not_reached")
     assert cell("d_0_m", {}, ENGLISH) == dash != not_reached

@@ -145,6 +145,17 @@ def test_the_range_stands_beside_the_index_that_is_used():
     assert f"{used} is the least of several computations" in said and "between 0.25 and 2.50" in said
 
 
+def test_without_an_index_the_range_is_that_of_the_multiplier():
+    results = results_example("en")
+    for content in results["states"].values():
+        content["capacity"] = {}
+        for pushed in content["pushover"].values():
+            pushed["rigid"] |= {"alpha_0_range": [0.1, 0.2]}
+    results["echo"] |= {"assessment": None, "scatter": 5}
+    said = " ".join(map(plain_text, basis(typed(results), WORDS)))
+    assert "is the least of several computations" in said and "between 0.100 and 0.200" in said
+
+
 def test_the_action_is_that_of_the_limit_state_of_the_index():
     results = results_example("en")
     results["echo"]["assessment"]["site"] |= {"nominal_life_years": 50.0, "use_class": "II"}

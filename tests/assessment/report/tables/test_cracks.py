@@ -7,6 +7,7 @@ from matplotlib.text import Text
 
 from assessment.report.chapters.remarks import cracks as crack_sentences
 from assessment.report.chapters.remarks import survey as survey_sentences
+from assessment.report.figures import deformed
 from assessment.report.figures.deformed import draw_cracks
 from assessment.report.language import words_of
 from assessment.report.tables.cracks import SEEN, cracks, survey_table
@@ -65,6 +66,15 @@ def test_every_joint_of_the_table_is_numbered_in_the_drawing():
         [axes] = draw_cracks(typed(results), words_of(typed(results)), SETTLED, 40).axes
     said = {text.get_text() for text in axes.texts}
     assert said >= {f"G{row['joint']}" for row in cracks(typed(results)).rows}
+
+
+def test_no_number_of_a_joint_covers_another(monkeypatch):
+    results = typed(with_motion(*about(results_example(), 0, 0, 0.05)))
+    [crack, *_] = deformed.cracks_of(results, SETTLED)
+    monkeypatch.setattr(deformed, "cracks_of", lambda *_: [crack] * 4)
+    with mpl.rc_context(STYLE):
+        [axes] = draw_cracks(results, words_of(results), SETTLED, 10).axes
+    assert len({text.xy for text in axes.texts if text.get_text().startswith("G")}) == 4
 
 
 def test_of_cracks_that_is_told_which_there_is(monkeypatch):
