@@ -49,15 +49,14 @@ def test_letters_that_the_console_lacks_are_spelt_out(project, encoding):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="closes the numbers of the streams")
-def test_a_closed_stream_ends_no_run(project):
+def test_a_closed_stream_ends_no_run(tmp_path):
     """And nothing that anybody prints goes into a file that has got its number."""
-    stored = project / "output" / "results.json"
-    stored.unlink()
+    folder = write_block(tmp_path / "block", block())
     script = 'exec "$0" -m assessment.cli "$@" 0>&- 1>&- 2>&-'
-    command = ["sh", "-c", script, sys.executable, "run", str(project), "--no-report"]
+    command = ["sh", "-c", script, sys.executable, "run", str(folder), "--no-report"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
-    json.loads(stored.read_text(encoding="utf-8"))
+    json.loads((folder / "output" / "results.json").read_text(encoding="utf-8"))
 
 
 def test_what_a_terminal_would_obey_is_shown(capsys):
