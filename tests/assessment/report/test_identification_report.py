@@ -29,7 +29,7 @@ def outcome(tmp_path_factory):
     )
     project = select(load_project(folder), ["identification"])
     with pytest.MonkeyPatch.context() as patch:  # the joints only open: increments tell nothing
-        for name, value in {"FARTHEST": 2.0, "COARSE": 10, "FINE": 4}.items():
+        for name, value in {"FARTHEST": 2.0, "COARSE": 5, "FINE": 10}.items():
             patch.setattr(identification, name, value)
         return run(project, build_model(project), jobs=1)
 
