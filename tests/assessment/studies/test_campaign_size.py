@@ -57,7 +57,7 @@ class MadeUp:
         strength = factor * motion.pga / capacity
         found = Response(
             0.01 * np.arange(SAMPLES),
-            strength * np.sin(np.arange(SAMPLES) * (1.0 + 10.0 * strength)),
+            strength**8 * np.sin(np.arange(SAMPLES) * (1.0 + 10.0 * strength)),  # as what rocks, near collapse alone
             np.ones((SAMPLES, len(model.blocks), 3)),
             np.ones((SAMPLES, len(model.contacts), 3)),
             (
@@ -78,7 +78,7 @@ class MadeUp:
 
 
 def test_of_a_thousand_histories_numbers_are_left_and_no_curves(project, tmp_path, monkeypatch):
-    """One column of their curves alone would be 20 MB. Measured: results of 0.5 MB."""
+    """One column of their curves alone would be 20 MB. Measured: results of 0.66 MB."""
     made, store = MadeUp(), Store(tmp_path / FOLDER)
     monkeypatch.setattr(scan, "respond", made)
     monkeypatch.setattr(tasks, "processes", lambda _: 0)  # all in this process
@@ -95,5 +95,5 @@ def test_of_a_thousand_histories_numbers_are_left_and_no_curves(project, tmp_pat
     assert all(row["pga_collapse_g"] for row in campaign["combinations"])
     assert made.most == 1  # whole motion at a time
     assert peak < 30 * MEGABYTE
-    assert len(as_bytes(outcome.results)) < 0.6 * MEGABYTE
-    assert sum(entry.stat().st_size for entry in store.folder.iterdir()) < 0.6 * MEGABYTE
+    assert len(as_bytes(outcome.results)) < 0.8 * MEGABYTE
+    assert sum(entry.stat().st_size for entry in store.folder.iterdir()) < 0.8 * MEGABYTE
