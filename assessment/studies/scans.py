@@ -96,12 +96,16 @@ def asked_for(
 
 @dataclass
 class Scans:
-    """Scans of a run by key and by how often the time step is halved; what is there is not run again."""
+    """Scans of a run by key and by how often the time step is halved; what is there is not run again.
+
+    `counts`: halvings of the step that counts, where finer ones were run only to look at it; None: the finest counts.
+    """
 
     project: Project
     workers: Workers
     found: dict[str, dict[int, Scan]] = field(default_factory=dict)
     told: set[str] = field(default_factory=set)
+    counts: int | None = None
 
     def run(self, stage: str, asked: Sequence[Asked], halvings: int = 0) -> None:
         """Scan what has not been scanned, the longest records first, at a time step that is halved so often."""
@@ -140,17 +144,19 @@ class Scans:
         return self.found.get(asked.key, {}) if asked.starts else {}
 
     def of(self, asked: Asked) -> Scan:
-        """Return the scan at the finest time step that was run; of one not completed that of the step before."""
+        """Return the scan at the time step that counts; of one not completed that of the finest that was."""
         if isinstance(asked.shaking.start, str):
             return Scan(reason=asked.shaking.start)
         found = self.found[asked.key]
+        if self.counts in found and found[self.counts].reason is None:
+            return found[self.counts]
         finest = (found[n] for n in sorted(found, reverse=True) if found[n].reason is None)
         return next(finest, found[min(found)])
 
     def paired(self, one: Asked, other: Asked) -> tuple[Scan, Scan]:
-        """Return the scans of two at the finest time step that both have."""
+        """Return the scans of two at the time step that counts, or at the finest that both have."""
         both = self._by_step(one).keys() & self._by_step(other).keys()
-        if not both:
+        if not both or self.counts in both:
             return self.of(one), self.of(other)
         return self.found[one.key][max(both)], self.found[other.key][max(both)]
 
@@ -195,6 +201,7 @@ class Scans:
                 self.run(f"finer: {stage}", looked, halvings)
                 if self.needed(looked)[0] < halvings:
                     break
+            self.counts = self.needed(looked)[0] if looked else None
         halvings, moved = self.needed(looked)
         self.run(stage, asked, halvings)
         if halvings:

@@ -47,7 +47,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     """
     model, solves = problem.system.model, 0
     still, least = STEP.slow * model.size, tolerances.way * model.size
-    now, at, time, longest = replace(problem, size=least), begun, tolerances.first, tolerances.longest
+    now, at, time, longest = replace(problem, size=least), begun, tolerances.first, np.inf
     exact = USABLE if problem.system.rigid else STEP.slow
     last: Round | None = None
     half_way, slowing = np.inf, False
@@ -63,7 +63,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if 0 < step == tolerances.steps // 2:
             half_way = force
         size = max(least, tolerances.stride * far)
-        longest = 0.5 * time if last.held else min(2.0 * longest, tolerances.longest)
+        longest = 0.5 * time if last.held else 2.0 * longest
         time = min(time * min(2.0, np.sqrt(size / max(left, 1e-300))), max(longest, tolerances.first))
         # slips count from the last step: a joint that has slid does not slide back
         start = State(moved, np.zeros_like(moved), lengthened=now.start.lengthened)

@@ -133,6 +133,7 @@ def test_a_small_campaign(block):
         assert 0.0 < collapse - safe <= 0.05 * collapse and row["pga_collapse_range"][0] == collapse
         fallen = {point["pga_g"]: point["collapsed"] for point in row["points"]}
         assert fallen[lowest] and not fallen[safe] and row["runs"] == row["counts"]["motions"] == len(fallen)
+    assert len({row["time_step_s"] for row in rows}) == 1, "finer steps that were only looked at do not count"
     original, settled = found["fragility"]
     assert original["median_g"] == pytest.approx(
         math.exp(np.mean([math.log(row["level_50_g"]) for row in rows[:3]]))

@@ -8,6 +8,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
+from assessment import arch as arch_of_voussoirs
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import load_project
@@ -331,3 +332,26 @@ def test_an_elastic_arch_that_snaps_through_has_not_spent_its_capacity(increment
     before, after = curve.crossed[0, 0], curve.crossed[-1, 1]  # it may rest on the way
     assert before < 0.012 and after == pytest.approx(0.0161, abs=2e-4)
     assert curve.multiplier.max() == pytest.approx(0.157, rel=0.04)
+
+
+@pytest.mark.parametrize("normal", [1e6, 1e7])
+def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry(normal):
+    """Elastic joints: the equilibrium on the axis turns unstable, softly; it was told to collapse at 14 to 32 mm.
+
+    Spread with 0.3 mm upwards or downwards the arch comes to the same rest, or its mirror image, without such a point.
+    """
+    stone = Material(
+        unit_weight=22.0, friction=0.6, normal_stiffness=normal, tangential_stiffness=0.4 * normal
+    )
+    model = arch_of_voussoirs(
+        span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=5, material=stone, depth_m=1.0
+    )
+    movements = (0.06, 0.0), (0.06, 3e-4), (0.06, -3e-4)
+    turned = [
+        pushdown(
+            model, support="destro", displacement=each, increment=1e-3, contacts="elastic"
+        ).final.positions[2:, 2]
+        for each in movements
+    ]
+    nearest = min(abs(turned[0] - each).max() for each in turned[1:])
+    assert nearest < 5e-4 < 0.01 < abs(turned[0] + turned[0][::-1]).max()
