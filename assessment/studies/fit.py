@@ -7,7 +7,7 @@ and no slope. Standard errors rest on slopes that two steps on one side of the f
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -260,25 +260,32 @@ def _distinct(sides: list[Array], residual: Array) -> tuple[Array, ...]:
     return tuple(sorted(sides, key=lambda slope: float(np.linalg.norm(slope))))
 
 
-def kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> Mask:
-    """Return whether the prediction has a kink within a standard error `error` (n,), m, below and above: (n, 2).
+def over_kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> tuple[Mask, Fit]:
+    """Return where the prediction has a kink within a standard error (n,), m, below and above: (n, 2); and the fit.
 
-    There what is predicted departs by more than `linear` from its linear part. Unknowns without an error, and movements
-    that the structure does not survive, have none.
+    There what is predicted departs by more than `linear` from its linear part. The slopes of the fit that is returned
+    are also those from one to two standard errors beyond such a kink: either may hold. Unknowns without an error, and
+    movements that the structure does not survive, have none.
     """
-    found = np.zeros((len(error), 2), dtype=bool)
+    found, slopes = np.zeros((len(error), 2), dtype=bool), [list(each) for each in fit.slopes]
     known = np.flatnonzero(np.isfinite(error))
     ends = [
-        (k, side, unknowns.bounded(fit.u + sign * error[k] * np.eye(len(error))[k]))
+        (k, side, [unknowns.bounded(fit.u + n * sign * error[k] * np.eye(len(error))[k]) for n in (1, 2)])
         for k in known
         for side, sign in enumerate((-1.0, 1.0))
     ]
-    for (k, side, end), shown in zip(ends, predict([end for *_, end in ends]), strict=True):
-        far = end[k] - fit.u[k]
-        if shown is not None and far != 0.0:
-            departs = [np.linalg.norm(shown - fit.residual - far * slope) for slope in fit.slopes[k]]
-            found[k, side] = min(departs) > FIT.linear
-    return found
+    shown = predict([end for *_, pair in ends for end in pair])
+    for (k, side, (end, farther)), at, beyond in zip(ends, shown[::2], shown[1::2], strict=True):
+        far, on = end[k] - fit.u[k], farther[k] - end[k]
+        if at is None or far == 0.0:
+            continue
+        found[k, side] = (
+            min(np.linalg.norm(at - fit.residual - far * slope) for slope in fit.slopes[k]) > FIT.linear
+        )
+        if found[k, side] and beyond is not None and on != 0.0:
+            slopes[k].append((beyond - at) / on)
+    lengths = [sorted(each, key=lambda slope: float(np.linalg.norm(slope))) for each in slopes]
+    return found, replace(fit, slopes=tuple(tuple(each) for each in lengths))
 
 
 def _step(unknowns: Unknowns, u: Array, residual: Array, jacobian: Array, damping: float) -> Array:
@@ -319,7 +326,7 @@ def sureness(fit: Fit, measured: float, part: float = 0.1) -> Sureness:
 
     A direction is open where its standard error, infinite without an effect, is longer than the whole movement and than
     the largest `measured` displacement (m); unknowns with more than a `part` in one have no error. Of an unknown with
-    two slopes either may hold: the errors are the largest, the open directions those of the flatter ones.
+    several slopes each may hold: the errors are the largest, the open directions those of the flatter ones.
     """
     flat = np.array([slopes[0] for slopes in fit.slopes]).T
     found, open_ = _sureness(fit, flat, measured, part)

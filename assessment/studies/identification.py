@@ -258,9 +258,11 @@ class MovementSearch:
         [found] = self._followed(unknowns, [u], FINE, "best movement")
         return found
 
-    def kinks(self, unknowns: fitting.Unknowns, fit: fitting.Fit, error: Array) -> Mask:
-        """Return whether the prediction has a kink within a standard error (n,), m, below and above: (n, 2)."""
-        return fitting.kinks(unknowns, fit, error, self._predict(unknowns))
+    def over_kinks(
+        self, unknowns: fitting.Unknowns, fit: fitting.Fit, error: Array
+    ) -> tuple[Mask, fitting.Fit]:
+        """Return where the prediction has a kink within a standard error, and the fit with the slopes beyond."""
+        return fitting.over_kinks(unknowns, fit, error, self._predict(unknowns))
 
     def _refined(self, unknowns: fitting.Unknowns, start: Array) -> fitting.Fit | None:
         predict = self._predict(unknowns)
@@ -354,7 +356,8 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
             probability=None, aic=None, distinguished=True, undetermined=[], kinked=[], contradicting=[],
             at_collapse=False, fit=[], configuration=None,
         )  # fmt: skip
-    sure = fitting.sureness(fit, search.largest)
+    kinked, around = search.over_kinks(unknowns, fit, fitting.sureness(fit, search.largest).error)
+    sure = fitting.sureness(around, search.largest)
     rows = [
         as_part(
             parts.Fitted,
@@ -377,7 +380,7 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
         aic=fit.chi_squared + 2.0 * n,
         distinguished=False,
         undetermined=[*open_movements(unknowns, sure.open)],
-        kinked=[*kinked_components(unknowns, search.kinks(unknowns, fit, sure.error))],
+        kinked=[*kinked_components(unknowns, kinked)],
         contradicting=[row.measurement for row in rows if abs(row.residual_in_sigma) > CONTRADICTS],
         at_collapse=fit.stopped,
         fit=rows,

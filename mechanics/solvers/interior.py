@@ -190,16 +190,19 @@ def frozen(program: Program) -> Program:
 
 @one_thread()
 def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
-    """Whether the equilibrium of a `solution` is stable: K − G is positive where the lateral load does no work.
+    """Whether the equilibrium of a `solution` is stable: K + M̄ − G is positive where the lateral load does no work.
 
     K: tangent stiffness of the joints, G: what their forces change with the geometry (`curved`, which must be given).
-    Under dead load no pivot of K − G may be negative. If the multiplier is free, one may be, beyond the peak of the
-    curve: then f_Lᵀ(K − G)⁻¹f_L < 0, and with the work of the lateral load held no direction is left that is unstable.
+    M̄: mass over the square of the time of a step from rest. Under dead load no pivot may be negative. If the multiplier
+    is free, one may be, beyond the peak of the curve: then f_Lᵀ(K − G)⁻¹f_L < 0, and with the work of the lateral load
+    held no direction is left that is unstable.
     """
     p, order = program, layout.order
     assert p.curved is not None
     held = np.full(len(p.load), HOLDING * p.weight / p.step)
     held[2::3] *= p.size**2
+    if p.mass is not None:
+        held += p.mass[order]
     negative, lateral_work = inertia(
         layout.row, p.places, p.law, p.curved, np.zeros(0) if p.lateral is None else p.lateral[order],
         np.zeros(len(p.load)), solution.forces, solution.gaps.copy(), p.step, STIFFEST * p.step / p.weight,

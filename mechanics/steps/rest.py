@@ -118,7 +118,8 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
     """Return the round of one step from rest at positions (b, 3), sought near the last one.
 
     The program contains the change of the last forces with the geometry. Without it blocks follow a slow motion at a
-    fraction of its speed and would seem to come to rest: its geometry is held only where it has no solution nearby.
+    fraction of its speed and would seem to come to rest: its geometry is held only where it has no solution nearby, or
+    where the step is so long that it would end at an unstable equilibrium.
     """
     system, size = problem.system, problem.system.model.size
     program, index = problem.pose(at, None if last is None else last.forces)
@@ -129,7 +130,7 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         frozen = interior.frozen(program)
     full, held, solves = None, None, 0  # solutions with the geometry that changes, and with the geometry held
     if warm and curved:
-        full, solves = _solved(program, layout, warm.warm(program)), 1
+        full, solves = _stable(program, layout, warm.warm(program)), 1
         if full and way(at, displaced(system.model, at, full.displacement), size) > REST.jump * problem.size:
             full = None
     if full is None:
@@ -141,7 +142,7 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
                 held, solves = _solved(tried, layout, start), solves + 1
         if held and curved:
             near = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
-            full, solves = _solved(program, layout, near), solves + 1
+            full, solves = _stable(program, layout, near), solves + 1
     found = full or held
     if found is None:
         raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
@@ -161,6 +162,12 @@ def _solved(program: Program, layout: Elimination, start: Iterate) -> Iterate | 
     """Return the solution of a program that is found from a start; None if none is."""
     found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
     return found if outcome.accepted else None
+
+
+def _stable(program: Program, layout: Elimination, start: Iterate) -> Iterate | None:
+    """Return the solution of a program with the change of its forces; None if none is found, or it is unstable."""
+    found = _solved(program, layout, start)
+    return found if found and interior.stable(program, layout, found) else None
 
 
 def lifted(equilibrium: Equilibrium) -> float:

@@ -11,7 +11,7 @@ from assessment.project.masonry import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies import identification as search_module
-from assessment.studies.fit import Fit, Unknowns, kinks, refined, sureness
+from assessment.studies.fit import Fit, Unknowns, over_kinks, refined, sureness
 from assessment.studies.identification import follow, probability
 from mechanics import ConvergenceError
 from mechanics.messages import message
@@ -268,6 +268,22 @@ def two(downward=False):
     return Unknowns((("a", "x"), ("a", "z")), 1.0, downward)
 
 
+def test_what_is_flat_beyond_a_kink_within_its_error_is_not_determined():
+    """r = (10 x, z up to 0.3, constant beyond): the standard error of z by the slope at the fit alone is 1."""
+
+    def flat(values):
+        return [np.array([10.0 * u[0], min(u[1], 0.3)]) for u in values]
+
+    fit = refined(two(), np.zeros(2), np.zeros(2), flat)
+    assert sureness(fit, 10.0).error == pytest.approx([0.1, 1.0])
+    kinked, around = over_kinks(two(), fit, sureness(fit, 10.0).error, flat)
+    assert kinked.tolist() == [[False, False], [False, True]]
+    sure = sureness(around, 10.0)
+    assert sure.error == pytest.approx([0.1, np.inf]) and abs(sure.open) == pytest.approx(
+        np.array([[0.0, 1.0]])
+    )
+
+
 def test_a_linear_problem_is_solved_with_its_standard_errors():
     offset = np.array([1.0, 2.0, 4.0])
     predict, start = linear(offset), np.array([0.1, -0.1])
@@ -291,7 +307,7 @@ def test_a_jump_beside_the_fit_and_a_kink_in_it():
         fit = refined(two(), start, jump(at)([start])[0], jump(at))
         error = sureness(fit, 10.0).error
         assert error == pytest.approx([0.1, 1.0])
-        assert kinks(two(), fit, error, jump(at)).tolist() == [[False, False], [side == 0, side == 1]]
+        assert over_kinks(two(), fit, error, jump(at))[0].tolist() == [[False, False], [side == 0, side == 1]]
 
     def kink(values):
         return [np.array([10.0 * u[0], max(u[1], 2.0 * u[1])]) for u in values]
