@@ -261,7 +261,7 @@ def _censored(
     return mean, spread
 
 
-def fit_stripes(levels: Array, collapsed: Mask, weights: Array) -> Lognormal:
+def fit_stripes(levels: Array, collapsed: Array | Mask, weights: Array) -> Lognormal:
     """Fit the collapses (n, k) seen at levels (k,): binomial likelihood (Baker 2015, Earthquake Spectra 31(1), eq. 11).
 
     `levels` grow. With p = Φ(a + b ln level) the logarithm of the likelihood is concave in a and b. It has a maximum

@@ -195,7 +195,7 @@ def campaign(
         ],
         spectrum=spectrum, combinations=rows, computed=len({each.key for each in asked if each.starts}),
         fragility=list(fits.values()),
-        loss=[loss_of(state, unmoved.get(state.settlement), asked, scans, fits) for state in moved],
+        loss=[loss_of(state, unmoved.get(state.settlement), asked, scans, table.levels_g) for state in moved],
         failures=list(study.failures), warnings=list(study.warnings),
     )  # fmt: skip
     study.findings += [message("campaign: {text}", text=text) for text in _findings(found)]

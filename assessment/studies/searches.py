@@ -1,7 +1,7 @@
 """What the scans of records sum up to: fragility, the standard's value, loss of capacity; the incremental analysis."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -28,6 +28,7 @@ from assessment.studies.scans import (
 from assessment.studies.variants import Study
 from mechanics import Assembly
 from mechanics.messages import Message, headed, message
+from mechanics.types import Array
 
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
 
@@ -116,9 +117,7 @@ def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -
     """
     if not known:
         return None
-    fallen = np.array(
-        [[point.members_collapsed / point.members for point in scans.of(each).points] for each in known]
-    )
+    fallen = _shares(known, scans)
     fit = fragility.fit_stripes(np.array(levels), fallen, np.ones((1, len(known))))
     median, beta = float(fit.median[0]), float(fit.beta[0])
     if not (0.0 < median < math.inf and math.isfinite(beta)):
@@ -131,6 +130,13 @@ def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -
     ranges = fragility.confidence(samples.median), fragility.confidence(samples.beta)
     return fragility.Dispersion(
         median, beta, beta, 0.0, *ranges, fragility.band_of(samples.median, samples.beta)
+    )
+
+
+def _shares(known: Sequence[Asked], scans: Scans) -> Array:
+    """Return the shares (n, k) of motions that collapse at each level of the stripes."""
+    return np.array(
+        [[point.members_collapsed / point.members for point in scans.of(each).points] for each in known]
     )
 
 
@@ -152,18 +158,17 @@ def loss_of(
     base: Moved | None,
     asked: Sequence[Asked],
     scans: Scans,
-    fits: Mapping[Moved, dynamic.CampaignFragility],
+    levels: Sequence[float] | None,
 ) -> dynamic.CampaignLoss:
     """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic beside static.
 
-    Scans give the loss of `paired_loss`, stripes that of the median, without a range.
+    Scans give the loss of `paired_loss`, stripes at some `levels` that of `_loss_of_stripes`.
     """
     own, before = ([each for each in asked if each.state is of] for of in (state, base))
     loss = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
-    if base is not None and own and own[0].reach.stripes:
-        loss = loss.replace(dynamic=reduction(fits[base].median_g, fits[state].median_g))
-    elif base is not None:
-        loss = paired_loss(list(zip(before, own, strict=True)), scans)
+    if base is not None:
+        pairs = list(zip(before, own, strict=True))
+        loss = _loss_of_stripes(pairs, scans, levels) if levels else paired_loss(pairs, scans)
         if state is base:
             loss = loss.replace(dynamic_range=[0.0, 0.0])
     static = reduction(base.static_capacity, state.static_capacity) if base else None
@@ -205,6 +210,37 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
         dynamic_range=[low, high],
         distinguishable=None if unmoved or low is None or high is None else not low <= 0.0 <= high,
         left_out=left_out,
+    )
+
+
+def _loss_of_stripes(
+    pairs: Sequence[tuple[Asked, Asked]], scans: Scans, levels: Sequence[float]
+) -> dynamic.Loss:
+    """Return the loss of the median over `pairs`, before and after; its range is that of the bootstrap over records."""
+    known = [both for both in pairs if all(each.starts and scans.of(each).reason is None for each in both)]
+    loss = dynamic.Loss(
+        dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=len(pairs) - len(known)
+    )
+    if not known:
+        return loss
+    names, weights = list(dict.fromkeys(one.record for one, _ in known)), np.ones((1, len(known)))
+    if len(names) >= fragility.ENOUGH:
+        samples = fragility.samples_of_records(np.array([names.index(one.record) for one, _ in known]))
+        weights = np.vstack([weights, samples])
+    shares = (_shares(own, scans) for own in zip(*known, strict=True))
+    before, after = (fragility.fit_stripes(np.array(levels), each, weights).median for each in shares)
+    with np.errstate(all="ignore"):
+        lost = 1.0 - after / before
+    if not math.isfinite(lost[0]):
+        return loss
+    loss = loss.replace(dynamic=float(lost[0]))
+    if len(lost) == 1 or not np.isfinite(lost).all():
+        return loss
+    low, high = fragility.confidence(lost[1:])
+    assert low is not None and high is not None  # all are finite
+    unmoved = all(one is other for one, other in pairs)
+    return loss.replace(
+        dynamic_range=[low, high], distinguishable=None if unmoved else not low <= 0.0 <= high
     )
 
 

@@ -196,7 +196,7 @@ class Stopping(Show):
 
 
 def test_stripes_by_spectral_acceleration(block):
-    stripes = 'method = "stripes"\nlevels_g = [0.1, 0.2, 0.4]\nmeasure = "Sa(T)"\nperiod_s = 0.5\n'
+    stripes = 'method = "stripes"\nlevels_g = [0.2, 0.4, 1.2]\nmeasure = "Sa(T)"\nperiod_s = 0.5\n'
     edit(block, "tolerance = 0.2\n", stripes)
     assert run(block, "--only", "campaign") == 0
     results = read_results(block / "output")
@@ -204,10 +204,16 @@ def test_stripes_by_spectral_acceleration(block):
     for row in found["combinations"]:
         record = next(each for each in found["records"] if each["record"] == row["record"])
         ratio = record["sa_g"] / record["record_pga_g"]
-        assert [point["pga_g"] * ratio for point in row["points"]] == pytest.approx([0.1, 0.2, 0.4])
+        assert [point["pga_g"] * ratio for point in row["points"]] == pytest.approx([0.2, 0.4, 1.2])
         assert len(row["collapsed"]) == 3
     assert all(row["rule"] is None for row in found["fragility"])
     assert found["loss"][1]["static"] is not None  # the static check comes with it
+    before, after = (each["median_g"] for each in found["fragility"])
+    low, high = found["loss"][1]["dynamic_range"]
+    assert found["loss"][1]["dynamic"] == pytest.approx(1.0 - after / before)
+    assert low <= found["loss"][1]["dynamic"] <= high and found["loss"][1]["distinguishable"] == (
+        not low <= 0.0 <= high
+    )
 
 
 def test_the_static_loss_beside_rigid_motions_is_that_of_rigid_joints(block):
