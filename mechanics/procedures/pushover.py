@@ -194,7 +194,7 @@ def pushover(
     if control is not None:
         point = array_of("control", control, "a point (x, z) in m")
         return _followed(_Push(point, direction, increment, until, tolerances), system, state).finished()
-    first = _Push(_first_to_move(model, direction, state, sliding), direction, increment, until, tolerances)
+    first = _Push(_first_to_move(system, direction, state), direction, increment, until, tolerances)
     curve = _followed(first, system, state)
     try:
         return curve.finished()
@@ -213,15 +213,17 @@ def _followed(push: _Push, system: StaticSystem, state: State | None) -> _Curve:
     return curve
 
 
-def _first_to_move(model: Assembly, direction: Direction, state: State | None, sliding: Sliding) -> Array:
+def _first_to_move(system: StaticSystem, direction: Direction, state: State | None) -> Array:
     """Return the drawn corner (2,), m, that goes farthest along the push in the first mechanism of rigid joints.
 
-    The highest one where the load meets no mechanism. Raises UnstableError if the state cannot stand.
+    The highest one where the load meets no mechanism, or elastic joints hold a state that rigid ones would not. Raises
+    UnstableError if a state of rigid joints cannot stand.
     """
+    model, held = system.model, () if system.rigid else (UnstableError,)
     begun = model.starting(state).positions
     moved = begun + np.where(model.movable[:, None], [1.0, 0.0, 0.0], 0.0)
-    with suppress(NoEquilibriumError, ConvergenceError):
-        moved = begun + 1e-6 * model.size * limit_analysis(model, direction, state, sliding).mechanism
+    with suppress(NoEquilibriumError, ConvergenceError, *held):
+        moved = begun + 1e-6 * model.size * limit_analysis(model, direction, state, system.sliding).mechanism
     return farthest_corner(model, begun, moved, direction)[0]
 
 

@@ -355,3 +355,14 @@ def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry(normal):
     ]
     nearest = min(abs(turned[0] - each).max() for each in turned[1:])
     assert nearest < 5e-4 < 0.01 < abs(turned[0] + turned[0][::-1]).max()
+
+
+def test_a_settled_elastic_state_is_pushed_without_a_control_point():
+    """As rigid blocks it would not stand there; its elastic joints hold it."""
+    stone = Material(unit_weight=22.0, friction=0.6, normal_stiffness=1e6, tangential_stiffness=4e5)
+    model = arch_of_voussoirs(span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=5, material=stone, depth_m=1.0)
+    moved = pushdown(model, support="destro", displacement=(0.02, -0.02), increment=1e-3, contacts="elastic")
+    with pytest.raises(UnstableError):
+        pushover(model, state=moved.final)
+    curve = pushover(model, state=moved.final, increment=1e-3, until=0.9, contacts="elastic")
+    assert 0.28 < curve.alpha_0 < 0.3076  # as drawn 0.3076
