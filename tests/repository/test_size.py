@@ -22,15 +22,15 @@ LINES = {
     "assessment/report": 6118,
     "assessment/results": 3262,
     "assessment/runtime": 1659,
-    "assessment/studies": 2373,
+    "assessment/studies": 2426,
     "assessment/workflow": 947,
     "mechanics": 966,
     "mechanics/kernels": 3642,
     "mechanics/model": 3246,
-    "mechanics/procedures": 3329,
+    "mechanics/procedures": 3331,
     "mechanics/records": 1086,
-    "mechanics/solvers": 1068,
-    "mechanics/steps": 1821,
+    "mechanics/solvers": 1071,
+    "mechanics/steps": 1827,
 }
 
 
