@@ -360,7 +360,9 @@ def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry(normal):
 def test_a_settled_elastic_state_is_pushed_without_a_control_point():
     """As rigid blocks it would not stand there; its elastic joints hold it."""
     stone = Material(unit_weight=22.0, friction=0.6, normal_stiffness=1e6, tangential_stiffness=4e5)
-    model = arch_of_voussoirs(span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=5, material=stone, depth_m=1.0)
+    model = arch_of_voussoirs(
+        span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=5, material=stone, depth_m=1.0
+    )
     moved = pushdown(model, support="destro", displacement=(0.02, -0.02), increment=1e-3, contacts="elastic")
     with pytest.raises(UnstableError):
         pushover(model, state=moved.final)

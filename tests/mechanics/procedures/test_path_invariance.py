@@ -36,7 +36,7 @@ def test_walls_that_only_turn_end_at_the_same_displacement(name):
     assert found[3] == pytest.approx(expected[3], rel=1e-6)
 
 
-@pytest.mark.parametrize(("name", "sliding"), zip(SLIDING, ("coulomb", "associative"), strict=True))
+@pytest.mark.parametrize(("name", "sliding"), list(zip(SLIDING, ("coulomb", "associative"), strict=True)))
 def test_walls_that_slide_end_for_the_same_reason(name, sliding):
     wall = running_bond(*SLIDING[name])
     expected = ended(wall, 1.0, sliding)
