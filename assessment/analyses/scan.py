@@ -13,7 +13,7 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     the lowest bracket is halved to the width asked for
 
 A level hides a collapse the farther away, the less it moves the structure: CLOSEST (u_max/u)³ in ln level from it, with
-its peak displacement u and the largest one, u_max, with which the structure stood (docs/campaigns.md, "Limits").
+its peak displacement u and the largest one, u_max, with which the structure stood (docs/campaigns.md, "Levels").
 """
 
 import math
@@ -162,11 +162,11 @@ def scan_levels(
     while (next_one := lattice.suspected()) is not None:
         lattice.falls(next_one)
         _run_missing(lattice)
-    known: bool | None = True
-    while known is not None and (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
-        known = lattice.falls(
-            lattice.place(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
-        )
+    while (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
+        half = lattice.place(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
+        if half in lattice.peaks:  # not known there, or no narrower
+            break
+        lattice.falls(half)
 
 
 class _Lattice:
