@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 767,
     "assessment/ntc": 2283,
     "assessment/project": 4707,
-    "assessment/report": 6118,
+    "assessment/report": 6122,
     "assessment/results": 3262,
     "assessment/runtime": 1659,
     "assessment/studies": 2426,

@@ -6,6 +6,7 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
+from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, heading, written
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
@@ -85,7 +86,10 @@ def basis(results: Results, words: Words) -> Iterator[Markup]:
     if (demand := (results.spectra or {}).get(limit := index_limit(results) or "")) is not None:
         life, pga = reference_life(results, words), demand.pga_g or demand.a_g_g
         yield words("synthesis.hazard", pga=pga, limit=limit, reference=life)
-    yield _range(results, words)
+    if results.echo.pushover:
+        yield _range(results, words)
+    if few_records(results)["incremental"]:
+        yield words("text.incremental_few")
     yield _pressure(results, words)
     if decree := results.echo.report.get("protection"):
         yield words("synthesis.listed", decree=decree)

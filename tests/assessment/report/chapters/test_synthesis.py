@@ -196,3 +196,14 @@ def test_an_intervention_is_told_in_the_direction_in_which_it_found_the_structur
         states={"original": drawn, "tied": tied}, summary=example.summary.replace(rows=rows[1::2])
     )
     assert not any("least" in plain_text(sentence) for sentence in lead(only, WORDS))
+
+
+def test_motions_alone_have_no_governing_curve_and_their_few_records_are_told():
+    results = results_example("en")
+    scatter = "The governing curve does not scatter"
+    results["echo"] |= {"scatter": 5}
+    assert scatter in " ".join(map(plain_text, basis(typed(results), WORDS)))
+    results["echo"] |= {"pushover": None, "assessment": None}
+    results["states"]["original"]["incremental"] = {"records": [], "rule": None}
+    said = " ".join(map(plain_text, basis(typed(results), WORDS)))
+    assert scatter not in said and "Fewer than three records" in said
