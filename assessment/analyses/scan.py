@@ -12,8 +12,8 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     where a level may hide a collapse: half-way to the next that was run, or below all, to DOWN² of the lowest
     the lowest bracket is halved to the width asked for
 
-A level hides a collapse the farther away, the less it moves the structure: CLOSEST (u_max/u)³ in ln level from it, with
-its peak displacement u and the largest one, u_max, with which the structure stood (docs/campaigns.md, "Levels").
+A level with a peak displacement u hides no collapse nearer than CLOSEST (u_max/u)³ in ln level. u_max is the largest
+with which the structure stood (docs/campaigns.md, "Where a collapse hides").
 """
 
 import math
@@ -214,7 +214,7 @@ class _Lattice:
         known = [(self.level(place), fell) for place in self.peaks if (fell := self.falls(place)) is not None]
         lowest = math.floor(min(self.peaks))
         counts = observed([level for level, _ in known], [fell for _, fell in known]).capacity
-        if counts is None or counts >= self.level(min(self.peaks)) or lowest == self.bottom:
+        if counts is None or counts >= self.level(min(self.peaks)) or lowest <= self.bottom:
             return None
         return max(lowest - self.depth, self.bottom)
 

@@ -279,9 +279,8 @@ def over_kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> 
         far, on = end[k] - fit.u[k], farther[k] - end[k]
         if at is None or far == 0.0:
             continue
-        found[k, side] = (
-            min(np.linalg.norm(at - fit.residual - far * slope) for slope in fit.slopes[k]) > FIT.linear
-        )
+        departs = min(np.linalg.norm(at - fit.residual - far * slope) for slope in fit.slopes[k])
+        found[k, side] = departs > FIT.linear
         if found[k, side] and beyond is not None and on != 0.0:
             slopes[k].append((beyond - at) / on)
     lengths = [sorted(each, key=lambda slope: float(np.linalg.norm(slope))) for each in slopes]

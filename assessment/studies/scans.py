@@ -154,11 +154,13 @@ class Scans:
         return next(finest, found[min(found)])
 
     def paired(self, one: Asked, other: Asked) -> tuple[Scan, Scan]:
-        """Return the scans of two at the time step that counts, or at the finest that both have."""
-        both = self._by_step(one).keys() & self._by_step(other).keys()
-        if not both or self.counts in both:
+        """Return the scans of two at one time step: where both are completed, that which counts, else the finest."""
+        steps, others = self._by_step(one), self._by_step(other)
+        if not (both := steps.keys() & others.keys()):
             return self.of(one), self.of(other)
-        return self.found[one.key][max(both)], self.found[other.key][max(both)]
+        completed = {n for n in both if steps[n].reason is None and others[n].reason is None} or both
+        at = self.counts if self.counts in completed else max(completed)
+        return steps[at], others[at]
 
     def tell(self, asked: Asked, stage: str, study: Study) -> None:
         """Add messages, certificates and seconds of a scan to a study, once."""

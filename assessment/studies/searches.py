@@ -228,9 +228,10 @@ def _loss_of_stripes(
         samples = fragility.samples_of_records(np.array([names.index(one.record) for one, _ in known]))
         weights = np.vstack([weights, samples])
     shares = (_shares(own, scans) for own in zip(*known, strict=True))
-    before, after = (fragility.fit_stripes(np.array(levels), each, weights).median for each in shares)
-    with np.errstate(all="ignore"):
-        lost = 1.0 - after / before
+    medians = (fragility.fit_stripes(np.array(levels), each, weights).median for each in shares)
+    # no level collapses: ∞, or all do: 0: only a bound is known
+    before, after = (np.where((each > 0.0) & (each < math.inf), each, math.nan) for each in medians)
+    lost = 1.0 - after / before
     if not math.isfinite(lost[0]):
         return loss
     loss = loss.replace(dynamic=float(lost[0]))
@@ -238,10 +239,8 @@ def _loss_of_stripes(
         return loss
     low, high = fragility.confidence(lost[1:])
     assert low is not None and high is not None  # all are finite
-    unmoved = all(one is other for one, other in pairs)
-    return loss.replace(
-        dynamic_range=[low, high], distinguishable=None if unmoved else not low <= 0.0 <= high
-    )
+    apart = None if all(one is other for one, other in pairs) else not low <= 0.0 <= high
+    return loss.replace(dynamic_range=[low, high], distinguishable=apart)
 
 
 def _lost(change: float) -> float | None:

@@ -171,6 +171,12 @@ def test_a_fall_at_any_level_leaves_only_rest():
     assert seen.safe == 0.0 and seen.lowest <= 0.0011
 
 
+def test_a_scan_whose_level_lies_below_the_least_one_ends():
+    """Levels half-way lie below the bottom of the lattice, and the 16 % level of the probit below them."""
+    trial = Trial((0.0, 0.0011), (0.0012, 99.0))
+    assert trial.seen(members=5).capacity < min(trial.tried)
+
+
 def test_the_lowest_bracket_is_halved_to_the_width_asked_for():
     trial = Trial((0.5, 99.0))
     seen = trial.seen(width=0.002)

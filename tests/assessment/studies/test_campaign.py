@@ -21,6 +21,7 @@ from assessment.studies import campaign as stage
 from assessment.studies.scans import Asked, Scans
 from assessment.studies.searches import loss_of, standard_of
 from assessment.workflow.stages import run as workflow
+from mechanics.messages import message
 from mechanics.records.record import Record
 from tests.support.block_project import edit, read_results, run, timeless
 from tests.support.campaign_project import SEARCHES, write_campaign
@@ -75,7 +76,7 @@ class Levels:
                 self.scans.found[asked.key] = {0: Scan(points)}
 
     def loss(self):
-        return loss_of(self.after, self.before, self.combinations, self.scans, {})
+        return loss_of(self.after, self.before, self.combinations, self.scans, None)
 
 
 def test_losses_are_those_of_each_record_by_itself():
@@ -99,6 +100,38 @@ def test_a_loss_smaller_than_its_levels_are_known_to_is_not_distinguishable_from
     low, high = unsure.dynamic_range
     assert unsure.distinguishable is False and low < 0.0 < high
     assert unsure.dynamic == pytest.approx(0.005, abs=1e-3)
+
+
+def test_a_loss_compares_levels_of_one_time_step():
+    """The scan after the movement is not completed at the finer step that counts: both count at the one given."""
+    levels = Levels({"a": 0.4}, {"a": 0.36})
+    before, after = (levels.scans.found[each.key] for each in levels.combinations)
+    finer = Levels({"a": 0.3}, {})
+    before[1] = finer.scans.found[finer.combinations[0].key][0]
+    after[1] = Scan(reason=message("not solved"))
+    levels.scans.counts = 1
+    assert levels.loss().dynamic == pytest.approx(0.1, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "loss"),
+    [
+        ((0, 0, 0, 0), (0, 0, 1, 1), None),
+        ((0, 0, 1, 1), (1, 1, 1, 1), None),
+        ((0, 0, 0, 1), (0, 0, 1, 1), 0.5),
+    ],
+)
+def test_the_loss_of_stripes_is_known_where_both_medians_are(before, after, loss):
+    """Where no motion collapses before the movement its median is ∞: a loss of 100 % was told."""
+    names, at = ("a", "b", "c"), (0.1, 0.2, 0.4, 0.8)
+    levels = Levels(dict.fromkeys(names, 0.1), dict.fromkeys(names, 0.1))
+    for asked in levels.combinations:
+        fell = before if asked.state is levels.before else after
+        points = [{"pga_g": g, "members": 1, "members_collapsed": n} for g, n in zip(at, fell, strict=True)]
+        levels.scans.found[asked.key] = {0: Scan([made(Level, each) for each in points])}
+    found = loss_of(levels.after, levels.before, levels.combinations, levels.scans, at)
+    assert found.dynamic == (loss and pytest.approx(loss))
+    assert found.dynamic_range == ([pytest.approx(loss)] * 2 if loss else [None, None])
 
 
 def test_a_loss_is_the_same_whatever_other_states_the_analysis_has():
