@@ -78,15 +78,14 @@ class Pushover:
     """A capacity curve from a state's own equilibrium.
 
     `displacement` (k,) m of the `control` point, a drawn point (2,) m of the `block` of that number, positive along the
-    push; `multiplier` (k,); `states` of each point;
-    `steps`: the equilibria of the points (rigid joints: none at the onset); `certificates` of every step.
+    push; `multiplier` (k,); `states` of each point; `steps`: the equilibria of the points (rigid joints: none at the
+    onset); `certificates` of every point.
     `reached_zero`: whether the last point has α = 0; `lost`: whether the curve ends because no equilibrium lies beyond
     its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
     other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
-    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number
-    of points solved with a dilation where the latter was not. Of the `model`,
-    pushed in a `direction`.
+    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
+    points solved with a dilation where the latter was not. Of the `model`, pushed in a `direction`.
     """
 
     control: Array

@@ -44,12 +44,12 @@ def iterated(program: Program, layout: Elimination) -> tuple[Solution, Iterate] 
 
 
 def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | None]:
-    """Return the first certified solution, and its iterate as the start of a next one (None for a solution of PIQP).
+    """Return the first certified solution, and its iterate as the start of a next one (None for one of another solver).
 
-    The package's interior-point method is tried first; then PIQP, if the program is quadratic. A solver's status is
-    never relied on: the certificate decides. Raises NoEquilibriumError if the loads cannot be balanced (a program of
-    its own decides, see imbalance), ConvergenceError if they can but no solver finds forces, or if that program is not
-    solved either.
+    The package's interior-point method is tried first; then PIQP, if the program is quadratic, and HiGHS, if it is
+    linear. A solver's status is never relied on: the certificate decides. Raises NoEquilibriumError if the loads cannot
+    be balanced (a program of its own decides, see imbalance), ConvergenceError if they can but no solver finds forces,
+    or if that program is not solved either.
     """
     own = iterated(program, layout)
     if own is not None and own[0].certificate.worst(program.step) <= GOOD:

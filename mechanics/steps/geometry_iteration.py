@@ -33,8 +33,8 @@ class Round:
     """What one program of the sequence passes on to the next.
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
-    which the next program begins; `touching`: the program's joints;
-    `solves`: programs so far. `held`: whether its geometry had to be held.
+    which the next program begins; `touching`: the program's joints; `solves`: programs so far; `held`: whether its
+    geometry had to be held; `reference` (j, 3): forces near which rigid joints keep them, `stage`: programs of a step.
     """
 
     at: Array
@@ -161,17 +161,15 @@ def _other_contacts(problem: StepProblem, now: Round) -> Index | None:
 
 def certified(problem: StepProblem, now: Round) -> Equilibrium:
     """Return forces and positions of a round, with the certificate of the forces in the geometry of the positions."""
-    assert now.forces is not None and now.touching is not None
+    assert now.forces is not None and now.iterate is not None
     system = problem.system
     program, index = problem.pose(now.at, now.forces, now.touching)
     if now.reference is not None:
         program = proximal(program, now.reference[index])
     forces, rest = now.forces[index], np.zeros(len(program.load))
-    iterate = now.iterate and taken(now.iterate, index)
+    iterate = taken(now.iterate, index)
     found = Solution(forces, now.alpha, rest, certify(program, forces, now.alpha, rest))
-    # not known to be stable without an iterate, as after another solver
-    layout = system.layout.take(index)
-    stable = system.rigid or (iterate is not None and interior.stable(program, layout, iterate))
+    stable = system.rigid or interior.stable(program, system.layout.take(index), iterate)
     return equilibrium(problem, now.at, index, found, iterate, now.solves, stable)
 
 

@@ -108,9 +108,9 @@ def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:
 
 def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:
     """Return the round with the forces and the iterate of the contacts of another system."""
-    assert last.forces is not None
+    assert last.forces is not None and last.iterate is not None
     forces = moved_over(last.forces, before.contacts, now.contacts)
-    iterate = last.iterate and iterate_over(last.iterate, before.contacts, now.contacts)
+    iterate = iterate_over(last.iterate, before.contacts, now.contacts)
     return replace(last, forces=forces, iterate=iterate)
 
 

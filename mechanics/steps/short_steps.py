@@ -25,11 +25,10 @@ from mechanics.types import GRAVITY, Array
 def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Equilibrium:
     """Return the equilibrium of a step of rigid joints taken in short ones, up to the supports in `guess` (b, 3).
 
-    Each short step is one program in the geometry in which it begins. A little inertia keeps loose blocks in place.
-    A joint that sliding has lifted stays lifted
-    while it slides: the further lift (dilation) vanishes, as with Coulomb friction. The forces of the result hold the
-    blocks at their positions without inertia. Raises NoEquilibriumError if there are no such forces or blocks fall,
-    ConvergenceError if a program is not solved.
+    Each short step is one program in the geometry in which it begins. A little inertia keeps loose blocks in place. A
+    joint that sliding has lifted stays lifted while it slides: the further lift (dilation) vanishes, as with Coulomb
+    friction. The forces of the result hold the blocks at their positions without inertia. Raises NoEquilibriumError if
+    there are no such forces or blocks fall, ConvergenceError if a program is not solved.
     """
     system, model = problem.system, problem.system.model
     begun, fixed = problem.start.positions, ~model.movable

@@ -66,9 +66,9 @@ class RestTolerances:
     `first`, in units of √(size/g): time of the first step. `stride`: motion in a step, as a share of the whole motion
     so far, and at least `way`. As shares of the block size: `way`; `lifted`, gap of joints that carry; `farthest`, way
     beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if
-    it comes to rest where it falls. `steps`: largest number of steps.
-    `jump`: times the intended motion of a step, a longer one is another solution of a program that is not convex;
-    `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow down.
+    it comes to rest where it falls. `steps`: largest number of steps. `jump`: times the intended motion of a step, a
+    longer one is another solution of a program that is not convex; `steady`: share of the unbalanced force half-way
+    that is left at the end of a motion that does not slow down.
     """
 
     first: float = 0.5
