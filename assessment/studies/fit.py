@@ -3,7 +3,7 @@
 Gauss–Newton with central differences and bounds (Nocedal and Wright, Numerical Optimization, 2006, ch. 10); damped
 steps (Levenberg–Marquardt) are tried beside the full one, as each is a path of its own and paths run side by side.
 Predictions jump and have kinks where hinges move to other joints: a difference across a jump is the jump over its step,
-and no slope. Standard errors rest on slopes that two steps on one side of the fit agree on.
+and no slope. Standard errors rest on slopes that two steps on one side of the fit agree on, and on those beyond kinks.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -325,7 +325,7 @@ def sureness(fit: Fit, measured: float, part: float = 0.1) -> Sureness:
 
     A direction is open where its standard error, infinite without an effect, is longer than the whole movement and than
     the largest `measured` displacement (m); unknowns with more than a `part` in one have no error. Of an unknown with
-    several slopes each may hold: the errors are the largest, the open directions those of the flatter ones.
+    several slopes each may hold: the errors are the largest, the open directions those of the flattest ones.
     """
     flat = np.array([slopes[0] for slopes in fit.slopes]).T
     found, open_ = _sureness(fit, flat, measured, part)

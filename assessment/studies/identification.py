@@ -121,7 +121,7 @@ def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
     for text in each.kinked:
         yield message(
             "the prediction has a kink within a standard error of {component}: hinges move to other joints there, and "
-            "the standard error holds up to there",
+            "the standard error is the largest by the slopes on both sides",
             component=text,
         )
     for row in each.fit:
