@@ -169,7 +169,7 @@ def evaluate(
     delta, motion, work = begun(model, positions, chosen)
     direction: parts.Direction = "+x" if work.lateral > 0.0 else "-x"
     given = (controls or {}).get(direction)
-    control = followed(model, positions, delta, given, 1.0 if direction == "+x" else -1.0)
+    control = followed(positions, delta, given, 1.0 if direction == "+x" else -1.0)
     if given is None or (given.block, given.point) != (control.block, control.point):
         method = replace(method, local_limits={})  # the local loss is a displacement of another point
 
@@ -223,9 +223,7 @@ def evaluate(
     ).with_checks(checks_of(capacity, checks))  # fmt: skip
 
 
-def followed(
-    model: Assembly, positions: Array, delta: Array, control: FollowedPoint | None, sense: float
-) -> FollowedPoint:
+def followed(positions: Array, delta: Array, control: FollowedPoint | None, sense: float) -> FollowedPoint:
     """Return the given control point, if it moves along the push, or the centroid that moves farthest, with its δ."""
     along = sense * delta[:, 0]
     if control is not None:

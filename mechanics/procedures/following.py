@@ -65,7 +65,7 @@ class Following:
     @property
     def reaction(self) -> Array:
         """Force x and z of the support on the structure, kN, (2,)."""
-        return reaction(self.model, self.equilibrium, self.index)[:2]
+        return reaction(self.equilibrium, self.index)[:2]
 
     def to(self, displacement: ArrayLike, rotation: float = 0.0) -> State:
         """Move the support straight to a `displacement` (2,) m from the drawing and a `rotation` (rad).

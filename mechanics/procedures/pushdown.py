@@ -295,7 +295,7 @@ class _Path:
             onset = LIMIT.onset * min(increment, self.model.size)
             guess = moving.moved(begun.state.positions, onset)
             begun, _ = self.led.reach(guess, moving.lever * onset, True)
-        self.reactions = [reaction(self.model, begun, self.index)[:2]]
+        self.reactions = [reaction(begun, self.index)[:2]]
         self.certificates = [self.led.last.certificate, begun.certificate]
         self.crossed: list[tuple[float, float]] = []
 
@@ -313,7 +313,7 @@ class _Path:
         self.steps.append(led.last)
         self.movement.append(here + by)
         self.certificates.append(led.last.certificate)
-        self.reactions.append(reaction(self.model, led.last, self.index)[:2])
+        self.reactions.append(reaction(led.last, self.index)[:2])
         if jumped:
             self.crossed.append((here, here + by))
         if self.final is None and self.applied:

@@ -234,7 +234,7 @@ def rest_size(model: Assembly, behaviour: Behaviour) -> float:
     return float(np.median(model.weight / (contacts.bed * length)))
 
 
-def reaction(model: Assembly, step: Equilibrium, support: Index) -> Array:
+def reaction(step: Equilibrium, support: Index) -> Array:
     """Return the force (x, z), kN, and the moment about the origin, kNm, (3,) of a support on the structure."""
     contacts, x, places = step.contacts, step.state.positions, step.places.copy()
     if not step.system.rigid:

@@ -62,7 +62,7 @@ def ledge(width: float, tolerance: float) -> None:
     assert limit.alpha == pytest.approx(0.7, rel=1e-6)
     for contacts in ("rigid", "elastic"):
         step = rest(static_system(model, contacts), model.initial)
-        share = reaction(model, step, model.support("right"))[1] / model.weight
+        share = reaction(step, model.support("right"))[1] / model.weight
         tilt = abs(step.state.positions[0, 2])  # of a soft ledge's making: it moves the forces a little
         assert 4.0 / 9.0 - 1e-6 - 0.2 * tilt <= share <= 5.0 / (10.0 - width) + 1e-6
 

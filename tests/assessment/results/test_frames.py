@@ -72,7 +72,7 @@ def test_reactions_of_the_frames_are_those_of_the_path(contacts):
     for number, index in enumerate(frames.index):
         states = joint_states(plain_results(model), situation(frames, number))
         on_structure = -forces_on(model, states)[right].sum(axis=0)
-        expected = reaction(model, path.steps[index], right)[:2]
+        expected = reaction(path.steps[index], right)[:2]
         np.testing.assert_allclose(on_structure, expected, atol=1e-4 * model.weight)
 
 

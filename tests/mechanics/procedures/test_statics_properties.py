@@ -107,7 +107,7 @@ def test_in_other_units_and_places_and_another_order_the_curves_only_stretch(sca
 
 def residual(model, step):
     """ΣFx, ΣFz and ΣM (3,) of reactions and loads, per weight and per weight times the structure's size."""
-    total = sum(reaction(model, step, np.array([i])) for i in np.flatnonzero(~model.movable))
+    total = sum(reaction(step, np.array([i])) for i in np.flatnonzero(~model.movable))
     loads = np.where(model.movable[:, None], model.dead_load + step.alpha * model.lateral_load("+x"), 0.0)
     x, z = step.state.positions[:, :2].T
     total = total + loads.sum(axis=0) + (0.0, 0.0, (x * loads[:, 1] - z * loads[:, 0]).sum())
@@ -156,8 +156,8 @@ def test_the_pushdown_reports_the_reaction_of_its_support():
     model = arch()
     path = pushdown(model, "right", (0.01, -0.01), increment=0.005)
     for step, reported in zip(path.steps[1:], path.reaction[1:], strict=True):
-        assert reaction(model, step, model.support("right"))[:2] == pytest.approx(reported)
-        both = sum(reaction(model, step, model.support(s)) for s in ("left", "right"))
+        assert reaction(step, model.support("right"))[:2] == pytest.approx(reported)
+        both = sum(reaction(step, model.support(s)) for s in ("left", "right"))
         assert both[1] == pytest.approx(model.weight, rel=1e-8)
 
 
@@ -208,7 +208,7 @@ def test_the_reaction_at_the_onset_of_a_movement_is_the_least_and_the_greatest_t
     out, inward = (pushdown(model, "right", (d, 0.0), increment=1e-3).reaction[0] for d in (2e-3, -2e-3))
     assert abs(out[0]) < abs(inward[0])
     assert out[1] == pytest.approx(0.5 * model.weight, rel=1e-6)
-    at_rest = reaction(model, rest(static_system(model, "rigid"), model.initial), model.support("right"))
+    at_rest = reaction(rest(static_system(model, "rigid"), model.initial), model.support("right"))
     assert abs(out[0]) - 1e-6 <= abs(at_rest[0]) <= abs(inward[0]) + 1e-6
     # the reaction against the movement does the least work of all admissible ones
     sunk, raised = (pushdown(model, "right", (0.0, d), increment=1e-3).reaction[0] for d in (-2e-3, 2e-3))
