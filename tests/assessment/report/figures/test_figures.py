@@ -1,8 +1,11 @@
 """Figures are drawn from results alone, the same bytes each time, at the scale and places they claim."""
 
+from __future__ import annotations
+
 import math
 from xml.etree import ElementTree
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,15 +13,16 @@ from hypothesis import strategies as st
 
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.figures.curves import draw_pushdown
+from assessment.report.figures.curves import ELASTIC, draw_pushdown, draw_spectra
 from assessment.report.figures.deformed import draw_settlement, round_force
 from assessment.report.figures.index import write_figures
-from assessment.report.figures.style import MM, SCALES, sheet
+from assessment.report.figures.style import MM, SCALES, sheet, typeset
 from assessment.report.language import slug, words_of
+from assessment.report.tables.mechanisms import elastic_capacity
 from assessment.results.joint_states import outlines
 from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
-from mechanics.pictures import Shape, magnification, nice
+from mechanics.pictures import STYLE, Shape, magnification, nice
 from tests.support.block_project import TURNED, write_block
 from tests.support.block_project import block as tables_of_block
 from tests.support.results_example import SETTLED, results_example
@@ -127,3 +131,37 @@ def test_what_is_not_moved_is_not_magnified():
     )
     assert magnification(at_rest, np.zeros((2, 3))) == 1.0
     assert magnification(at_rest, np.full((2, 3), 1e-3)) > 1.0
+
+
+def views(results):
+    return [(state, "+x") for state in results.states]
+
+
+def _drawn(results, limit="SLV"):
+    with mpl.rc_context(STYLE):
+        return typeset(draw_spectra(results, words_of(results), views(results), limit))
+
+
+def test_a_spectrum_that_is_in_no_panel_is_told_as_such():
+    results = typed(results_example("en"))
+    assert _legend(_drawn(results))[-1] == "SLV spectrum demanded"
+    far = {
+        limit: each.replace(damped_S_e_g=[1e3 * a for a in each.damped_S_e_g])
+        for limit, each in results.spectra.items()
+    }
+    assert _legend(_drawn(results.replace(spectra=far)))[-1] == "SLV spectrum demanded: beyond the panels"
+
+
+def _legend(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_the_elastic_curve_stands_beside_the_fitted_one():
+    results = typed(results_example())
+    figure = _drawn(results)
+    d_star, a_star = elastic_capacity(results, "original", "+x")
+    (grey,) = [line for line in figure.axes[0].get_lines() if line.get_color() == ELASTIC["color"]]
+    assert grey.get_xydata() == pytest.approx(np.column_stack([1000.0 * d_star, a_star]))
+    capacity, elastic = results.states["original"].capacity["+x"], results.states["original"].pushover["+x"]
+    factor = results.echo.assessment["confidence_factor"]
+    assert a_star.max() == pytest.approx(elastic.elastic.alpha_u / (capacity.e_star * factor))

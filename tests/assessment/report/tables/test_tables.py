@@ -1,19 +1,33 @@
 """The tables hold the numbers of the results; reductions compare settled states with the original."""
 
+from __future__ import annotations
+
 import csv
 
 import pandas as pd
 import pytest
+from markupsafe import Markup
 
+from assessment.cli.summary import summary as terminal
 from assessment.project.project import json_schema
+from assessment.report.chapters.grids import check_grids, grid, printed_tables
+from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.remarks import indices as index_sentences
-from assessment.report.language import LANGUAGES, Words, cell
+from assessment.report.chapters.synthesis import synthesis_grid
+from assessment.report.language import LANGUAGES, Words, cell, words_of
 from assessment.report.tables import write_tables
-from assessment.report.tables.capacity import summary, verification
+from assessment.report.tables.capacity import indices, interventions, summary, verification
 from assessment.report.tables.mechanisms import hand_check
+from assessment.report.tables.rows import TABLES, table
 from assessment.report.tables.structure import layers
+from assessment.results.schema.model import QualityRow
+from assessment.results.schema.part import QUANTITIES, key
+from assessment.results.summary import checks_asked, undetermined
+from assessment.runtime.tasks import Outcome
+from tests.support.judgement.claims import hold
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
+from tools.docs_pages import _section
 
 
 @pytest.fixture(scope="module")
@@ -153,3 +167,93 @@ def analysed_indices():
         "risk_class": "F", "use_class": "II", "required_zeta": {}, "trace": [],
     }  # fmt: skip
     return results
+
+
+@pytest.fixture
+def described():
+    """What is described and entered here is forgotten afterwards."""
+    before, tables = set(QUANTITIES), set(TABLES)
+    yield
+    for registered, kept in ((QUANTITIES, before), (TABLES, tables)):
+        for name in set(registered) - kept:
+            del registered[name]
+
+
+def test_a_number_is_added_by_one_line_of_the_schema(described, tmp_path):
+    class Tried(QualityRow):
+        """A certificate with one number more."""
+
+        storey_drift_m: float = key("largest drift of a storey", "Deriva|Drift", shown="mm", digits=2)
+
+    row = Tried(stage="pushover", solves=3, storey_drift_m=0.001234, state="original",
+                worst_equilibrium_residual=1e-9, worst_complementarity=1e-9)  # fmt: skip
+    made = table("tried", Tried)(lambda _: [row])
+    results = typed(results_example())
+    for language, heading, shown in (("it", "Deriva [mm]", "1,2"), ("en", "Drift [mm]", "1.2")):
+        printed = grid(made(results), Words.of(language), Markup(""))
+        assert str(printed.head[-1]) == heading and str(printed.rows[0][-1]) == shown
+    write_tables(results, tmp_path)
+    head, line = (tmp_path / "tried.csv").read_text().splitlines()
+    assert head.endswith(",storey_drift_m") and line.endswith(",0.001234")
+    told = Tried.model_json_schema()["properties"]["storey_drift_m"]
+    assert (told["unit"], told["description"]) == ("m", "largest drift of a storey")
+    assert "| `storey_drift_m` | number | m | largest drift of a storey |" in _section(Tried)
+
+
+INDICES = {
+    "direction": "-x", "check": "SLV", "zeta_SLV": 2.2, "f_a": 2.2, "IS_V": 2.2, "IS_V_class": "A+",
+    "risk_class": "A", "acceptable_nominal_life_years": 300.0, "use_class": "II",
+    "required_zeta": {"retrofit": 1.0}, "trace": [],
+}  # fmt: skip
+
+
+def halved(language="en"):
+    """The settled state has no capacity towards +x, and indices of the other direction, as were once given."""
+    results = results_example(language)
+    del results["states"][SETTLED]["capacity"]["+x"]
+    for state in results["states"].values():
+        state["indices"] = dict(INDICES)
+    return results
+
+
+def test_the_directions_and_checks_that_have_no_capacity():
+    assert undetermined(typed(halved())) == {SETTLED: ["+x"]}
+    assert undetermined(typed(results_example())) == {}
+    nothing = results_example()
+    for state in nothing["states"].values():
+        state["capacity"] = {}
+    assert undetermined(typed(nothing)) == {"original": ["+x", "-x"], SETTLED: ["+x", "-x"]}
+    assert checks_asked(typed(nothing)) == ["SLD", "SLV linear", "SLV", "SLC"]
+    del nothing["echo"]["assessment"]
+    assert undetermined(typed(nothing)) == {}
+
+
+def test_tables_have_its_rows_and_no_index():
+    results = typed(halved("it"))
+    words = words_of(results)
+    told = {row["state"]: row for row in indices(results).rows}
+    assert told["original"]["zeta_SLV"] == 2.2 and told[SETTLED] == {"state": SETTLED} | dict.fromkeys(
+        ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
+    )
+    assert {row["state"]: row["zeta_SLV"] for row in interventions(results).rows}[SETTLED] is None
+    rows = [row for row in verification(results).rows if row["verified"] is None]
+    assert [(row["state"], row["direction"], row["limit_state"]) for row in rows] == [
+        (SETTLED, "+x", limit) for limit in ("SLD", "SLV", "SLC")
+    ]
+    assert all(row["demand_a_g_g"] is not None and row["zeta_E"] is None for row in rows)
+    printed = printed_tables(results, words)
+    assert [str(cell) for cell in printed["risk"].rows[1]].count("non determinato") == 2
+    *_, settled = check_grids(results, words)
+    [row] = [row for row in settled.rows if row[0] == "+x"]
+    assert row[1] == "SLD; SLV; SLC" and "non determinato" in row
+    [row] = [row for row in synthesis_grid(results, words).rows if row[:2] == [SETTLED, "+x"]]
+    assert row[2:5] == 3 * [words("value.open")] and row[-1] == "non determinato"
+
+
+def test_sentences_and_terminal_say_so(tmp_path):
+    results = typed(halved())
+    hold(halved())
+    text = " ".join(draft_judgement(results, words_of(results)))
+    said = f"not determined, no capacity was found: “{SETTLED}”, +x (annex D)"
+    assert said in text
+    assert f"ζ_E {said}." in terminal(Outcome(results, False, 0, 0), tmp_path, []).splitlines()

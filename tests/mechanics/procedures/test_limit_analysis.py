@@ -1,0 +1,172 @@
+"""Limit analysis beside a linear program written apart: closed forms, settled states, ties, bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from mechanics import ArgumentError, Assembly, Block, Material, State, Tie, limit_analysis, pushdown, pushover
+from mechanics.errors import CollapseError
+from mechanics.kernels.joint import H
+from mechanics.model.contacts import end_gaps, forces_on_blocks
+from mechanics.procedures import limit_in, static_theorem
+from mechanics.program import end_forces
+from mechanics.solvers.lp_point_forces import PointForces
+from tests.support.drawn_projects import drawn, tables
+from tests.support.random_masonry import random_masonry, small_wall
+from tests.support.structures import (
+    arch_on_piers,
+    block_on_base,
+    column,
+    rectangle,
+    running_bond,
+    semicircular_arch,
+)
+
+
+def test_a_block_rocks_at_b_over_h_or_slides_at_mu():
+    """0.2 × 1.0 m: α = min(B/H, μ)."""
+    assert static_theorem(block_on_base(friction=0.6)) == pytest.approx(0.2, rel=1e-9)
+    assert static_theorem(block_on_base(friction=0.15), "-x") == pytest.approx(0.15, rel=1e-9)
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+@pytest.mark.parametrize(
+    "model",
+    [arch_on_piers(), column(0.5, 1.0, 4, friction=0.3), semicircular_arch(15, 0.2), running_bond()],
+    ids=["turns", "slides", "arch", "wall"],
+)
+def test_as_drawn_it_is_the_multiplier_of_limit_analysis(model, direction):
+    assert static_theorem(model, direction) == pytest.approx(
+        limit_analysis(model, direction, sliding="associative").alpha, rel=1e-8
+    )
+
+
+def test_in_a_settled_state_whose_hinges_have_opened():
+    model = arch_on_piers()
+    state = pushdown(model, "right", (0.02, -0.02), increment=0.002).final
+    expected = limit_in(model, "-x", state).alpha
+    assert expected < 0.95 * limit_analysis(model, "-x").alpha  # the settlement counts
+    assert static_theorem(model, "-x", state) == pytest.approx(expected, rel=1e-6)
+
+
+def test_where_sliding_has_lifted_blocks_the_forces_act_at_the_corners_that_touch():
+    """The tuff panel, whose joints slide in the settlement and lift by it; midway of the gaps α is 5e-5 off."""
+    model, movement = drawn("tuff_panel"), tables("tuff_panel")["settlements"][0]
+    moved = pushdown(
+        model,
+        movement["support"],
+        movement["displacement_m"],
+        increment=movement["increment_m"],
+        sliding="associative",
+    )
+    control = tables("tuff_panel")["control"][0]["point_m"]
+    path = pushover(model, control, "+x", "rigid", 0.002, moved.final, 0.95, sliding="associative")
+    at = path.states[path.peak]
+    expected = limit_in(model, "+x", at, "associative").alpha
+    assert path.peak > 0 and static_theorem(model, "+x", at) == pytest.approx(expected, rel=1e-6)
+    assert path.multiplier[path.peak] == pytest.approx(expected, rel=2e-3)  # docs/accuracy.md
+
+
+def test_joints_that_crush_make_no_linear_program():
+    with pytest.raises(ArgumentError, match="crush"):
+        static_theorem(column(0.5, 1.0, 2, strength=100.0))
+
+
+def test_every_force_acts_on_both_blocks_and_balances():
+    """Unit forces at (1, 2) m along the normal (0, 1) and the tangent (1, 0) on a block centred at (0.5, 1.5)."""
+    points = PointForces(
+        a=np.array([1]),
+        b=np.array([0]),
+        normal=np.array([[0.0, 1.0]]),
+        friction=np.array([0.5]),
+        joint=np.array([0]),
+        pressure_at=np.array([[1.0, 2.0]]),
+        friction_at=np.array([[1.0, 2.0]]),
+        most=np.array([np.inf]),
+    )
+    centroids = np.array([[0.0, 0.0], [0.5, 1.5]])
+    matrix = points.equilibrium(centroids, np.array([True, True]), 1.0).toarray()
+    on_a, on_b = matrix[3:], matrix[:3]
+    assert on_a.T.tolist() == [[0.0, 1.0, 0.5], [1.0, 0.0, -0.5]]
+    assert on_b[:2] == pytest.approx(-on_a[:2])
+    assert on_b[2].tolist() == [-1.0, 2.0]
+
+
+def flat_arch(voussoirs: int, span: float, height: float, friction: float) -> Assembly:
+    """Voussoirs between two piers whose inner faces lean outwards above the springing."""
+    stone, deep, wide = Material(20.0, friction), 0.6, 0.5
+    below, above = (share * span * np.linspace(-0.5, 0.5, voussoirs + 1) for share in (1.0, 1.24))
+    pier = np.array([(below[0] - wide, -deep), (below[0], -deep), (below[0], 0.0), (above[0], height),
+                     (below[0] - wide, height)])  # fmt: skip
+    inner, outer = below[0] + 0.2, below[0] - wide - 0.2
+    blocks = [
+        Block(rectangle(outer, -deep - 0.3, inner, -deep), 1.0, stone, support="left"),
+        Block(rectangle(-inner, -deep - 0.3, -outer, -deep), 1.0, stone, support="right"),
+        Block(pier, 1.0, stone),
+        Block((pier * (-1.0, 1.0))[::-1], 1.0, stone),
+    ]
+    for (a, b), (c, d) in zip(pairwise(below), pairwise(above), strict=True):
+        blocks.append(Block([(a, 0.0), (b, 0.0), (d, height), (c, height)], 1.0, stone))
+    return Assembly(blocks)
+
+
+CRACKED = [(flat_arch(3, 1.2, 0.35, 0.7), (0.05, -0.05)), (flat_arch(5, 1.0, 0.35, 0.65), (0.0, -0.12))]
+
+
+@pytest.mark.parametrize(("model", "movement"), CRACKED)
+def test_cracks_bear_nothing_in_the_mechanism_of_a_settled_state(model, movement):
+    """A mechanism of little work moved so far that cracks closed and bore: 2.4 and 4.9 times the multiplier."""
+    settled = pushdown(model, "right", movement, increment=0.03).final
+    associative = limit_analysis(model, "+x", settled, "associative").alpha
+    limit = limit_analysis(model, "+x", settled)
+    assert limit.alpha <= associative * (1.0 + 1e-6)
+
+    places = limit.contacts.places(settled.positions)
+    cracks = end_gaps(places) > 1e-5 * model.size
+    assert cracks.any()
+    assert abs(end_forces(limit.forces, places[:, H]))[cracks].max() < 1e-9 * model.weight
+    entries = forces_on_blocks(places, limit.forces)
+    total = model.dead_load + limit.alpha * model.lateral_load("+x")
+    np.add.at(total, limit.contacts.a, entries[:, :3])
+    np.add.at(total, limit.contacts.b, entries[:, 3:])
+    assert abs(total[model.movable]).max() < 1e-8 * model.weight
+
+
+def settled_states() -> Iterator[tuple[Assembly, State]]:
+    """Random arches whose abutment has moved, random walls whose base leans, and flat arches."""
+    for seed in (0, 18):
+        arch = random_masonry(seed)
+        yield arch, pushdown(arch, "right", (0.004, -0.006), increment=0.003).final
+    for wall in map(small_wall, (4,)):
+        yield wall, pushdown(wall, "base", rotation=0.02, increment=0.01).final
+    arch = flat_arch(5, 1.2, 0.4, 0.7)
+    yield arch, pushdown(arch, "right", (0.03, -0.03), increment=0.03).final
+
+
+def test_coulombs_multiplier_is_not_above_the_associative_one():
+    for model, state in settled_states():
+        for direction in ("+x", "-x"):
+            coulomb, associative = (
+                limit_analysis(model, direction, state, law).alpha for law in ("coulomb", "associative")
+            )
+            assert coulomb <= associative * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("seed", range(0, 90, 15))
+def test_tie_on_settled(seed):
+    """Thirty arches whose right support has spread, by either law; the tie is set after the movement."""
+    model, sliding = random_masonry(seed), "associative" if seed % 2 else "coulomb"
+    try:
+        settled = pushdown(model, "right", (0.02, -0.01), increment=0.005, sliding=sliding).final
+    except CollapseError as fall:
+        settled = fall.path.states[len(fall.path.states) // 2]
+    movable = [block for block in model.blocks if block.support is None]
+    first, last = movable[0].centroid, movable[-1].centroid
+    tie = Tie("chain", tuple(first), tuple(last), 50.0)
+    without = limit_analysis(model, state=settled, sliding=sliding).alpha
+    with_tie = limit_analysis(model.tied([tie]), state=settled, sliding=sliding).alpha
+    assert with_tie >= (1.0 - 1e-6) * without
