@@ -151,12 +151,6 @@ def test_a_scan_that_begins_at_the_collapse_runs_the_levels_around_it_and_no_oth
     assert len(trial.tried) <= depth + 1 + CERTAIN
 
 
-def test_the_lowest_collapse_does_not_depend_on_where_the_scan_begins():
-    found = [Trial((0.4, 0.46), (0.5, 9.0)) for _ in range(3)]
-    seen = [trial.seen(near) for trial, near in zip(found, (None, 0.45, 0.52), strict=True)]
-    assert len({each.lowest for each in seen}) == 1
-
-
 def test_nothing_falls_up_to_the_largest_level():
     trial = Trial()
     seen = trial.seen(max_scale=4.0)
@@ -238,18 +232,6 @@ def test_where_collapse_comes_in_bands_the_probit_counts_if_it_is_lower():
     assert seen.capacity == min(low, levels[fallen][0]) or seen.capacity < levels[fallen][0]
     assert seen.stands == tuple(levels[~fallen & (levels > levels[fallen][0])])
     assert seen.safe < seen.capacity
-
-
-def test_beta_of_records_stands_apart_from_that_within_them():
-    random = np.random.default_rng(3)
-    levels = [
-        RecordLevel(f"{k}", 0.3 * math.exp(0.4 * random.standard_normal()), False, 0.1) for k in range(2000)
-    ]
-    found = over_records(levels)
-    assert found.beta_record == pytest.approx(0.4, rel=0.04) and found.beta_ensemble == pytest.approx(0.1)
-    assert found.beta == pytest.approx(math.hypot(0.4, 0.1), rel=0.04)
-    assert found.median_range[0] < found.median < found.median_range[1]
-    assert over_records([RecordLevel("a", 1.0, True, 0.0)]) is None
 
 
 # A band between steps: five voussoirs on stiff joints, one sine of half a second

@@ -1,15 +1,22 @@
-"""Functions take few arguments, or their reason is written there; public ones say what they raise."""
+"""The sources: few arguments, what is raised is said, public names, one class an idea; no test looks at the clock."""
 
 from __future__ import annotations
 
 import ast
+import importlib
+import pkgutil
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+import mechanics
+from mechanics import MechanicsError
+from mechanics.messages import SaidError
+from tests import ROOT
+
 MOST_ARGUMENTS = 8
 KERNELS = ROOT / "mechanics" / "kernels"  # compiled loops; mechanics/kernels/__init__.py has the reason
 CATALOGUE = (
@@ -100,3 +107,62 @@ def test_a_public_function_says_what_it_raises(package):
 def test_what_a_handler_catches_is_not_raised():
     tree = ast.parse("def f():\n try:\n  raise A('x')\n except A:\n  raise B from None\n raise\n")
     assert list(_raised(tree.body[0])) == ["B"]
+
+
+def test_assessment_imports_packages_of_mechanics_and_not_their_modules():
+    """Types for the checker too; the benchmark looks inside."""
+    wrong = [
+        f"{path.relative_to(ROOT)}: {node.module}"
+        for path in sorted((ROOT / "assessment").rglob("*.py"))
+        if "benchmark" not in path.parts
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("mechanics.")
+        if node.module.count(".") > 1 or node.module in {"mechanics.kernels", "mechanics.solvers"}
+    ]
+    assert not wrong
+
+
+def test_what_a_package_promises_is_there():
+    for name in ("mechanics", *(f"mechanics.{part}" for part in ("model", "records", "procedures", "steps"))):
+        package = importlib.import_module(name)
+        assert all(hasattr(package, each) for each in package.__all__)
+        assert sorted(package.__all__) == sorted(set(package.__all__))
+
+
+def test_every_error_of_mechanics_has_one_base():
+    found = set()
+    for module in pkgutil.walk_packages(mechanics.__path__, "mechanics."):
+        found |= {
+            each
+            for each in vars(importlib.import_module(module.name)).values()
+            if isinstance(each, type)
+            and issubclass(each, Exception)
+            and each.__module__.startswith("mechanics")
+        }
+    found.remove(SaidError)  # what some of them are besides; it is not raised alone
+    assert len(found) > 5
+    assert all(issubclass(each, MechanicsError) for each in found)
+
+
+def test_mechanics_raises_no_plain_errors():
+    """A caller that catches MechanicsError catches all that mechanics has to say."""
+    plain = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for path in sorted((ROOT / "mechanics").rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Raise)
+        and isinstance(node.exc, ast.Call)
+        and isinstance(node.exc.func, ast.Name)
+        if node.exc.func.id in {"ValueError", "RuntimeError", "Exception", "TypeError"}
+    ]
+    assert not plain
+
+
+CLOCKS = r"perf_counter\(|monotonic\(|time\.time\(|timeout=[\d.]|deadline=[\d.]|\.poll\([\d.]|\.join\([\d.]"
+LIMITS_NOTHING = {ROOT / "tests" / "stress" / "kills.py"}  # it draws moments from the time a run takes
+
+
+def test_no_time_on_the_wall_is_measured():
+    """What hangs is ended by faulthandler_timeout; the clocks of test_benchmark and test_terminal are their own."""
+    sources = {*(ROOT / "tests").rglob("*.py")} - {Path(__file__), *LIMITS_NOTHING}
+    assert [path for path in sorted(sources) if re.search(CLOCKS, path.read_text(encoding="utf-8"))] == []

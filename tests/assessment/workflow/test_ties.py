@@ -1,4 +1,4 @@
-"""Ties and strengthened states in a run: closed forms of one block, what is kept, and what the results say of ties."""
+"""Ties and strengthened states in a run: closed forms of one block, pushed and shaken."""
 
 from __future__ import annotations
 
@@ -11,11 +11,20 @@ from assessment.project.project import load_project
 from assessment.report.tables.mechanisms import balance
 from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results
-from assessment.workflow.stages import run as run_stages
+from assessment.workflow.stages import run as analyse
 from mechanics import UnstableError
 from mechanics.messages import message
 from tests.support.block_project import ASSESSMENT, HAZARD, PUSHED, TURNED, block, write_block
-from tests.support.tied_project import STRENGTHENED, TIE, overturning, strengthening, tie
+from tests.support.tied_project import (
+    HEIGHT,
+    STRENGTHENED,
+    TIE,
+    WEIGHT,
+    WIDTH,
+    overturning,
+    strengthening,
+    tie,
+)
 
 BOTH = PUSHED.replace('["+x"]', '["+x", "-x"]').replace(
     "increment_m = 0.2", 'increment_m = 0.2\ncontrol = {"+x" = "right", "-x" = "left"}'
@@ -24,9 +33,22 @@ ARM = 0.59  # m, of the tie from the toe at x = 0.3
 SLV = f'[assessment]\nlimit_states = ["SLV"]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n{HAZARD}'
 
 
-def results_of(folder, text: str) -> Results:
-    project = load_project(write_block(folder, text))
-    return run_stages(project, build_model(project), jobs=1).results
+SLOW = 0.01 * np.arange(601)
+HALF_SINE = np.sin(np.pi * SLOW / 6.0)  # g; the block that stands moves as in a static test
+HISTORY = '[[history]]\nrecord = "push.csv"\nscale = -0.3\ncontacts = "rigid"\n'
+
+
+def results_of(folder, text: str, acceleration=None) -> Results:
+    """The results of the block with these tables, and the record push.csv where there is one."""
+    write_block(folder, text)
+    if acceleration is not None:
+        np.savetxt(folder / "push.csv", np.column_stack([SLOW, acceleration]), delimiter=",", fmt="%.8f")
+    project = load_project(folder)
+    return analyse(project, build_model(project), jobs=1).results
+
+
+def shaken(folder, text: str) -> Results:
+    return results_of(folder, "scatter = 1\n" + text, HALF_SINE)
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +126,7 @@ def test_a_strengthening_whose_structure_has_no_rest_is_not_pushed_as_drawn(tmp_
     monkeypatch.setattr(settlement, "settled", restless)
     text = block() + BOTH.replace('["rigid"]', '["elastic"]') + tie(states='["strengthened"]')
     project = load_project(write_block(tmp_path, text + strengthening("original")))
-    found = run_stages(project, build_model(project), jobs=1)
+    found = analyse(project, build_model(project), jobs=1)
     assert "+x" not in (found.results.states["strengthened"].pushover or {})
     assert not found.complete
     assert any("strengthened" in each and "not solved" in each for each in found.results.quality.warnings)
@@ -143,3 +165,68 @@ def test_a_chosen_mechanism_has_the_work_of_the_tie(tmp_path):
     held = results_of(tmp_path / "held", text + tie(states='["strengthened"]', yield_force_kN=""))
     [given] = held.mechanisms
     assert given.refused.startswith('tie "chain" would have to lengthen; give it a yield_force_kN')
+
+
+def test_a_tie_holds_in_a_motion_what_falls_without_it(tmp_path):
+    """With rigid joints its tension is not determined: any self-stress of tie and joint is possible."""
+    ties = tie(states='["strengthened"]', yield_force_kN="50.0") + strengthening("original")
+    found = shaken(tmp_path / "block", block() + HISTORY + ties)
+    [fallen], [held] = (found.states[name].history for name in ("original", "strengthened"))
+    assert fallen.collapsed and fallen.ties is None
+    assert held.collapsed is False and held.peak_displacement_m < 1e-3
+    [chain] = held.ties
+    assert (chain.greatest_kN, chain.time_s, chain.yields) == (None, None, False)
+    assert held.snapshots.tie_kN is None and "tie_kN" in held.snapshots.model_fields_set
+    assert fallen.snapshots.tie_kN is None
+
+
+def test_elastic_joints_give_the_tension_of_a_tie_in_a_motion(tmp_path):
+    """At 0.3 g, slowly: (W a h/2 − W b/2)/arm as in statics, and a fifth at most of undamped swinging about it."""
+    ties = tie(states='["strengthened"]', yield_force_kN="50.0", stiffness_kN_m="20000.0")
+    text = block("1e7") + HISTORY.replace('"rigid"', '"elastic"\nstates = ["strengthened"]')
+    found = shaken(tmp_path / "block", text + ties + strengthening("original"))
+    [held] = found.states["strengthened"].history
+    [chain] = held.ties
+    bears = 0.5 * WEIGHT * (0.3 * HEIGHT - WIDTH) / ARM
+    assert bears < chain.greatest_kN < 1.2 * bears and not chain.yields
+    assert chain.time_s == pytest.approx(3.0, abs=0.5)
+    tensions = [each for each in held.snapshots.tie_kN if each is not None]
+    assert max(tension for [tension] in tensions) == pytest.approx(chain.greatest_kN, rel=2e-2)
+
+
+def test_a_settled_state_is_shaken_with_the_ties_that_are_set_there(tmp_path):
+    """The base turned by −0.02 rad: the tie is taut where the block has come to, so that it does not move."""
+    ties = tie(states='["strengthened"]', yield_force_kN="50.0") + strengthening()
+    found = shaken(tmp_path / "block", block() + TURNED + HISTORY + ties)
+    settled, strengthened = (found.states[name] for name in ("base turned", "strengthened"))
+    assert settled.history[0].collapsed and not strengthened.history[0].collapsed
+    assert strengthened.history[0].peak_displacement_m < 1e-3
+    assert strengthened.configuration == settled.configuration
+
+
+def test_a_campaign_takes_the_ties_of_each_state(tmp_path):
+    """The tie is in the settled state alone, which withstands what the structure as drawn does not."""
+    campaign = (
+        '[campaign]\nrecords = ["push.csv"]\nshares = [0.0, 1.0]\nsigns = [-1]\ncontacts = "rigid"\n'
+        'method = "stripes"\nlevels_g = [0.3]\n'
+    )
+    text = block() + TURNED + campaign + tie(states='["base turned"]', yield_force_kN="60.0")
+    found = shaken(tmp_path / "block", text)
+    drawn, turned = found.campaign.combinations
+    assert (drawn.share, turned.share) == (0.0, 1.0)
+    assert drawn.collapsed == [True] and turned.collapsed == [False]
+
+
+def test_pretension_is_there_at_rest_with_elastic_joints(tmp_path):
+    """10 kN of a tie of 1000 kN/m: the bed, 1e6 kN/m³ on 0.6 m, gives way by far less than the tie is stretched."""
+    pushed = PUSHED.replace('["rigid"]', '["elastic"]').replace("0.2", "0.005")
+    ties = tie(
+        states='["strengthened"]', yield_force_kN="50.0", stiffness_kN_m="1000.0", pretension_kN="10.0"
+    )
+    history = HISTORY.replace("-0.3", "-0.001").replace("rigid", "elastic")
+    found = shaken(tmp_path / "block", block() + pushed + history + ties + strengthening("original"))
+    [chain] = found.states["strengthened"].pushover["+x"].elastic.ties
+    assert chain.rest_kN == pytest.approx(10.0, rel=2e-2)
+    assert chain.greatest_kN >= chain.peak_kN > chain.rest_kN
+    [swung] = found.states["strengthened"].history[0].ties
+    assert swung.greatest_kN == pytest.approx(chain.rest_kN, rel=2e-2)

@@ -1,0 +1,288 @@
+"""Pushes of a state: control points, the other law of friction, the multiplier by a second program."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+from assessment.analyses import lateral
+from assessment.analyses import lateral as module
+from assessment.analyses.lateral import _rigid_notes, rests_or_moves, rigid_push, second_solver
+from assessment.cli.main import main
+from assessment.project.catalogue.geometry import rectangle as outline
+from assessment.project.catalogue.new_project import write_drawing
+from assessment.project.model import build_model
+from assessment.project.project import load_project
+from assessment.project.schema import ControlTable
+from assessment.results.schema.part import plain
+from assessment.results.schema.static import RigidPush
+from assessment.workflow.stages import run as analyse
+from mechanics import Assembly, Block, Material, Pushover, limit_analysis, pushdown, pushover
+from mechanics.errors import NoEquilibriumError
+from mechanics.messages import Message, message
+from mechanics.procedures import limit_in
+from tests.support.analysed import SETTLED, analysed
+from tests.support.block_project import (
+    ASSESSMENT,
+    PROJECT,
+    PUSHED,
+    TURNED,
+    block,
+    read_results,
+    run,
+    write_block,
+)
+from tests.support.random_masonry import small_wall
+from tests.support.structures import block_on_base, column, rectangle
+from tests.support.wording import in_italian
+
+CONTROLS = re.compile(r"\[\[control\]\]\nname = .*\npoint_m = .*\n")
+BARE = CONTROLS.sub("", block())
+PUSH = '[pushover]\ncontacts = ["rigid", "elastic"]\nincrement_m = 0.05\n'
+
+
+def plinth(folder, text: str):
+    """A wall 0.6 × 4.2 m on a plinth 1 × 1 m that does not move in its mechanism."""
+    folder.mkdir(exist_ok=True)
+    layers = {
+        "BASE": [outline(-1.0, 1.0, -0.3, 0.0)],
+        "WALL": [outline(-0.5, 0.5, 0.0, 1.0), outline(-0.3, 0.3, 1.0, 5.2)],
+    }
+    write_drawing(folder / "geometry.dxf", layers)
+    (folder / "project.toml").write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_a_project_without_control_point_follows_one_and_says_which(tmp_path, capsys):
+    """Every stage that needs one has it, in every state; `check` says the same."""
+    project = plinth(tmp_path / "wall", BARE + TURNED + PUSH)
+    assert main(["check", str(project)]) == 0
+    said = "no control point given: towards +x that of block 2 at (0.3, 5.2) m is followed"
+    assert said in capsys.readouterr().out
+    assert run(project) == 0
+    results = read_results(project / "output")
+    assert any(said in warning for warning in results["quality"]["warnings"])
+    controls = {each["name"]: (each["point_m"], each["block"]) for each in results["geometry"]["controls"]}
+    assert controls == {"scelto +x": ([0.3, 5.2], 2), "scelto -x": ([-0.3, 5.2], 2)}
+    for state in results["states"].values():
+        for direction, pushed in state["pushover"].items():
+            assert (
+                pushed["control"] == f"scelto {direction}"
+                and pushed["control_m"] == controls[pushed["control"]][0]
+            )
+    rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
+    assert rigid["alpha_0"] == pytest.approx(1.0 / 7.0, rel=1e-6)
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_a_curve_is_not_thrown_away_for_its_control_point(tmp_path):
+    """It had no curve, with the advice to add a point; with elastic joints the plinth moved, and had its own."""
+    given = BARE + '[[control]]\nname = "plinth"\npoint_m = [0.45, 0.9]\n'
+    found = {}
+    for name, text in (("plinth", given), ("none", BARE)):
+        project = plinth(tmp_path / name, text + PUSH + ASSESSMENT.replace('"none"', '"trilinear"'))
+        assert run(project) == 0
+        results = read_results(project / "output")
+        found[name] = results["states"]["original"]
+        warned = [each for each in results["quality"]["warnings"] if "takes no part" in each]
+        assert len(warned) == (2 if name == "plinth" else 0), warned
+    for direction, pushed in found["plinth"]["pushover"].items():
+        other = found["none"]["pushover"][direction]
+        assert pushed["control_m"] == other["control_m"]
+        for contacts in ("rigid", "elastic"):
+            for key, values in pushed[contacts]["curve"].items():
+                assert values == pytest.approx(other[contacts]["curve"][key], rel=1e-6, abs=1e-9)
+        ratios = [found[name]["capacity"][direction]["SLV"]["zeta_E"] for name in ("plinth", "none")]
+        assert ratios[0] == pytest.approx(ratios[1], rel=1e-6)
+
+
+def test_a_curve_whose_first_motion_is_not_found_is_told_and_the_others_go_on(monkeypatch):
+    """Checks are of the first motion: without it there is no capacity, and none that is too large."""
+    model, made = block_on_base(), lateral.rigid_push
+
+    def lost(control, path):
+        if path.direction == "-x":
+            raise NoEquilibriumError(message("no equilibrium: some block would start to move"))
+        return made(control, path)
+
+    monkeypatch.setattr(lateral, "rigid_push", lost)
+    setting = lateral.PushSetting("rigid", "coulomb", 0.02)
+    control = ControlTable(name="C", point_m=(0.0, 1.0))
+    there, none = lateral.push(model, "original", None, setting, ("+x", "-x"), (control, control))
+    assert there.value is not None
+    assert none.value is None
+    assert "pushover -x, rigid contacts: the mechanism of the first motion is not found" in none.failures[0]
+
+
+LAYERS = {
+    "BASE": [outline(-1.0, 1.0, -0.3, 0.0)],
+    "SIDE": [outline(-1.0, -0.25, 0.0, 3.0)],
+    "WALL": [outline(-0.25, 0.25, 0.0, 3.0)],
+}
+
+
+def rubbing(folder, sliding: str) -> dict:
+    """A wall 0.5 × 3 m that is pushed away from a fixed one, with which it has a joint."""
+    folder.mkdir()
+    write_drawing(folder / "geometry.dxf", LAYERS)
+    text = block().replace("point_m = [0.3, 4.2]", "point_m = [0.25, 3.0]")
+    text = (
+        text.replace('[[control]]\nname = "left"\npoint_m = [-0.3, 4.2]\n', "")
+        + '[layers.SIDE]\nsupport = "side"\n'
+    )
+    text += sliding + PUSHED + ASSESSMENT
+    (folder / "project.toml").write_text(text, encoding="utf-8")
+    assert main(["run", str(folder), "--no-report"]) == 0
+    return read_results(folder / "output")
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_coulombs_law_counts_where_none_is_asked_for_and_both_indices_are_told(tmp_path):
+    """What turns away leaves the other wall: by Coulomb's law nothing rubs, α0 = t/h = 1/6.
+
+    By the associative law its foot, which rises faster than it leaves, rubs on, and α0 is more: the wall is safer the
+    rougher a joint that opens.
+    """
+    found = {name: rubbing(tmp_path / name, text) for name, text in (
+        ("none", ""),
+        ("associative", '[contacts]\nsliding = "associative"\n'),
+    )}  # fmt: skip
+    rigid = {name: each["states"]["original"]["pushover"]["+x"]["rigid"] for name, each in found.items()}
+    capacity = {name: each["states"]["original"]["capacity"]["+x"] for name, each in found.items()}
+    told = {
+        name: [w for w in each["quality"]["warnings"] if "has the ratio" in w] for name, each in found.items()
+    }
+
+    assert rigid["associative"]["sliding"] == "associative" and rigid["associative"]["alpha_0"] > 1.01 / 6.0
+    other = rigid["associative"]["other_law"]
+    assert (other["sliding"], other["alpha_0"]) == ("coulomb", pytest.approx(1.0 / 6.0, rel=1e-5))
+    by_name = capacity["associative"]
+    assert (by_name["sliding"], by_name["alpha_0"]) == ("associative", rigid["associative"]["alpha_0"])
+    assert by_name["other_law"]["zeta_E"]["SLV linear"] < by_name["SLV linear"]["zeta_E"]
+    assert told["associative"]
+
+    assert capacity["none"]["sliding"] == "coulomb"
+    linear = by_name["other_law"]["zeta_E"]["SLV linear"]
+    assert capacity["none"]["SLV linear"]["zeta_E"] == pytest.approx(linear, rel=1e-4)
+    assert capacity["none"]["SLV"]["zeta_E"] < by_name["SLV"]["zeta_E"]
+    assert capacity["none"]["alpha_0"] == pytest.approx(1.0 / 6.0, rel=1e-5)
+    assert capacity["none"]["other_law"]["sliding"] == "associative"
+    assert told["none"]
+    for row in found["none"]["summary"]["rows"]:
+        assert row["alpha_0"] == capacity["none"]["alpha_0"]
+        assert row.get("other_law") == capacity["none"].get("other_law")
+
+
+def leaning(seed: int, direction: str) -> Pushover:
+    """The curve of a random wall whose base has turned by 0.02 rad."""
+    wall = small_wall(seed)
+    settled = pushdown(wall, "base", rotation=0.02, increment=0.01).final
+    return pushover(wall, direction=direction, increment=0.02, state=settled)
+
+
+def told(path: Pushover) -> tuple[RigidPush, list[Message]]:
+    curve = rigid_push(ControlTable(name="C", point_m=tuple(path.control.tolist())), path)
+    return curve, [note for note in _rigid_notes(curve, path) if note.template.startswith("by {law}")]
+
+
+def test_the_other_law_is_compared_at_alpha_0_where_the_mechanism_is_another():
+    """The control point takes no part at α0: both multipliers were those of the point from which it does."""
+    path = leaning(2, "-x")
+    path = replace(path, formed=path.peak + 1)
+    at_peak = limit_analysis(path.model, "-x", path.states[path.peak], "associative").alpha
+    curve, [note] = told(path)
+    assert note.fields["multiplier"] == curve.alpha_0 == path.alpha_0
+    assert note.fields["other"] == curve.other_law.alpha_0 == pytest.approx(at_peak, rel=1e-8)
+    assert curve.other_law.mechanism.alpha != pytest.approx(at_peak, rel=1e-4)
+
+
+@pytest.mark.parametrize(("friction", "rests"), [(1, 1.0), (0.4, None)])
+def test_rigid_joints_that_may_rest_where_they_may_move_are_told(friction, rests):
+    """Three courses of two bricks, friction 1: it may move from 4/7 on, and may rest up to μ.
+
+    With 0.4 the wall slides, and both laws have one multiplier.
+    """
+    stone, rows = Material(18.0, friction), [(0.0, 0.4, 0.8), (0.0, 0.2, 0.6, 0.8), (0.0, 0.4, 0.8)]
+    blocks = [Block(rectangle(-0.5, -0.3, 1.3, 0.0), 1.0, stone, support="base")]
+    blocks += [
+        Block(rectangle(left, 0.25 * course, right, 0.25 * (course + 1)), 1.0, stone)
+        for course, ends in enumerate(rows)
+        for left, right in pairwise(ends)
+    ]
+    model = Assembly(blocks)
+    found = rests_or_moves(model, "original", model.initial)
+    if rests is None:
+        assert found.value == pytest.approx(1.0, abs=1e-6)
+        assert not found.warnings
+        return
+    assert found.value == pytest.approx(rests / (4.0 / 7.0), rel=1e-6)
+    assert [warning.fields["text"].fields["direction"] for warning in found.warnings] == ["+x", "-x"]
+
+
+@pytest.mark.parametrize("state", ["original", SETTLED])
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_every_state_and_direction_of_a_run_has_it(state, direction):
+    rigid = analysed()["states"][state]["pushover"][direction]["rigid"]
+    found = rigid["second_solver"]
+    low, high = rigid.get("alpha_0_range", [rigid["alpha_0"]] * 2)
+    assert (
+        low <= found["alpha_0"] <= (high or 1.0)
+    )  # of an ensemble the least counts; this is that of the own run
+    assert found["alpha_program"] == pytest.approx(found["alpha_0"], rel=1e-4)
+    assert found["alpha_linear_program"] == pytest.approx(found["alpha_program"], rel=1e-6)
+    difference = found["alpha_linear_program"] / found["alpha_program"] - 1.0
+    assert found["relative_difference"] == pytest.approx(difference, abs=1e-15)
+
+
+def test_with_coulomb_friction_the_associative_multiplier_is_compared(tmp_path):
+    """A block that slides: the law of the run is kept apart, and what is compared is named in the results."""
+    text = PROJECT.replace("[material]", '[contacts]\nsliding = "coulomb"\n\n[material]')
+    project = load_project(write_block(tmp_path / "block", text))
+    results = plain(analyse(project, build_model(project), jobs=1).results)
+    rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
+    assert rigid["sliding"] == "coulomb"
+    assert rigid["second_solver"]["alpha_linear_program"] == pytest.approx(1.0 / 7.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("share", "warned"), [(5e-7, False), (-2e-6, True)])
+def test_a_difference_above_one_in_a_million_is_warned_of(monkeypatch, share, warned):
+    def wrong(model, direction, state, sliding):
+        limit = limit_in(model, direction, state, sliding)
+        return replace(limit, alpha=limit.alpha / (1.0 + share))
+
+    monkeypatch.setattr(module.procedures, "limit_in", wrong)
+    model = block_on_base()
+    part = second_solver(model, "moved", "-x", model.initial, 0.2)
+    assert part.value.relative_difference == pytest.approx(share, rel=1e-3)
+    assert bool(part.warnings) == warned
+    for warning in part.warnings:
+        italian = in_italian(warning)
+        assert "moved" in italian and "scarto relativo" in italian and "written apart" not in italian
+
+
+def test_a_multiplier_of_zero_by_both_is_no_difference():
+    """Without friction: α = 0 by one, 1e-9 by the other."""
+    model = block_on_base(friction=0.0)
+    part = second_solver(model, "original", "+x", model.initial, 0.0)
+    assert part.value.alpha_linear_program == pytest.approx(0.0, abs=1e-8)
+    assert not part.warnings
+
+
+def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
+    monkeypatch.setattr(module.procedures, "static_theorem", lambda *_: None)
+    model = block_on_base()
+    part = second_solver(model, "original", "+x", model.initial, 0.2)
+    assert part.value.alpha_linear_program is None and part.value.relative_difference is None
+    assert part.value.alpha_program == pytest.approx(0.2)
+    [warning] = part.warnings
+    assert "ottimo" in in_italian(warning)
+
+
+def test_joints_that_crush_have_no_comparison():
+    model = column(0.5, 1.0, 2, strength=1000.0)
+    part = second_solver(model, "original", "+x", model.initial, 0.2)
+    assert part.value is None and not part.warnings
