@@ -13,25 +13,10 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import write_drawing
-from tests.support.browser import chromium
+from tests.support.browser import PATIENCE, browser
 from tests.support.structures import rectangle
 
-playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install -e '.[dev]'")
-pytestmark = pytest.mark.skipif(chromium() is None, reason="needs Chromium: apt-get install chromium")
-
-OPTIONS = [
-    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-]
-PATIENCE = 180_000  # ms, of a browser on a machine that does other things too
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with playwright.sync_playwright() as tools:
-        found = tools.chromium.launch(executable_path=chromium(), args=OPTIONS)
-        yield found
-        found.close()
+__all__ = ["browser"]  # a fixture
 
 
 @pytest.fixture(scope="module")

@@ -12,12 +12,12 @@ from assessment.report.language import words_of
 from assessment.report.viewer import _jumps, viewer
 from assessment.results.joint_states import outlines
 from assessment.runtime.pool import Pool
-from tests.support import browser
 from tests.support.analysed import analysed
+from tests.support.browser import PATIENCE, browser
 from tests.support.results_example import results_example
 from tests.support.typed import typed
 
-needs_browser = pytest.mark.skipif(browser.chromium() is None, reason="no Chromium: apt-get install chromium")
+__all__ = ["browser"]  # a fixture
 
 
 @pytest.fixture(scope="module")
@@ -39,49 +39,59 @@ def html(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def browsing(html):
-    with browser.page() as page:
-        page.open(html)
-        yield page
-        assert page.messages == []
+def requested():
+    """What the page asks of the network."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def browsing(browser, html, requested):
+    page, said = browser.new_page(viewport={"width": 1000, "height": 1400}), []
+    page.set_default_timeout(PATIENCE)
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("console", lambda line: said.append(line.text))
+    page.on("request", lambda request: requested.append(request.url))
+    page.goto(html.absolute().as_uri())
+    yield page
+    assert said == []
 
 
 @pytest.fixture
 def page(browsing):
     select(browsing, 0)
-    browsing.ask("document.getElementById('viewer').scrollIntoView()")
+    browsing.evaluate("document.getElementById('viewer').scrollIntoView()")
     return browsing
 
 
 def select(page, index):
-    page.ask(
+    page.evaluate(
         f"(() => {{ const c = document.getElementById('viewer-path'); c.value = {index};"
         "c.dispatchEvent(new Event('change')); document.getElementById('viewer-frame').focus() })()"
     )
 
 
 def titles(page):
-    return page.ask("[...document.getElementById('viewer-path').options].map((o) => o.text)")
+    return page.evaluate("[...document.getElementById('viewer-path').options].map((o) => o.text)")
 
 
 def marker(page, number=0):
-    return page.ask(
+    return page.evaluate(
         f"['cx', 'cy'].map((k) => +document.getElementById('viewer-marker-{number}').getAttribute(k))"
     )
 
 
 def ring(page, block):
-    text = page.ask(
+    text = page.evaluate(
         f"document.querySelector('#viewer-shape [data-block=\"{block}\"]').getAttribute('points')"
     )
     return np.array([[float(x), -float(y)] for x, y in (pair.split(",") for pair in text.split())])
 
 
-def middle(page, selector):
-    return page.ask(
-        f"(() => {{ const b = document.querySelector('{selector}').getBoundingClientRect();"
-        "return [b.x + b.width / 2, b.y + b.height / 2] })()"
-    )
+def tip(page, selector):
+    """What is told where the mouse is in the middle of an element."""
+    box = page.locator(selector).first.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    return page.evaluate("document.getElementById('viewer-tip').innerText")
 
 
 def test_the_page_is_one_file_and_small(html):
@@ -102,39 +112,37 @@ def test_data_cannot_close_the_script():
     assert "</script" not in viewer(typed(results), words_of(typed(results))).data
 
 
-@needs_browser
-def test_the_page_asks_for_nothing_from_the_network(page, html):
-    assert {url.partition(":")[0] for url in page.requests} <= {"file", "data"}
-    assert sum(url.startswith("file") for url in page.requests) == 1
+def test_the_page_asks_for_nothing_from_the_network(page, requested):
+    assert {url.partition(":")[0] for url in requested} <= {"file", "data"}
+    assert sum(url.startswith("file") for url in requested) == 1
 
 
-@needs_browser
 def test_keys_step_the_shape_and_the_marker_together(page):
     results = analysed()
     frames = results["states"]["right support 60 mm"]["pushdown"]["rigid"]["frames"]
     right = next(i for i, b in enumerate(results["geometry"]["blocks"]) if b["support"] == "right")
     seen = []
     for _ in range(3):
-        number = page.ask("+document.getElementById('viewer-frame').value")
+        number = page.evaluate("+document.getElementById('viewer-frame').value")
         expected = outlines(typed(results)).moved(frames["configuration"][number])
         assert ring(page, right) == pytest.approx(expected.points[expected.owner == right], abs=2e-5)
         seen.append(marker(page))
-        page.key("ArrowRight", 2)
+        page.keyboard.press("ArrowRight")
+        page.keyboard.press("ArrowRight")
     assert seen[0][0] < seen[1][0] < seen[2][0]
-    page.key("End")
-    last = page.ask("+document.getElementById('viewer-frame').value")
+    page.keyboard.press("End")
+    last = page.evaluate("+document.getElementById('viewer-frame').value")
     assert last == len(frames["index"]) - 1
 
 
-@needs_browser
 def test_the_marker_lies_on_the_curve_at_every_step_of_every_path(page):
     for index in range(len(titles(page))):
         select(page, index)
-        count = page.ask("+document.getElementById('viewer-frame').max")
-        line = page.ask("document.querySelector('#viewer-curve .s0').getAttribute('points')")
+        count = page.evaluate("+document.getElementById('viewer-frame').max")
+        line = page.evaluate("document.querySelector('#viewer-curve .s0').getAttribute('points')")
         points = np.array([[float(v) for v in pair.split(",")] for pair in line.split()])
         for number in {0, count // 2, count}:
-            page.ask(
+            page.evaluate(
                 f"(() => {{ const s = document.getElementById('viewer-frame'); s.value = {number};"
                 "s.dispatchEvent(new Event('input')) })()"
             )
@@ -142,54 +150,43 @@ def test_the_marker_lies_on_the_curve_at_every_step_of_every_path(page):
             assert np.hypot(*(points - [x, y]).T).min() < 0.6
 
 
-@needs_browser
 def test_a_block_and_a_joint_tell_their_figures(page):
     results = analysed()
     index = next(k for k, title in enumerate(titles(page)) if "+x, giunti rigidi" in title)
     select(page, index)
-    page.mouse("mouseMoved", *middle(page, '#viewer-shape [data-joint="5"]'))
-    tip = page.ask("document.getElementById('viewer-tip').innerText")
+    told = tip(page, '#viewer-shape [data-joint="5"]')
     force = results["states"]["original"]["pushover"]["+x"]["rigid"]["frames"]["force_kN"][0][5]
     normal, shear = (
-        float(found.replace(",", ".").replace("−", "-")) for found in re.findall(r"[NT] = (−?\d+,?\d*)", tip)
+        float(found.replace(",", ".").replace("−", "-")) for found in re.findall(r"[NT] = (−?\d+,?\d*)", told)
     )
     assert math.hypot(normal, shear) == pytest.approx(math.hypot(*force), rel=1e-2)
-    page.mouse("mouseMoved", *middle(page, "#viewer-shape .support"))
-    tip = page.ask("document.getElementById('viewer-tip').innerText")
-    assert "Blocco 0" in tip
-    assert "BASE_SINISTRA" in tip
-    page.mouse("mouseMoved", 2, 2)
-    assert page.ask("document.getElementById('viewer-tip').hidden")
+    told = tip(page, "#viewer-shape .support")
+    assert "Blocco 0" in told and "BASE_SINISTRA" in told
+    page.mouse.move(2, 2)
+    assert page.evaluate("document.getElementById('viewer-tip').hidden")
 
 
-@needs_browser
 def test_magnified_displacements_and_hidden_thrust(page):
     select(page, 0)
-    page.key("End")
+    page.keyboard.press("End")
     true = ring(page, 6)
-    page.ask(
-        "(() => { const t = document.getElementById('viewer-times'); t.value = '5';"
-        "t.dispatchEvent(new Event('change')) })()"
-    )
+    page.select_option("#viewer-times", "5")
     drawn = outlines(typed(analysed()))
     start = drawn.points[drawn.owner == 6]
     assert ring(page, 6) - start == pytest.approx(5 * (true - start), abs=1e-4)
     joint = next(k for k, each in enumerate(analysed()["geometry"]["joints"]) if 6 in each["blocks"])
-    text = page.ask(
+    text = page.evaluate(
         f"document.querySelector('#viewer-shape [data-joint=\"{joint}\"]').getAttribute('points')"
     )
     ends = np.array([[float(x) for x in point.split(",")] for point in text.split()]) * (1.0, -1.0)
     others = [ring(page, block) for block in analysed()["geometry"]["joints"][joint]["blocks"]]
     away = [np.linalg.norm(each - end, axis=1).min() for end in ends for each in others]
     assert sum(away) < 0.05 * np.ptp(start)  # the joint lies where the faces of its blocks are drawn
-    assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 11
-    page.ask("document.getElementById('viewer-forces').click()")
-    assert page.ask("document.querySelectorAll('#viewer-shape .thrust').length") == 0
-    page.ask("document.getElementById('viewer-forces').click()")
-    page.ask(
-        "(() => { const t = document.getElementById('viewer-times'); t.value = '1';"
-        "t.dispatchEvent(new Event('change')) })()"
-    )
+    assert page.evaluate("document.querySelectorAll('#viewer-shape .thrust').length") == 11
+    page.evaluate("document.getElementById('viewer-forces').click()")
+    assert page.evaluate("document.querySelectorAll('#viewer-shape .thrust').length") == 0
+    page.evaluate("document.getElementById('viewer-forces').click()")
+    page.select_option("#viewer-times", "1")
 
 
 def test_pushovers_offer_the_displacements_of_the_limit_states():

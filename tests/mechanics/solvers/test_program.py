@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
@@ -17,7 +19,6 @@ from mechanics import (
     ConvergenceError,
     Material,
     NoEquilibriumError,
-    UnstableError,
     limit_analysis,
     solvers,
 )
@@ -26,7 +27,8 @@ from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import Program, Solution, bed_gaps, certify
 from mechanics.solvers import imbalance, interior, lp_highs, qp_piqp, solve
-from mechanics.steps.equilibrium import check_self_weight, closed_program, rest
+from mechanics.solvers.interior import _libraries, one_thread
+from mechanics.steps.equilibrium import closed_program, rest
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
@@ -282,38 +284,6 @@ def test_a_solution_near_another_takes_fewer_iterations_than_one_from_nowhere(be
 # --- no solution
 
 
-def slope(angle, friction):
-    """A flat block on a plane that rises to the right at `angle` (rad)."""
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c, s], [-s, c]])
-    stone = Material(18.0, friction, 1e6)
-    base = Block(np.array(rectangle(-1, -0.2, 2, 0)) @ turn, 1.0, stone, support="base")
-    return Assembly([base, Block(np.array(rectangle(0, 0, 1, 0.2)) @ turn, 1.0, stone)])
-
-
-@pytest.mark.parametrize("angle", [0.3, -0.3])
-def test_infeasible_is_said_where_friction_is_too_small_for_the_slope(angle):
-    check_self_weight(slope(angle, 1.001 * np.tan(0.3)))
-    model = slope(angle, 0.99 * np.tan(0.3))
-    closed = closed_program(model, model.initial)
-    with pytest.raises(NoEquilibriumError, match="start to move"):
-        solve(closed.program, closed.layout)
-    with pytest.raises(UnstableError, match="own weight"):
-        check_self_weight(model)
-
-
-def test_imbalance_is_the_acceleration_down_the_slope():
-    # Gauss's principle with associative friction: the block leaves along the edge of the cone of motions,
-    # at right angles to the friction cone's: g (sin a cos f − cos a sin f), f the friction angle
-    angle, friction = 0.6, 0.3
-    model = slope(angle, friction)
-    escape = np.sin(angle - np.arctan(friction))
-    closed = closed_program(model, model.initial)
-    found = imbalance(closed.program, closed.layout)
-    direction = angle - np.arctan(friction)
-    assert found == pytest.approx(escape * max(abs(np.cos(direction)), abs(np.sin(direction))), rel=1e-6)
-
-
 @pytest.mark.parametrize("model", [block_on_base(), running_bond(), arch_on_piers()])
 def test_imbalance_is_zero_where_gravity_is_carried(model):
     closed = closed_program(model, model.initial)
@@ -442,3 +412,22 @@ def test_a_raised_force_of_an_elastic_end_does_not_change_what_its_gap_misses():
     assert begun.gaps[0, 1] == pytest.approx(
         1e-3 * program.step
     )  # the other end yields less: its gap is the least
+
+
+def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
+    """Of the BLAS that each of the two wheels brings."""
+    wheels = [path.parent for path in (Path(np.__file__).parent, Path(scipy.__file__).parent)]
+    names = ("numpy", "scipy")
+    assert len(_libraries()) == sum(
+        any(wheel.glob(f"{name}.libs/*openblas*")) for wheel, name in zip(wheels, names, strict=True)
+    )
+    before = [ask() for ask, _ in _libraries()]
+    try:
+        for _, give in _libraries():
+            give(2)
+        with one_thread():
+            assert all(ask() == 1 for ask, _ in _libraries())
+        assert all(ask() == 2 for ask, _ in _libraries())
+    finally:
+        for (_, give), threads in zip(_libraries(), before, strict=True):
+            give(threads)

@@ -1,4 +1,4 @@
-"""States that settled structures are left in: at rest also for a motion that begins there."""
+"""Rest: of settled structures as a motion begins there, of elastic ones however stiff, and never an unstable one."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 
 from mechanics import (
     Assembly,
+    Block,
     ConvergenceError,
     NoEquilibriumError,
     State,
@@ -19,12 +20,13 @@ from mechanics import (
 )
 from mechanics.errors import RunawayError
 from mechanics.kernels.joint import H
+from mechanics.steps import geometry_iteration
 from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.steps.tolerances import REST
-from tests.support.structures import block_on_base, column, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, column, rectangle, running_bond
 
 SETTLED = {"support": "base", "rotation": 0.03, "increment": 0.01}
 
@@ -162,3 +164,111 @@ def test_what_is_unstable_does_not_rest_however_little_is_unbalanced(blocks, sti
 def test_what_is_stable_comes_back():
     problem, at = leaning(1, 20_000.0, 1e-3)
     assert abs(motion_to_rest(problem, at).state.positions[:, 2]).max() < 1e-9
+
+
+def test_a_slender_arch_sinks_by_a_hundred_times_what_its_joints_are_compressed():
+    """Stiff joints: twice as stiff, half as far."""
+    shape = {
+        "radius": 2.0,
+        "thickness": 0.3,
+        "voussoirs": 27,
+        "pier_height": 2.0,
+        "pier_width": 0.8,
+        "courses": 19,
+    }
+    sunk = []
+    for stiffness in (1e8, 2e8):
+        model = arch_on_piers(**shape, stiffness=stiffness)
+        step = rest(static_system(model, "elastic"), model.initial)
+        sunk.append(abs(step.state.positions - model.initial.positions)[:, 1].max())
+        assert step.certificate.worst(rest_size(model, "elastic")) < 1e-6
+        assert sunk[-1] > 50.0 * rest_size(model, "elastic")
+    assert sunk[0] / sunk[1] == pytest.approx(2.0, rel=1e-3)
+    assert np.isfinite(sunk).all()
+
+
+def on_two_supports(wall: Assembly) -> Assembly:
+    """A wall whose base is cut in two, left and right."""
+    base = wall.blocks[0]
+    (x0, z0), (x1, z1) = base.polygon.min(axis=0), base.polygon.max(axis=0)
+    middle = 0.5 * (x0 + x1) + 0.13 * wall.size
+    halves = [
+        Block(rectangle(a, z0, b, z1), base.depth, base.material, support=name)
+        for a, b, name in ((x0, middle, "left"), (middle, x1, "right"))
+    ]
+    return Assembly([*halves, *wall.blocks[1:]])
+
+
+@pytest.mark.parametrize("integrator", ["implicit-euler", "auto"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_settled_elastic_wall_left_alone_for_a_second_stays_where_it_is(seed, integrator):
+    """Within 0.1 mm: supports moved by up to a seventh of a block, bricks slide, lift and come down."""
+    rng = np.random.default_rng(seed)
+    columns, courses = (int(n) for n in rng.integers(3, 6, 2))
+    size = rng.uniform(0.2, 0.6), rng.uniform(0.1, 0.3)
+    wall = on_two_supports(
+        running_bond(columns, courses, *size, rng.uniform(0.3, 0.9), 10.0 ** rng.uniform(5.0, 7.0))
+    )
+    angle = rng.uniform(0.0, 0.5 * np.pi)
+    movement = wall.size * rng.uniform(0.02, 0.15) * np.array([np.cos(angle), -np.sin(angle)])
+    final = pushdown(wall, "right", movement, 0.0, abs(movement).max() / 5.0, "elastic").final
+    motion = time_history(wall, np.zeros(200), 0.005, "elastic", final, integrator)
+    assert abs(motion.positions - final.positions)[:, :, :2].max() < 1e-4
+
+
+WIDTH, HEIGHT, UNIT_WEIGHT = 0.5, 3.0, 20.0  # m, m, kN/m³
+
+
+def critical_stiffness(blocks: int) -> float:
+    """Stiffness (kN/m³) at which an upright column buckles: K = k b³/12 of each joint against the blocks' weight.
+
+    With θ_i the rotations of the joints and Θ = Lθ those of the blocks, the weight does the work ½ ΘᵀDΘ, where block i
+    of weight w and height a lowers its centre by ½ aΘ_i²/2 and those above by ½ aΘ_i². Compression is neglected.
+    """
+    height = HEIGHT / blocks
+    weight = UNIT_WEIGHT * WIDTH * height
+    above = np.arange(blocks - 1, -1, -1)
+    sums = np.tril(np.ones((blocks, blocks)))
+    work = sums.T @ np.diag(weight * height * (0.5 + above)) @ sums
+    return float(np.linalg.eigvalsh(work).max() / (WIDTH**3 / 12.0))
+
+
+def settled(stiffness: float, blocks: int):
+    model = column(WIDTH, HEIGHT, blocks, stiffness)
+    return rest(static_system(model, "elastic", "associative"), model.initial)
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 6])
+def test_an_upright_column_stands_above_its_critical_stiffness(blocks):
+    assert settled(1.001 * critical_stiffness(blocks), blocks).stable
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 6])
+@pytest.mark.parametrize("share", [0.98, 0.5])  # the joints' compression, neglected, is 1 % of a block here
+def test_an_upright_column_on_softer_joints_is_refused(blocks, share):
+    """Its symmetry leaves no direction in which to fall: forces balance, and only the stiffness tells."""
+    with pytest.raises(RunawayError, match="balances on an unstable equilibrium"):
+        settled(share * critical_stiffness(blocks), blocks)
+
+
+def test_beyond_the_peak_one_direction_is_held_by_the_push(monkeypatch):
+    """K − G has one negative direction there; the work of the push holds it, and under dead load it is refused."""
+    found = []
+    certified = geometry_iteration.certified
+
+    def kept(problem, now):
+        reached = certified(problem, now)
+        if problem.lateral is not None:
+            dead = problem.load + now.alpha * problem.lateral
+            free = certified(replace(problem, lateral=None, load=dead), now)
+            found.append((reached.alpha, reached.stable, free.stable))
+        return reached
+
+    monkeypatch.setattr(geometry_iteration, "certified", kept)
+    curve = pushover(column(0.5, 3.0, 1, 2e5), (0.25, 2.9), contacts="elastic", increment=0.01)
+    peak = int(np.argmax([alpha for alpha, _, _ in found]))
+    assert len(found) > peak + 20
+    assert all(pushed for _, pushed, _ in found)
+    assert all(free for *_, free in found[: peak - 1])
+    assert not any(free for *_, free in found[peak + 2 :])
+    assert curve.steps
