@@ -26,7 +26,7 @@ PIER, SPRINGING, OTHER = (0.345, 0.30), (0.27, 0.50), (-0.27, 0.50)
 def moved(model: Assembly, movement: tuple[float, float, float], support: str) -> np.ndarray:
     """Return the positions (n, 3) after a movement of a support, m and rad."""
     x, z, rotation = movement
-    return pushdown(model, support, (x, z), rotation, increment=0.0004).final.positions
+    return pushdown(model, support, (x, z), rotation, increment=0.001).final.positions
 
 
 def measured(

@@ -59,5 +59,5 @@ def test_the_onset_is_the_one_that_was_fitted():
 
 
 def test_the_end_settled_is_near_the_papers():
-    """The paper prints 0.313 m. Joints slide: of half to twice the project's increments come 0.286 to 0.322 m."""
-    assert settled(coarser=2.0)[1] == pytest.approx(0.313, rel=0.09)
+    """The paper prints 0.313 m. Joints slide: of half to four times the project's increments come 0.286 to 0.322 m."""
+    assert settled(coarser=4.0)[1] == pytest.approx(0.313, rel=0.09)
