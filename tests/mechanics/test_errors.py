@@ -118,15 +118,11 @@ def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
         ("contacts", lambda m: pushover(m, TOP, contacts="soft")),
         ("increment", lambda m: pushover(m, TOP, increment=0.0)),
         ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
-        ("displacement", lambda m: pushdown(m, "base")),
-        ("control", lambda m: pushover(m, (0.1, 2.0))),
-        ("block", lambda m: m.rotated(2, TOP, 0.1)),
-        ("about", lambda m: m.rotated(1, (0.0,), 0.1)),
+        ("displacement", lambda m: pushdown(m, "base")), ("control", lambda m: pushover(m, (0.1, 2.0))),
+        ("block", lambda m: m.rotated(2, TOP, 0.1)), ("about", lambda m: m.rotated(1, (0.0,), 0.1)),
         ("segments_per_joint", lambda m: Assembly(m.blocks, segments_per_joint=0)),
-        ("tolerance", lambda m: Assembly(m.blocks, tolerance=0.0)),
-        ("blocks", lambda m: Assembly([])),
-        ("blocks", lambda m: Assembly(m.blocks[:1])),
-        ("unit_weight", lambda m: Material(0.0)),
+        ("tolerance", lambda m: Assembly(m.blocks, tolerance=0.0)), ("blocks", lambda m: Assembly([])),
+        ("blocks", lambda m: Assembly(m.blocks[:1])), ("unit_weight", lambda m: Material(0.0)),
         ("friction", lambda m: Material(18.0, -0.1)),
         ("normal_stiffness", lambda m: Material(18.0, 0.5, 0.0)),
         ("tangential_stiffness", lambda m: Material(18.0, 0.5, 1e6, 0.0)),
@@ -134,7 +130,7 @@ def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
         ("vertices", lambda m: Block([[0, 0], [1, 0], [2, 0]], 1.0, STONE)),
         ("segments", lambda m: Block(rectangle(0, 0, 1, 1), 1.0, STONE, segments=0)),
     ],
-)
+)  # fmt: skip
 def test_a_bad_argument_is_named(model, name, call):
     with pytest.raises(ValueError, match=rf"^{name} = .*must be "):
         call(model)

@@ -17,33 +17,16 @@ ROW = re.compile(r"^\| [^|]+ \| `([\w.]+)` \| ([^|]+) \| [^|]+ \|$", re.MULTILIN
 
 # columns of arrays, entries of a record, codes: they count, and decide nothing
 COUNTS = {
-    "kernels.crushing.LINES",
-    "kernels.dynamics.march.FAR",
-    "kernels.dynamics.march.RESTS",
-    "kernels.dynamics.march.UNSOLVED",
-    "kernels.dynamics.motion.ENERGIES",
-    "kernels.dynamics.motion.GAPS",
-    "kernels.dynamics.motion.JOINT",
-    "kernels.dynamics.motion.LONGER",
-    "kernels.dynamics.motion.MIDDLE",
-    "kernels.dynamics.motion.N1",
-    "kernels.dynamics.motion.REMAINS",
-    "kernels.dynamics.motion.SPRING",
-    "kernels.dynamics.motion.SUNK",
-    "kernels.dynamics.newton.KNOWN",
-    "kernels.interior.elimination.KNOWN",
-    "kernels.interior.elimination.LANES",
-    "kernels.joint.CURVED",
-    "kernels.joint.FACE",
-    "kernels.joint.PLACE",
-    "kernels.law.DASHPOTS",
-    "kernels.law.LAW",
-    "kernels.linalg.pattern.LISTS",
-    "kernels.linalg.pattern.NUMBERS",
-    "kernels.linalg.simd_tiles.BYTES",
-    "kernels.linalg.simd_tiles.COLUMNS",
+    "kernels.crushing.LINES", "kernels.dynamics.march.FAR", "kernels.dynamics.march.RESTS",
+    "kernels.dynamics.march.UNSOLVED", "kernels.dynamics.motion.ENERGIES", "kernels.dynamics.motion.GAPS",
+    "kernels.dynamics.motion.JOINT", "kernels.dynamics.motion.LONGER", "kernels.dynamics.motion.MIDDLE",
+    "kernels.dynamics.motion.N1", "kernels.dynamics.motion.REMAINS", "kernels.dynamics.motion.SPRING",
+    "kernels.dynamics.motion.SUNK", "kernels.dynamics.newton.KNOWN", "kernels.interior.elimination.KNOWN",
+    "kernels.interior.elimination.LANES", "kernels.joint.CURVED", "kernels.joint.FACE", "kernels.joint.PLACE",
+    "kernels.law.DASHPOTS", "kernels.law.LAW", "kernels.linalg.pattern.LISTS",
+    "kernels.linalg.pattern.NUMBERS", "kernels.linalg.simd_tiles.BYTES", "kernels.linalg.simd_tiles.COLUMNS",
     "kernels.linalg.simd_tiles.ROWS",
-}
+}  # fmt: skip
 
 
 def numbers_of(value: object) -> tuple[float, ...] | None:

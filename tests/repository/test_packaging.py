@@ -35,13 +35,9 @@ def backend_is_here() -> bool:
 
 def execute(*command: str | Path, cwd: Path, **environment: str) -> str:
     done = subprocess.run(
-        [sys.executable, *command],
-        cwd=cwd,
-        env=os.environ | COMPILED | environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+        [sys.executable, *command], cwd=cwd, env=os.environ | COMPILED | environment, capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -232,22 +232,13 @@ def motion(model: Assembly, loads: Array, step: float) -> Array:
     of, path = Bodies.of(model), np.empty((len(loads), len(model.blocks), 3))
     contacts, moves = 2 * len(of.pairs), of.mass[:, 0] > 0.0
     march(
-        x=of.drawn.copy(),
-        v=np.zeros_like(of.drawn),
-        inverse=np.divide(1.0, of.mass, out=np.zeros_like(of.mass), where=of.mass > 0.0),
-        arms=of.arms,
-        blocks=of.owner[of.pairs],
-        pairs=of.pairs,
-        friction=of.friction,
-        size=of.size,
-        added=step * GRAVITY * np.column_stack([loads, np.full(len(loads), -1.0)]),
-        step=step,
-        solved=SOLVED * step * GRAVITY * of.mass[moves, 0].mean(),
-        rows=np.zeros((contacts, 2, 2, 3)),
-        gaps=np.empty(contacts),
-        impulses=np.zeros((contacts, 2)),
-        path=path,
-    )
+        x=of.drawn.copy(), v=np.zeros_like(of.drawn),
+        inverse=np.divide(1.0, of.mass, out=np.zeros_like(of.mass), where=of.mass > 0.0), arms=of.arms,
+        blocks=of.owner[of.pairs], pairs=of.pairs, friction=of.friction, size=of.size,
+        added=step * GRAVITY * np.column_stack([loads, np.full(len(loads), -1.0)]), step=step,
+        solved=SOLVED * step * GRAVITY * of.mass[moves, 0].mean(), rows=np.zeros((contacts, 2, 2, 3)),
+        gaps=np.empty(contacts), impulses=np.zeros((contacts, 2)), path=path,
+    )  # fmt: skip
     return path
 
 

@@ -16,17 +16,9 @@ from tests.support.contact_dynamics import Bodies, ends_of_overlap
 
 MOST_FORCE, MOST_SPEED = 60.0, 60.0  # per weight, and per velocity of unit work: bounds of the disjunctions
 KINDS = [
-    "alpha",
-    "normal",
-    "tangential",
-    "velocity",
-    "gap",
-    "forth",
-    "back",
-    "pressed",
-    "holds_forth",
+    "alpha", "normal", "tangential", "velocity", "gap", "forth", "back", "pressed", "holds_forth",
     "holds_back",
-]
+]  # fmt: skip
 
 
 def least_multiplier(model: Assembly) -> float:

@@ -35,14 +35,8 @@ def results_example(language: str = "it") -> dict[str, Any]:
         "title": "Arco di prova" if language == "it" else "Trial arch",
         "inputs": {"project.toml": "0" * 64, "geometry.dxf": "1" * 64},
         "model": {
-            "blocks": 7,
-            "movable_blocks": 5,
-            "joints": 6,
-            "unknowns": 18,
-            "paper_contact_points": 24,
-            "contact_points": 24,
-            "weight_kN": 11.5 * 0.1 * _area() + 0.5,
-            "self_weight_stable": True,
+            "blocks": 7, "movable_blocks": 5, "joints": 6, "unknowns": 18, "paper_contact_points": 24,
+            "contact_points": 24, "weight_kN": 11.5 * 0.1 * _area() + 0.5, "self_weight_stable": True,
             "warnings": ["layer PIERS: 2 gaps of 0.9 mm were taken as closed"],
         },
         "geometry": _geometry(),
@@ -66,26 +60,17 @@ def results_example(language: str = "it") -> dict[str, Any]:
             "tolerance": 0.05,
             "rows": [
                 {
-                    "state": name,
-                    "direction": direction,
-                    "halvings": 2,
-                    "alpha_0_error": 0.0,
-                    "d_0_error_m": d_0_error,
-                    "a_g_error_g": 0.002,
-                    "relative_error": None if d_0_error is None else 0.012,
-                    "met": d_0_error is not None,
+                    "state": name, "direction": direction, "halvings": 2, "alpha_0_error": 0.0,
+                    "d_0_error_m": d_0_error, "a_g_error_g": 0.002,
+                    "relative_error": None if d_0_error is None else 0.012, "met": d_0_error is not None,
                     "levels": {"alpha_0": [0.15, 0.15, 0.15]},
                 }
                 for name, direction, d_0_error in (("original", "+x", 0.0023), (SETTLED, "-x", None))
             ],
             "incremental": [
                 {
-                    "state": SETTLED,
-                    "record": "wave",
-                    "pga_collapse_error_g": 0.043,
-                    "order": 1.0,
-                    "relative_error": 0.19,
-                    "met": False,
+                    "state": SETTLED, "record": "wave", "pga_collapse_error_g": 0.043, "order": 1.0,
+                    "relative_error": 0.19, "met": False,
                     "levels": {"pga_collapse_g": [0.226, 0.2045, 0.194]},
                 }
             ],
@@ -99,12 +84,8 @@ def results_example(language: str = "it") -> dict[str, Any]:
             "warnings": [],
             "by_stage": [
                 {
-                    "state": name,
-                    "stage": stage,
-                    "solves": 70,
-                    "worst_equilibrium_residual": 3.2e-10,
-                    "worst_penetration_m": 1.1e-9,
-                    "worst_complementarity": 4.5e-10,
+                    "state": name, "stage": stage, "solves": 70, "worst_equilibrium_residual": 3.2e-10,
+                    "worst_penetration_m": 1.1e-9, "worst_complementarity": 4.5e-10,
                     "worst_cone_violation": 2.0e-11,
                 }
                 for name, stage in (("original", "pushover"), (SETTLED, "pushdown"), (SETTLED, "pushover"))
@@ -112,12 +93,9 @@ def results_example(language: str = "it") -> dict[str, Any]:
         },
         "timing_s": {"pushdown": 0.4, "pushover": 0.9},
         "software": {
-            "version": "0.1.0",
-            "python": "3.11.7",
-            "platform": "Linux",
-            "packages": {"numpy": "2.4.6"},
+            "version": "0.1.0", "python": "3.11.7", "platform": "Linux", "packages": {"numpy": "2.4.6"},
         },
-    }
+    }  # fmt: skip
     without = Results.model_validate(content | {"summary": EMPTY})
     return content | {"summary": plain(summary_of(without))}
 
@@ -157,30 +135,22 @@ def _geometry() -> dict[str, Any]:
     layers = ["BASE_LEFT", "PIERS", "ARCH", "ARCH", "ARCH", "PIERS", "BASE_RIGHT"]
     blocks = [
         {
-            "vertices_m": ring.tolist(),
-            "centroid_m": ring.mean(axis=0).tolist(),
-            "depth_m": 0.1,
-            "layer": layer,
-            "handle": f"2{index}",
-            "support": role,
+            "vertices_m": ring.tolist(), "centroid_m": ring.mean(axis=0).tolist(), "depth_m": 0.1,
+            "layer": layer, "handle": f"2{index}", "support": role,
             "vertical_load_kN": 0.5 if index == 3 else 0.0,
             "weight_kN": 11.5 * 0.1 * _shoelace(ring) + (0.5 if index == 3 else 0.0),
         }
         for index, (ring, role, layer) in enumerate(zip(rings, roles, layers, strict=True))
-    ]
+    ]  # fmt: skip
     faces = [ring[:2] for ring in rings[1:6]] + [rings[5][2:]]
     joints = [
         {
-            "blocks": [i, i + 1],
-            "ends_m": face.tolist(),
-            "middle_m": [face.mean(axis=0).tolist()] * 2,
-            "faces_m": [face.tolist()] * 2,
-            "friction": 0.6,
-            "depth_m": 0.1,
+            "blocks": [i, i + 1], "ends_m": face.tolist(), "middle_m": [face.mean(axis=0).tolist()] * 2,
+            "faces_m": [face.tolist()] * 2, "friction": 0.6, "depth_m": 0.1,
             "compressive_strength_kN_m2": None,
         }
         for i, face in enumerate(faces)
-    ]
+    ]  # fmt: skip
     return {
         "blocks": blocks,
         "controls": [{"name": "C1", "point_m": [0.0, 1.236], "block": 3}],
@@ -215,17 +185,11 @@ def _mechanism(sign: float, alpha_0: float, e_star: float, gamma_star: float) ->
         displacement[block, :2] = position + rotation[block] * np.array([-arm[1], arm[0]])
     displacement /= abs(displacement[3, 0])  # block 3 holds the control point
     return {
-        "point": 0,
-        "alpha": alpha_0,
-        "control_displacement_x": float(displacement[3, 0]),
-        "hinges": 4,
-        "e_star": e_star,
-        "gamma_star": gamma_star,
-        "displacements": displacement.tolist(),
-        "hinge_points_m": [pivot.tolist() for pivot in pivots],
-        "sliding_joints": [5],
+        "point": 0, "alpha": alpha_0, "control_displacement_x": float(displacement[3, 0]), "hinges": 4,
+        "e_star": e_star, "gamma_star": gamma_star, "displacements": displacement.tolist(),
+        "hinge_points_m": [pivot.tolist() for pivot in pivots], "sliding_joints": [5],
         "moving_weight_kN": 1.25,
-    }
+    }  # fmt: skip
 
 
 def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
@@ -243,46 +207,30 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
         pushover[direction] = {
             "control": "C1",
             "rigid": {
-                "alpha_0": a0,
-                "alpha_onset": a0,
-                "d_0_m": d0,
-                "reached_zero": True,
-                "lost": False,
-                "end": "α = 0",
-                "sliding": "associative",
+                "alpha_0": a0, "alpha_onset": a0, "d_0_m": d0, "reached_zero": True, "lost": False,
+                "end": "α = 0", "sliding": "associative",
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": rigid.tolist()},
                 "d_star_m": (gamma_star * displacement).tolist(),
                 "mechanism": _mechanism(sense, a0, e_star, gamma_star),
                 "mechanism_configuration": _configuration(movement),
-                "final_configuration": _configuration(movement),
-                "virtual_work_alpha": a0 * 1.0004,
+                "final_configuration": _configuration(movement), "virtual_work_alpha": a0 * 1.0004,
                 "frames": _frames([0], movement),
             },
             "elastic": {
-                "alpha_u": alpha_u,
-                "alpha_y": alpha_y,
-                "d_y_m": d_y,
+                "alpha_u": alpha_u, "alpha_y": alpha_y, "d_y_m": d_y,
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": elastic.tolist()},
-                "d_u_m": float(displacement[elastic.argmax()]),
-                "peak": int(elastic.argmax()),
-                "end": "α = 0",
-                "sliding": "associative",
-                "reached_zero": True,
+                "d_u_m": float(displacement[elastic.argmax()]), "peak": int(elastic.argmax()), "end": "α = 0",
+                "sliding": "associative", "reached_zero": True,
                 "rest_configuration": _configuration(movement),
                 "peak_configuration": _configuration(movement),
                 "frames": _frames(sorted({0, int(elastic.argmax())}), movement),
             },
-        }
+        }  # fmt: skip
         capacity[direction] = _capacity(a0, d0, alpha_y, d_y, e_star, gamma_star)
     return {
-        "configuration": _configuration(movement),
-        "settlement": None,
-        "pushdown": {},
-        "pushover": pushover,
-        "capacity": capacity,
-        "history": [],
-        "incremental": {},
-    }
+        "configuration": _configuration(movement), "settlement": None, "pushdown": {}, "pushover": pushover,
+        "capacity": capacity, "history": [], "incremental": {},
+    }  # fmt: skip
 
 
 def _capacity(
@@ -292,16 +240,11 @@ def _capacity(
     d_star = np.array([0.0, d_y, crossing, d0]) * gamma_star
     a_star = np.array([0.0, alpha_y, alpha_y, 0.0]) / e_star
     found: dict[str, Any] = {
-        "mechanism": {"hinges": 4, "sliding_joints": 1},
-        "notes": [],
-        "trace": [],
-        "d_0_star_m": float(d_star[-1]),
-        "e_star": e_star,
-        "gamma_star": gamma_star,
-        "T_0_s": 2.0 * math.pi * math.sqrt(d_star[1] / (a_star[1] * G)),
-        "model": "trilinear",
+        "mechanism": {"hinges": 4, "sliding_joints": 1}, "notes": [], "trace": [],
+        "d_0_star_m": float(d_star[-1]), "e_star": e_star, "gamma_star": gamma_star,
+        "T_0_s": 2.0 * math.pi * math.sqrt(d_star[1] / (a_star[1] * G)), "model": "trilinear",
         "curve": {"d_star_m": d_star.tolist(), "a_star_g": a_star.tolist()},
-    }
+    }  # fmt: skip
     activation = _point("linear", 5.0) | {
         "d_star_m": float(d_star[1]),
         "a_star_g": float(a_star[1]),
@@ -357,23 +300,11 @@ def _spectrum(a_g: float, F0: float, Tc_star: float, damping: float = 0.05) -> d
     S_e = a_g * S * F0 * shape
     damped = math.sqrt(10.0 / (5.0 + 100.0 * damping)) * S_e
     return {
-        "kind": "ground",
-        "S": S,
-        "T_B_s": T_b,
-        "T_C_s": T_c,
-        "T_D_s": T_d,
-        "damping": damping,
-        "damped_S_e_g": damped.tolist(),
-        "damped_S_De_m": (damped * G * (T / (2.0 * math.pi)) ** 2).tolist(),
-        "a_g_g": a_g,
-        "F0": F0,
-        "Tc_star_s": Tc_star,
-        "soil": "B",
-        "topography": "T1",
-        "T_s": T.tolist(),
-        "S_e_g": S_e.tolist(),
-        "S_De_m": (S_e * G * (T / (2.0 * math.pi)) ** 2).tolist(),
-    }
+        "kind": "ground", "S": S, "T_B_s": T_b, "T_C_s": T_c, "T_D_s": T_d, "damping": damping,
+        "damped_S_e_g": damped.tolist(), "damped_S_De_m": (damped * G * (T / (2.0 * math.pi)) ** 2).tolist(),
+        "a_g_g": a_g, "F0": F0, "Tc_star_s": Tc_star, "soil": "B", "topography": "T1", "T_s": T.tolist(),
+        "S_e_g": S_e.tolist(), "S_De_m": (S_e * G * (T / (2.0 * math.pi)) ** 2).tolist(),
+    }  # fmt: skip
 
 
 def _settlement() -> dict[str, Any]:
@@ -385,18 +316,14 @@ def _pushdown() -> dict[str, Any]:
     for contacts, ultimate in (("rigid", 0.065), ("elastic", 0.027)):
         movement = np.linspace(0.0, ultimate, 40)
         stages[contacts] = {
-            "movement_m": movement.tolist(),
-            "reaction_x_kN": (-0.0104 - 0.08 * movement).tolist(),
-            "reaction_z_kN": (0.62 + 0.5 * movement).tolist(),
-            "ultimate_movement_m": ultimate,
-            "applied_movement_m": 0.02,
-            "configuration": _configuration(0.02),
+            "movement_m": movement.tolist(), "reaction_x_kN": (-0.0104 - 0.08 * movement).tolist(),
+            "reaction_z_kN": (0.62 + 0.5 * movement).tolist(), "ultimate_movement_m": ultimate,
+            "applied_movement_m": 0.02, "configuration": _configuration(0.02),
             "ultimate_configuration": _configuration(ultimate),
             "control_displacement_m": np.column_stack([0.5 * movement, 0.0 * movement]).tolist(),
-            "end": "the structure falls",
-            "sliding": "associative",
+            "end": "the structure falls", "sliding": "associative",
             "frames": _frames(list(range(len(movement))), 0.02),
-        }
+        }  # fmt: skip
     return stages
 
 
@@ -414,24 +341,16 @@ def _echo(language: str) -> dict[str, Any]:
         "control": [{"name": "C1", "point_m": [0.0, 1.236]}],
         "settlements": [{"name": SETTLED, **_settlement(), "to_collapse": True}],
         "pushover": {
-            "contacts": ["rigid", "elastic"],
-            "directions": ["+x", "-x"],
-            "increment_m": 0.001,
+            "contacts": ["rigid", "elastic"], "directions": ["+x", "-x"], "increment_m": 0.001,
             "control": "C1",
         },
         "assessment": {
-            "limit_states": ["SLD", "SLV", "SLC"],
-            "confidence_factor": 1.35,
-            "behaviour_factor": 2.0,
-            "model": "trilinear",
-            "spectrum": "ntc",
+            "limit_states": ["SLD", "SLV", "SLC"], "confidence_factor": 1.35, "behaviour_factor": 2.0,
+            "model": "trilinear", "spectrum": "ntc",
             "site": {"latitude": 42.35, "longitude": 13.40, "soil": "B", "topography": "T1"},
         },
         "report": {
-            "language": language,
-            "client": "Comune <A & B>",
-            "engineer": "ing. N. Nome",
-            "location": "L'Aquila",
-            "attachments": [],
+            "language": language, "client": "Comune <A & B>", "engineer": "ing. N. Nome",
+            "location": "L'Aquila", "attachments": [],
         },
-    }
+    }  # fmt: skip

@@ -35,14 +35,10 @@ def static_step(model: Assembly, behaviour: Behaviour) -> tuple[Program, Elimina
     work = 0.3 * size * model.weight
     return posed(
         StepProblem(
-            static_system(model, behaviour),
-            model.initial,
-            model.dead_load,
-            size,
-            model.lateral_load("+x"),
+            static_system(model, behaviour), model.initial, model.dead_load, size, model.lateral_load("+x"),
             work,
         )
-    )
+    )  # fmt: skip
 
 
 def euler_step(

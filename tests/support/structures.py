@@ -10,15 +10,9 @@ from assessment.benchmark.structures import block_on_base, in_frame, rectangle, 
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
-    "arch_on_piers",
-    "block_on_base",
-    "column",
-    "in_frame",
-    "rectangle",
-    "running_bond",
-    "semicircular_arch",
+    "arch_on_piers", "block_on_base", "column", "in_frame", "rectangle", "running_bond", "semicircular_arch",
     "tied_arch",
-]
+]  # fmt: skip
 
 
 def arch_on_piers(

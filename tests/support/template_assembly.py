@@ -21,15 +21,11 @@ def template_assembly(template: str, tolerance: float | None = None, **options: 
         )
         blocks += [
             Block(
-                each,
-                own.get("depth_m", content["geometry"]["depth_m"]),
-                stone,
-                support=own.get("support"),
-                vertical_load=own.get("vertical_load_kN", 0.0),
-                layer=layer,
+                each, own.get("depth_m", content["geometry"]["depth_m"]), stone, support=own.get("support"),
+                vertical_load=own.get("vertical_load_kN", 0.0), layer=layer,
             )
             for each in shapes
-        ]
+        ]  # fmt: skip
     return Assembly(blocks, tolerance=tolerance)
 
 

@@ -16,14 +16,9 @@ from mechanics import limit_analysis, pushdown, pushover
 from tests.support.drawn_projects import drawn, tables
 
 CRUSHING = [
-    (np.inf, 0.12730, 1e-5),
-    (829.0, 0.12491, 1e-5),
-    (249.0, 0.11935, 1e-5),
-    (82.9, 0.10350, 1e-5),
-    (41.5, 0.07992, 1e-5),
-    (24.9, 0.04748, 1e-5),
-    (16.6, 0.00665, 1e-5),
-]
+    (np.inf, 0.12730, 1e-5), (829.0, 0.12491, 1e-5), (249.0, 0.11935, 1e-5), (82.9, 0.10350, 1e-5),
+    (41.5, 0.07992, 1e-5), (24.9, 0.04748, 1e-5), (16.6, 0.00665, 1e-5),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("strength", "expected", "tolerance"), CRUSHING)

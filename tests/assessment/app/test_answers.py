@@ -181,28 +181,20 @@ def test_a_spreadsheet_is_shown_not_written_and_can_be_converted(tmp_path, worke
 @pytest.mark.parametrize(
     ("name", "sent"),
     [
-        ("edit", {"digest": "x", "changes": {}}),
-        ("edit", {"digest": "x", "changes": [[["title"]]]}),
+        ("edit", {"digest": "x", "changes": {}}), ("edit", {"digest": "x", "changes": [[["title"]]]}),
         ("edit", {"digest": "x", "changes": [["title", "Two"]]}),
         ("live", {"tag": "x", "support": "base", "target": [0, 0]}),
         ("live", {"tag": "x", "support": "base", "target": [0, 0, "x"]}),
-        ("live", {"tag": "x", "support": "base", "target": [0, 0, 1e9]}),
-        ("run", {"only": ["everything"]}),
-        ("run", {"only": []}),
-        ("record", {"name": "../../etc/passwd"}),
-        ("record", {"name": "project.toml\0"}),
-        ("judgement", {"text": 1}),
-        ("judgement", {"text": "x" * 600_000}),
-        ("open", {"folder": "nowhere"}),
-        ("new", {"name": "../up", "template": "block"}),
-        ("new", {"name": "", "template": "block"}),
-        ("new", {"name": "block", "template": "block"}),
-        ("new", {"name": "other", "template": "cathedral"}),
+        ("live", {"tag": "x", "support": "base", "target": [0, 0, 1e9]}), ("run", {"only": ["everything"]}),
+        ("run", {"only": []}), ("record", {"name": "../../etc/passwd"}),
+        ("record", {"name": "project.toml\0"}), ("judgement", {"text": 1}),
+        ("judgement", {"text": "x" * 600_000}), ("open", {"folder": "nowhere"}),
+        ("new", {"name": "../up", "template": "block"}), ("new", {"name": "", "template": "block"}),
+        ("new", {"name": "block", "template": "block"}), ("new", {"name": "other", "template": "cathedral"}),
         ("new", {"name": "other", "example": "cathedral"}),
-        ("new", {"name": "other", "drawing": "../block/geometry.dxf"}),
-        ("convert", {}),
+        ("new", {"name": "other", "drawing": "../block/geometry.dxf"}), ("convert", {}),
     ],
-)
+)  # fmt: skip
 def test_what_makes_no_sense_is_refused_and_changes_nothing(session, name, sent):
     before = {path: path.read_bytes() for path in session.home.rglob("*") if path.is_file()}
     with pytest.raises(ProjectError):
@@ -289,16 +281,12 @@ RECORD = "\n".join(f"{0.01 * k:.2f} {0.1 * (-1) ** k * k / 100:.6f}" for k in ra
 @pytest.mark.parametrize(
     ("name", "kind", "content"),
     [
-        ("plan.dxf", "drawing", b"%PDF-1.4 no drawing"),
-        ("plan.dxf", "drawing", b""),
-        ("quake.csv", "record", b"a;b\n1;2\n"),
-        ("quake.csv", "record", b"\x00\xff" * 500),
-        ("grid.txt", "grid", b"not a grid"),
-        ("photo.png", "picture", b"GIF89a"),
-        ("photo.exe", "picture", b"MZ"),
-        ("plan.dxf", "virus", b""),
+        ("plan.dxf", "drawing", b"%PDF-1.4 no drawing"), ("plan.dxf", "drawing", b""),
+        ("quake.csv", "record", b"a;b\n1;2\n"), ("quake.csv", "record", b"\x00\xff" * 500),
+        ("grid.txt", "grid", b"not a grid"), ("photo.png", "picture", b"GIF89a"),
+        ("photo.exe", "picture", b"MZ"), ("plan.dxf", "virus", b""),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_is_not_what_it_should_be_is_told_and_not_kept(session, name, kind, content):
     before = sorted(session.folder.rglob("*"))
     with pytest.raises(ProjectError) as refused:
@@ -327,13 +315,9 @@ def test_a_new_project_begins_with_a_dropped_drawing(tmp_path, worker):
     assert any("appoggio" in each["it"] for each in dropped["notes"])
     assert sum(dropped["layers"].values()) > 10
     sent = {
-        "name": "my arch",
-        "drawing": "survey.dxf",
-        "title": "My arch",
-        "unit": "m",
-        "depth_m": 1.0,
+        "name": "my arch", "drawing": "survey.dxf", "title": "My arch", "unit": "m", "depth_m": 1.0,
         "language": "en",
-    }
+    }  # fmt: skip
     with pytest.raises(ProjectError, match="unit_weight_kN_m3"):
         ask(session, "new", **sent, unit_weight_kN_m3=None)
     assert not (tmp_path / "my arch").exists()

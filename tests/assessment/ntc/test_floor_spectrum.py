@@ -14,7 +14,6 @@ from assessment.ntc.floor_spectrum import (
     FloorSpectrum2009,
     Mode,
     first_mode,
-    fundamental_period,
 )
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
@@ -53,13 +52,9 @@ def grounds(draw):
 
 
 @given(
-    ground=grounds(),
-    circular=st.sampled_from(["2019", "2009"]),
-    period=st.floats(0.05, 1.5),
-    storeys=st.integers(1, 8),
-    z=st.floats(0.0, H),
-    damping=st.sampled_from([0.05, 0.08, 0.10]),
-)
+    ground=grounds(), circular=st.sampled_from(["2019", "2009"]), period=st.floats(0.05, 1.5),
+    storeys=st.integers(1, 8), z=st.floats(0.0, H), damping=st.sampled_from([0.05, 0.08, 0.10]),
+)  # fmt: skip
 @settings(max_examples=15)
 def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(
     ground, circular, period, storeys, z, damping
@@ -75,13 +70,9 @@ def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(
 
 
 @given(
-    ground=grounds(),
-    circular=st.sampled_from(["2019", "2009"]),
-    period=st.floats(0.05, 1.5),
-    alpha_0=st.floats(0.03, 0.4),
-    d_0=st.floats(0.02, 4.0),
-    model=st.sampled_from(["none", "trilinear"]),
-)
+    ground=grounds(), circular=st.sampled_from(["2019", "2009"]), period=st.floats(0.05, 1.5),
+    alpha_0=st.floats(0.03, 0.4), d_0=st.floats(0.02, 4.0), model=st.sampled_from(["none", "trilinear"]),
+)  # fmt: skip
 @settings(max_examples=15)
 def test_capacity_starts_at_the_ground_and_never_rises_with_height(
     ground, circular, period, alpha_0, d_0, model
@@ -148,11 +139,6 @@ def test_a_height_of_zero_means_the_ground(tmp_path, circular):
         found.append(results["states"]["original"]["capacity"]["+x"])
         assert {content["kind"] for content in results["spectra"].values()} == {"ground"}
     assert found[0] == found[1]
-
-
-def test_period_of_the_building_by_hand():
-    """H = 10 m: 10^0.75 = 5.623413, T_1 = 0.05·5.623413 = 0.281171 s."""
-    assert fundamental_period(10.0).result == pytest.approx(0.281171, abs=1e-6)
 
 
 def test_the_period_of_the_building_follows_from_its_height_where_it_is_not_given(tmp_path):

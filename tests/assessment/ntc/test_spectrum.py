@@ -99,18 +99,12 @@ def test_branches_join_and_displacement_grows(ag, F0, Tc_star, soil, damping):
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"soil": "F"}, "soil"),
-        ({"topography": "T5"}, "topography"),
-        ({"ag": 0.0}, "ag"),
-        ({"F0": float("nan")}, "F0"),
-        ({"Tc_star": -0.3}, "Tc_star"),
-        ({"damping": 5.0}, "damping"),
-        ({"ag": "0.1"}, "ag"),
-        ({"damping": None}, "damping"),
-        ({"F0": True}, "F0"),
+        ({"soil": "F"}, "soil"), ({"topography": "T5"}, "topography"), ({"ag": 0.0}, "ag"),
+        ({"F0": float("nan")}, "F0"), ({"Tc_star": -0.3}, "Tc_star"), ({"damping": 5.0}, "damping"),
+        ({"ag": "0.1"}, "ag"), ({"damping": None}, "damping"), ({"F0": True}, "F0"),
         ({"soil": ["B"]}, "soil"),
     ],
-)
+)  # fmt: skip
 def test_wrong_parameters_are_named(change, named):
     with pytest.raises(ValueError, match=named):
         ElasticSpectrum(**({"ag": 0.2, "F0": 2.4, "Tc_star": 0.3} | change))

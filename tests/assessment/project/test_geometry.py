@@ -86,15 +86,10 @@ def test_ring_has_the_asked_span_rise_and_thickness(
 
 @settings(max_examples=6)
 @given(
-    span=st.floats(4.0, 8.0),
-    ratio=st.floats(0.1, 0.5),
-    thickness=st.floats(0.25, 0.7),
-    cover=st.floats(0.1, 2.5),
-    springing=st.floats(1.0, 5.0),
-    voussoirs=st.integers(9, 35),
-    wall_blocks=st.integers(1, 4),
-    spandrel_blocks=st.integers(8, 20),
-)
+    span=st.floats(4.0, 8.0), ratio=st.floats(0.1, 0.5), thickness=st.floats(0.25, 0.7),
+    cover=st.floats(0.1, 2.5), springing=st.floats(1.0, 5.0), voussoirs=st.integers(9, 35),
+    wall_blocks=st.integers(1, 4), spandrel_blocks=st.integers(8, 20),
+)  # fmt: skip
 def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
     span: float,
     ratio: float,
@@ -108,18 +103,12 @@ def test_triumphal_arch_of_any_dimensions_is_tiled_by_stout_blocks(
     layout = made(
         "triumphal-arch",
         {
-            "span_m": span,
-            "rise_m": ratio * span,
-            "thickness_m": thickness,
-            "springing_m": springing,
-            "height_m": springing + ratio * span + thickness + cover,
-            "wall_thickness_m": 1.3,
-            "voussoirs": voussoirs,
-            "wall_blocks": wall_blocks,
-            "spandrel_blocks": spandrel_blocks,
+            "span_m": span, "rise_m": ratio * span, "thickness_m": thickness, "springing_m": springing,
+            "height_m": springing + ratio * span + thickness + cover, "wall_thickness_m": 1.3,
+            "voussoirs": voussoirs, "wall_blocks": wall_blocks, "spandrel_blocks": spandrel_blocks,
             "beams": 4,
         },
-    )[0]
+    )[0]  # fmt: skip
     assert_tiled(layout)
     assert not any(Polygon(each).buffer(-0.499 * THINNEST).is_empty for each in layout["ARCO"])
 

@@ -114,17 +114,12 @@ def test_every_number_has_bounds():
 @pytest.mark.parametrize(
     ("pattern", "found"),
     [
-        ("records/*.acc", ["aqv_ns.acc", "aqv_up.acc"]),
-        ("rec*/aqv_[nu]?.acc", ["aqv_ns.acc", "aqv_up.acc"]),
-        ("./records/../records/*.csv", ["b.csv"]),
-        ("*/b.csv", ["b.csv"]),
-        ("*/*", ["aqv_ns.acc", "aqv_up.acc", "b.csv"]),
-        ("*/.*", [".hidden.acc"]),
-        ("records/*/*", []),
-        ("nowhere/*", []),
-        ("records/b.csv/*", []),
+        ("records/*.acc", ["aqv_ns.acc", "aqv_up.acc"]), ("rec*/aqv_[nu]?.acc", ["aqv_ns.acc", "aqv_up.acc"]),
+        ("./records/../records/*.csv", ["b.csv"]), ("*/b.csv", ["b.csv"]),
+        ("*/*", ["aqv_ns.acc", "aqv_up.acc", "b.csv"]), ("*/.*", [".hidden.acc"]), ("records/*/*", []),
+        ("nowhere/*", []), ("records/b.csv/*", []),
     ],
-)
+)  # fmt: skip
 def test_patterns_of_records(folder, pattern, found):
     (folder / "records" / ".hidden.acc").touch()
     (folder / "records" / "deep").mkdir()
@@ -152,16 +147,8 @@ def test_a_project_is_read_without_what_computes_or_draws(tmp_path):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     heavy = {
-        "numpy",
-        "scipy",
-        "numba",
-        "shapely",
-        "ezdxf",
-        "matplotlib",
-        "pandas",
-        "openpyxl",
-        "mechanics.model",
-    }
+        "numpy", "scipy", "numba", "shapely", "ezdxf", "matplotlib", "pandas", "openpyxl", "mechanics.model",
+    }  # fmt: skip
     assert not heavy & set(done.stdout.split())
 
 
@@ -261,12 +248,8 @@ def test_conversion_either_way(tmp_path, capsys):
     assert main(["convert", str(folder)]) == 2
     assert "project.toml.old: file: exists" in capsys.readouterr().err
     assert {file.name for file in folder.iterdir()} == {
-        "geometry.dxf",
-        "records",
-        "project.toml",
-        "project.toml.old",
-        "project.xlsx.old",
-    }
+        "geometry.dxf", "records", "project.toml", "project.toml.old", "project.xlsx.old",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("moment", [1, 3])

@@ -91,14 +91,9 @@ def test_every_table_has_a_sheet_and_those_out_of_use_say_no(folder):
 
 def test_all_faults_are_told_in_one_pass(folder):
     said = message(
-        folder,
-        ("geometry", "B3", "ft"),
-        ("geometry", "A4", None),
-        ("material", "B2", "heavy"),
-        ("material", "B3", "=1/2"),
-        ("layers", "A3", "ROOF"),
-        ("control", "B2", "1"),
-    ).splitlines()
+        folder, ("geometry", "B3", "ft"), ("geometry", "A4", None), ("material", "B2", "heavy"),
+        ("material", "B3", "=1/2"), ("layers", "A3", "ROOF"), ("control", "B2", "1"),
+    ).splitlines()  # fmt: skip
     for place in (
         "geometry.unit",
         "cell B4: has no key",
@@ -112,14 +107,10 @@ def test_all_faults_are_told_in_one_pass(folder):
 
 def test_lists_and_decimal_commas(folder):
     project = changed(
-        folder,
-        ("settlements", "C2", "0,020; -0,035"),
-        ("geometry", "B4", "0,25"),
-        ("pushover", "B2", "elastic ;rigid;"),
-        ("incremental", "B2", "a.acc\n*.acc"),
-        ("material", "A5", "tangential_stiffness_kN_m3"),
-        ("material", "B5", "inf"),
-    )
+        folder, ("settlements", "C2", "0,020; -0,035"), ("geometry", "B4", "0,25"),
+        ("pushover", "B2", "elastic ;rigid;"), ("incremental", "B2", "a.acc\n*.acc"),
+        ("material", "A5", "tangential_stiffness_kN_m3"), ("material", "B5", "inf"),
+    )  # fmt: skip
     assert project.settlements[0].displacement_m == (0.02, -0.035)
     assert project.geometry.depth_m == 0.25
     assert project.pushover.contacts == ("elastic", "rigid")
@@ -136,16 +127,10 @@ def test_numbers_of_a_list_are_told_apart_however_they_are_written(folder, text)
 
 def test_cells_are_read_as_their_keys_ask(folder):
     project = changed(
-        folder,
-        ("layers", "A2", 0),
-        ("project", "B2", 1854),
-        ("geometry", "A5", "segments_per_joint"),
-        ("geometry", "B5", "2"),
-        ("assessment", "B2", 2019.0),
-        ("settlements", "D1", "to_collapse"),
-        ("settlements", "D2", "TRUE"),
-        ("incremental", "B2", "a.acc"),
-    )
+        folder, ("layers", "A2", 0), ("project", "B2", 1854), ("geometry", "A5", "segments_per_joint"),
+        ("geometry", "B5", "2"), ("assessment", "B2", 2019.0), ("settlements", "D1", "to_collapse"),
+        ("settlements", "D2", "TRUE"), ("incremental", "B2", "a.acc"),
+    )  # fmt: skip
     assert "0" in project.layers and project.title == "1854"
     assert project.geometry.segments_per_joint == 2 and project.assessment.circular == 2019
     assert project.settlements[0].to_collapse is True

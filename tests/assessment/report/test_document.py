@@ -213,14 +213,9 @@ def only_the_model(results):
 
 
 FORMS = [
-    without_settlement,
-    without_rigid,
-    without_assessment,
-    unstable_state,
-    unstable_model,
-    nothing_reached,
+    without_settlement, without_rigid, without_assessment, unstable_state, unstable_model, nothing_reached,
     only_the_model,
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("form", FORMS, ids=lambda form: form.__name__)
@@ -278,9 +273,5 @@ def test_written_numbers_keep_three_digits(value):
 def test_italian_numbers_have_a_comma():
     words = words_of(typed(results_example("it")))
     assert [words.number(x) for x in (0.1532, 12345.6, -0.5, 0.0, 3.2e-10)] == [
-        "0,153",
-        "12346",
-        "−0,500",
-        "0",
-        "3,20·10⁻¹⁰",
-    ]
+        "0,153", "12346", "−0,500", "0", "3,20·10⁻¹⁰",
+    ]  # fmt: skip

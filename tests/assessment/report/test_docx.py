@@ -69,13 +69,6 @@ def test_equations_keep_their_subscripts_and_styles_are_named(made):
     assert table.rows[0]._tr.trPr.find(qn("w:tblHeader")) is not None
     used = {p.style.name for p in document.paragraphs}
     assert used >= {
-        "Title",
-        "Heading 1",
-        "Heading 2",
-        "Body Text",
-        "List Bullet",
-        "Caption",
-        "Table Caption",
-        "Figure",
-    }
+        "Title", "Heading 1", "Heading 2", "Body Text", "List Bullet", "Caption", "Table Caption", "Figure",
+    }  # fmt: skip
     assert not [p.text for p in document.paragraphs if p.style.name == "Normal" and p.text]

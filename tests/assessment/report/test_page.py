@@ -198,13 +198,9 @@ def test_pushovers_offer_the_displacements_of_the_limit_states():
     found = {jump["label"]: jump["x"] for jump in _jumps(state, "-x", expected[1])}
     assert [found["d_SLV"], found["d_SLC"]] == pytest.approx([-each for each in expected], rel=1e-5)
     end = {
-        "d_star_m": 0.002,
-        "a_star_g": 0.1,
-        "a_g_g": 0.1,
-        "demand_a_g_g": 0.2,
-        "zeta_E": 0.5,
+        "d_star_m": 0.002, "a_star_g": 0.1, "a_g_g": 0.1, "demand_a_g_g": 0.2, "zeta_E": 0.5,
         "verified": False,
-    }
+    }  # fmt: skip
     content["capacity"]["-x"] |= {"SLD": end | {"d_star_m": None}, "SLD elastic": end}
     with_end = typed({"states": {"original": content}}).states["original"]
     found = {jump["label"]: jump["x"] for jump in _jumps(with_end, "-x", expected[1])}

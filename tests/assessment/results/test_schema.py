@@ -79,16 +79,8 @@ def refusal(content: Any) -> str:
 
 
 FREE = {
-    "echo",
-    "inputs",
-    "packages",
-    "timing_s",
-    "levels",
-    "required_zeta",
-    "components",
-    "origins",
-    "fields",
-}
+    "echo", "inputs", "packages", "timing_s", "levels", "required_zeta", "components", "origins", "fields",
+}  # fmt: skip
 """Tables whose keys are names."""
 
 

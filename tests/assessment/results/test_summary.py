@@ -133,14 +133,10 @@ def test_a_strengthened_state_has_its_gain_over_the_state_that_it_strengthens():
 @pytest.mark.parametrize(
     ("ratio", "written"),
     [
-        (0.9994, "0.999"),
-        (0.99996, "0.99996"),
-        (1.0, "1.00"),
-        (1.0004, "1.00"),
-        (0.5, "0.50"),
+        (0.9994, "0.999"), (0.99996, "0.99996"), (1.0, "1.00"), (1.0004, "1.00"), (0.5, "0.50"),
         (0.9949, "0.99"),
     ],
-)
+)  # fmt: skip
 def test_a_ratio_has_the_decimals_that_tell_on_which_side_of_one_it_is(ratio, written):
     """ "1.00" stood beside "not verified"."""
     assert f"{ratio:.{ratio_decimals(ratio)}f}" == written

@@ -89,23 +89,14 @@ def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
 
 BEGUN = '{"event": "begin", "stage": "campaign", "total": 3, "taken": 0, "work": 3.0, "time": 1.0}'
 DAMAGED = (
-    b"1",
-    b"[1]",
-    b'"x"',
-    b"null",
-    b"{}",
-    b'{"event": "done", "work": 1.0, "time": 1e400}',
-    b'{"event": "done", "work": 1.0, "time": "x"}',
-    b'{"event": "done", "work": 1e400, "time": 2.0}',
-    b'{"event": "reached", "time": 2.0}',
-    b'{"event": "reached", "work": NaN, "time": 2.0}',
+    b"1", b"[1]", b'"x"', b"null", b"{}", b'{"event": "done", "work": 1.0, "time": 1e400}',
+    b'{"event": "done", "work": 1.0, "time": "x"}', b'{"event": "done", "work": 1e400, "time": 2.0}',
+    b'{"event": "reached", "time": 2.0}', b'{"event": "reached", "work": NaN, "time": 2.0}',
     b'{"event": "begin", "stage": "campaign", "total": "x", "taken": 0, "work": 3.0, "time": 1.0}',
     b'{"event": "begin", "stage": "campaign", "total": 1e400, "taken": 0, "work": 3.0, "time": 1.0}',
-    b'{"event": "begin", "time": 1.0}',
-    b'{"event": "fault", "time": 1.0, "title": "wave", "reasons": 3}',
-    b"[" * 100_000,
-    b"\xff\xfe\x00",
-)
+    b'{"event": "begin", "time": 1.0}', b'{"event": "fault", "time": 1.0, "title": "wave", "reasons": 3}',
+    b"[" * 100_000, b"\xff\xfe\x00",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("line", DAMAGED)

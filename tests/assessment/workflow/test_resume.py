@@ -153,26 +153,13 @@ def test_a_damaged_entry_counts_as_absent(done, capsys, damage):
 
 
 FORGED = (
-    "",
-    "null",
-    "true",
-    "1",
-    '"text"',
-    "[]",
-    "[null]",
-    "{}",
-    "{",
-    '{"found": 1}',
-    '[{"found": {"rigid": 3}}]',
-    '[{"failures": [3]}]',
-    '{"reached": {"positions": [1, 2]}}',
+    "", "null", "true", "1", '"text"', "[]", "[null]", "{}", "{", '{"found": 1}', '[{"found": {"rigid": 3}}]',
+    '[{"failures": [3]}]', '{"reached": {"positions": [1, 2]}}',
     '{"reached": {"positions": {"·array": [0.0], "shape": [7], "type": "<f8"}}}',
     '{"reached": {"positions": {"·array": ["a"], "shape": [1], "type": "<U1"}}}',
-    '{"warnings": [{"·message": "{missing}", "fields": {}}]}',
-    '{"seconds": "long"}',
-    '{"·kind": "builtins:eval"}',
-    "[" * 100_000,
-)
+    '{"warnings": [{"·message": "{missing}", "fields": {}}]}', '{"seconds": "long"}',
+    '{"·kind": "builtins:eval"}', "[" * 100_000,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("begin", [0, len(FORGED) // 2])

@@ -107,19 +107,15 @@ def beam(left: float, right: float) -> Assembly:
         [
             Block(rectangle(-2.0, 0.0, 2.0, 0.4), 1.0, Material(20.0, 0.6)),
             Block(
-                [(-3.0, -2.0), (-2.5, -2.0), (-1.95, 0.0), (-3.0, 0.0)],
-                1.0,
-                Material(20.0, left),
+                [(-3.0, -2.0), (-2.5, -2.0), (-1.95, 0.0), (-3.0, 0.0)], 1.0, Material(20.0, left),
                 support="left",
             ),
             Block(
-                [(2.5, -2.0), (3.0, -2.0), (3.0, 0.0), (1.95, 0.0)],
-                1.0,
-                Material(20.0, right),
+                [(2.5, -2.0), (3.0, -2.0), (3.0, 0.0), (1.95, 0.0)], 1.0, Material(20.0, right),
                 support="right",
             ),
         ]
-    )
+    )  # fmt: skip
 
 
 def test_a_beam_falls_as_its_seat_ends():

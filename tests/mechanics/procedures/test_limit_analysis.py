@@ -79,15 +79,10 @@ def test_joints_that_crush_make_no_linear_program():
 def test_every_force_acts_on_both_blocks_and_balances():
     """Unit forces at (1, 2) m along the normal (0, 1) and the tangent (1, 0) on a block centred at (0.5, 1.5)."""
     points = PointForces(
-        a=np.array([1]),
-        b=np.array([0]),
-        normal=np.array([[0.0, 1.0]]),
-        friction=np.array([0.5]),
-        joint=np.array([0]),
-        pressure_at=np.array([[1.0, 2.0]]),
-        friction_at=np.array([[1.0, 2.0]]),
+        a=np.array([1]), b=np.array([0]), normal=np.array([[0.0, 1.0]]), friction=np.array([0.5]),
+        joint=np.array([0]), pressure_at=np.array([[1.0, 2.0]]), friction_at=np.array([[1.0, 2.0]]),
         most=np.array([np.inf]),
-    )
+    )  # fmt: skip
     centroids = np.array([[0.0, 0.0], [0.5, 1.5]])
     matrix = points.equilibrium(centroids, np.array([True, True]), 1.0).toarray()
     on_a, on_b = matrix[3:], matrix[:3]

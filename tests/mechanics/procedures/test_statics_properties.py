@@ -142,13 +142,9 @@ def test_reactions_balance_the_loads_at_the_onset(name):
     model = STRUCTURES[name][0]()
     limit = limit_analysis(model, "+x")
     step = SimpleNamespace(
-        forces=limit.forces,
-        alpha=limit.alpha,
-        state=model.initial,
-        contacts=limit.contacts,
-        places=limit.contacts.places(model.initial.positions),
-        system=SimpleNamespace(rigid=True),
-    )
+        forces=limit.forces, alpha=limit.alpha, state=model.initial, contacts=limit.contacts,
+        places=limit.contacts.places(model.initial.positions), system=SimpleNamespace(rigid=True),
+    )  # fmt: skip
     assert residual(model, step) == pytest.approx(np.zeros(3), abs=1e-8)
 
 

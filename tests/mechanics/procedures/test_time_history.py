@@ -151,14 +151,10 @@ def shaken(kind: str) -> TimeHistory:
 @pytest.mark.parametrize(
     ("kind", "term"),
     [
-        ("sliding", "friction"),
-        ("sliding", "input"),
-        ("rocking", "kinetic"),
-        ("rocking", "potential"),
-        ("rocking", "impact"),
-        ("damped", "integrator"),
+        ("sliding", "friction"), ("sliding", "input"), ("rocking", "kinetic"), ("rocking", "potential"),
+        ("rocking", "impact"), ("damped", "integrator"),
     ],
-)
+)  # fmt: skip
 def test_energy_balance_misses_every_term(kind: str, term: str) -> None:
     """Were a term wrong by a tenth, the balance would show it."""
     energy = shaken(kind).energy

@@ -19,16 +19,12 @@ SPELT = {
 }
 PHRASES = {
     "m/s²": [
-        "m s^-2",
-        "m per s2",
-        "m s -2",
-        "metres per second squared",
-        "metri al secondo quadrato",
+        "m s^-2", "m per s2", "m s -2", "metres per second squared", "metri al secondo quadrato",
         "m/s al quadrato",
     ],
     "% g": ["% g", "percent g", "per cento g", "% of g"],
     "g": ["in g", "units of g"],
-}
+}  # fmt: skip
 ALL = [(name, text) for name, own in SPELT.items() for text in own.split()]
 ALL += [(name, text) for name, own in PHRASES.items() for text in own]
 

@@ -244,14 +244,9 @@ lengths = st.floats(0.2, 0.6)
 
 @settings(max_examples=12)
 @given(
-    columns=st.integers(1, 4),
-    courses=st.integers(1, 5),
-    length=lengths,
-    height=st.floats(0.1, 0.4),
-    friction=st.floats(0.3, 1.0),
-    full_on_top=st.booleans(),
-    direction=st.sampled_from(["+x", "-x"]),
-)
+    columns=st.integers(1, 4), courses=st.integers(1, 5), length=lengths, height=st.floats(0.1, 0.4),
+    friction=st.floats(0.3, 1.0), full_on_top=st.booleans(), direction=st.sampled_from(["+x", "-x"]),
+)  # fmt: skip
 def test_simplex_agrees_on_walls(columns, courses, length, height, friction, full_on_top, direction):
     model = running_bond(columns, courses, length, height, friction, full_on_top=full_on_top)
     closed = closed_program(model, model.initial).pushed(model, model.lateral_load(direction))

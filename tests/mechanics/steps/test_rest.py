@@ -169,13 +169,9 @@ def test_what_is_stable_comes_back():
 def test_a_slender_arch_sinks_by_a_hundred_times_what_its_joints_are_compressed():
     """Stiff joints: twice as stiff, half as far."""
     shape = {
-        "radius": 2.0,
-        "thickness": 0.3,
-        "voussoirs": 27,
-        "pier_height": 2.0,
-        "pier_width": 0.8,
+        "radius": 2.0, "thickness": 0.3, "voussoirs": 27, "pier_height": 2.0, "pier_width": 0.8,
         "courses": 19,
-    }
+    }  # fmt: skip
     sunk = []
     for stiffness in (1e8, 2e8):
         model = arch_on_piers(**shape, stiffness=stiffness)

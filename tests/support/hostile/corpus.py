@@ -138,13 +138,9 @@ def tried(kind: Kind, factor: float = 1.0) -> Counter[str]:
         attempt = kind.prepared(Path(name))
 
         @settings(
-            max_examples=max(1, round(factor * kind.count)),
-            derandomize=True,
-            database=None,
-            deadline=None,
-            phases=[Phase.generate, Phase.shrink],
-            suppress_health_check=list(HealthCheck),
-        )
+            max_examples=max(1, round(factor * kind.count)), derandomize=True, database=None, deadline=None,
+            phases=[Phase.generate, Phase.shrink], suppress_health_check=list(HealthCheck),
+        )  # fmt: skip
         @given(kind.cases)
         def each(case: Any) -> None:
             counts["tried"] += 1

@@ -57,20 +57,11 @@ class Read:
 
 
 TABLES = (
-    capacity_tables.verification,
-    capacity_tables.chosen_checks,
-    mechanism_tables.mechanisms,
-    structure.settlements,
-    structure.quality,
-    mechanism_tables.second_solver,
-    study_tables.scenarios,
-    study_tables.tornado,
-    study_tables.convergence,
-    study_tables.history_convergence,
-    study_tables.incremental_convergence,
-    hand_check,
-    balance,
-)
+    capacity_tables.verification, capacity_tables.chosen_checks, mechanism_tables.mechanisms,
+    structure.settlements, structure.quality, mechanism_tables.second_solver, study_tables.scenarios,
+    study_tables.tornado, study_tables.convergence, study_tables.history_convergence,
+    study_tables.incremental_convergence, hand_check, balance,
+)  # fmt: skip
 CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
 COLUMN = {"limit": "limit_state"}
 WORDS_OF: dict[str, Callable[[Any], str]] = {
@@ -326,41 +317,19 @@ def _unstable(_: Fields, read: Read) -> None:
 
 
 CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
-    "unstable": _unstable,
-    "chosen": _chosen,
-    "linear": _linear,
-    "limits": lambda said, read: None,
-    "interventions": _interventions,
-    "ties_yield": _ties_yield,
-    "history_collapse": _history,
-    "history_stands": _history,
-    "history_peak": _history,
-    "campaign_alone": _campaign("alone"),
-    "campaign_beside": _campaign("beside"),
-    "campaign_opposed": _campaign("opposed"),
-    "campaign_indistinct": _indistinct,
-    "incremental_indistinct": _same_level,
-    "worst_a_g_g": _worst("a_g_g"),
-    "worst_alpha_0": _worst("alpha_0"),
-    "worst_alpha_u": _worst("alpha_u"),
-    "worst_collapses": _worst(None),
-    "sensitive": _sensitive,
-    "sensitive_open": _sensitive_open,
-    "margin": _margin(False),
-    "no_margin": _margin(True),
-    "certificates": _certificates,
-    "poor_certificates": _poor,
-    "converged": _converged(True),
-    "not_converged": _converged(False),
-    "no_convergence": _no_convergence,
-    "second_agrees": _second(True),
-    "second_differs": _second(False),
-    "second_missing": _second_missing,
-    **{key: _hand(key) for key in ("hand_agrees", "hand_differs", "hand_slides")},
-    "balanced": _balance(True),
-    "unbalanced": _balance(False),
-    "warnings": _warnings,
-}
+    "unstable": _unstable, "chosen": _chosen, "linear": _linear, "limits": lambda said, read: None,
+    "interventions": _interventions, "ties_yield": _ties_yield, "history_collapse": _history,
+    "history_stands": _history, "history_peak": _history, "campaign_alone": _campaign("alone"),
+    "campaign_beside": _campaign("beside"), "campaign_opposed": _campaign("opposed"),
+    "campaign_indistinct": _indistinct, "incremental_indistinct": _same_level, "worst_a_g_g": _worst("a_g_g"),
+    "worst_alpha_0": _worst("alpha_0"), "worst_alpha_u": _worst("alpha_u"), "worst_collapses": _worst(None),
+    "sensitive": _sensitive, "sensitive_open": _sensitive_open, "margin": _margin(False),
+    "no_margin": _margin(True), "certificates": _certificates, "poor_certificates": _poor,
+    "converged": _converged(True), "not_converged": _converged(False), "no_convergence": _no_convergence,
+    "second_agrees": _second(True), "second_differs": _second(False), "second_missing": _second_missing,
+    **{key: _hand(key) for key in ("hand_agrees", "hand_differs", "hand_slides")}, "balanced": _balance(True),
+    "unbalanced": _balance(False), "warnings": _warnings,
+}  # fmt: skip
 PARTS = {
     "worst_reduction",
     "worst_among",

@@ -47,19 +47,11 @@ def text_of(results: Results) -> str:
 def test_a_mechanism_chosen_by_the_engineer_is_not_forgotten():
     results = results_example("en")
     check = {
-        "a_g_g": 0.01,
-        "demand_a_g_g": 0.261,
-        "zeta_E": 0.038,
-        "verified": False,
-        "return_period_years": None,
-    }
+        "a_g_g": 0.01, "demand_a_g_g": 0.261, "zeta_E": 0.038, "verified": False, "return_period_years": None,
+    }  # fmt: skip
     given_mechanism = {
-        "name": "gable",
-        "state": "original",
-        "direction": "+x",
-        "alpha_0": 0.1,
-        "SLV linear": check,
-    }
+        "name": "gable", "state": "original", "direction": "+x", "alpha_0": 0.1, "SLV linear": check,
+    }  # fmt: skip
     results["mechanisms"] = [given_mechanism]
     assert "“gable”, SLV, linear, state “original”: ratio 0.038" in text_of(results)
 

@@ -114,34 +114,16 @@ def test_an_overlap_of_more_than_a_hundredth_of_a_block_is_told_with_where():
 
 
 TIE = {
-    "name": "chain",
-    "start_m": [0.0, 1.0],
-    "end_m": [1.0, 1.0],
-    "blocks": [1, 5],
-    "yield_force_kN": 120.0,
-    "stiffness_kN_m": 25000.0,
-    "pretension_kN": 20.0,
-    "states": ["original"],
-    "set_in": [],
-}
+    "name": "chain", "start_m": [0.0, 1.0], "end_m": [1.0, 1.0], "blocks": [1, 5], "yield_force_kN": 120.0,
+    "stiffness_kN_m": 25000.0, "pretension_kN": 20.0, "states": ["original"], "set_in": [],
+}  # fmt: skip
 HISTORY = {
-    "record": "rec",
-    "pga_g": 0.3,
-    "scale": 1.0,
-    "time_step_s": 0.01,
-    "contacts": "elastic",
-    "integrator": "second-order",
-    "amplitude": 1.0,
-    "control": "C1",
-    "peak_displacement_m": 0.229,
-    "residual_displacement_m": None,
-    "collapsed": True,
-    "time_of_collapse_s": 5.32,
-    "reason": "block 3 has fallen by 0.4 m",
-    "sustained_displacement_m": 0.06,
-    "time_of_peak_s": 2.34,
+    "record": "rec", "pga_g": 0.3, "scale": 1.0, "time_step_s": 0.01, "contacts": "elastic",
+    "integrator": "second-order", "amplitude": 1.0, "control": "C1", "peak_displacement_m": 0.229,
+    "residual_displacement_m": None, "collapsed": True, "time_of_collapse_s": 5.32,
+    "reason": "block 3 has fallen by 0.4 m", "sustained_displacement_m": 0.06, "time_of_peak_s": 2.34,
     "curve": {"time_s": [0.0, 2.34, 5.32], "displacement_m": [0.0, -0.06, -0.229]},
-}
+}  # fmt: skip
 MOTION = {"name": "rec", "pga_g": 0.3, "scale": 1.0, "window_s": [0.0, 10.0], "vertical": False}
 
 

@@ -24,17 +24,11 @@ FACTORS = {  # property: factor: what becomes of both capacities
 
 def point(state: str, share: float, direction: str, capacity: float | None) -> dict:
     return {
-        "state": state,
-        "share": share,
-        "movement_m": 0.02 * share,
-        "direction": direction,
-        "collapses": False,
-        "alpha_0": 0.1,
-        "d_0_m": 0.2,
-        "a_g_g": capacity,
+        "state": state, "share": share, "movement_m": 0.02 * share, "direction": direction,
+        "collapses": False, "alpha_0": 0.1, "d_0_m": 0.2, "a_g_g": capacity,
         "zeta_E": None if capacity is None else capacity / 0.334,
         "reduction": None if capacity is None else 0.25,
-    }
+    }  # fmt: skip
 
 
 def results_with_studies(language: str = "it") -> dict:
