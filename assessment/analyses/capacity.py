@@ -52,10 +52,7 @@ class Assessed(NamedTuple):
 def assess(
     project: Project, model: Assembly, pushovers: Mapping[Direction, Pushovers], demands: Demands
 ) -> dict[Direction, Found[Assessed]]:
-    """Return capacity and checks of one state by direction, from its curves (Circolare 7/2019, C8.7.1.2).
-
-    The failures of a direction say why its capacity is not defined.
-    """
+    """Return capacity and checks of a state by direction, or why there are none, from its curves (C8.7.1.2)."""
     found: dict[Direction, Found[Assessed]] = {}
     for direction, curves in pushovers.items():
         try:
@@ -286,10 +283,7 @@ def _vertical(
 def nominal_check(
     capacity: oscillator.CapacityCurve, demands: Mapping[str, Spectrum], method: Method
 ) -> parts.NominalCheck:
-    """Return the check of the farthest limit state with F_C = 1, for comparison with the dynamic capacity.
-
-    A dynamic analysis shakes the model at the surface: its PGA at collapse contains neither F_C nor S.
-    """
+    """Return the check of the farthest limit state with F_C = 1, as motions, which shake at the surface, know none."""
     limit = next(limit for limit in QUOTED if limit in demands)
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
     return check_of(parts.NominalCheck, check, 0, limit_state=limit)
@@ -357,10 +351,7 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
 
 
 def check_of(kind: type[Kind], check: Verification, common: int, **more: Any) -> Kind:
-    """Return a check as a part of the results of that kind, with what such a part has `more`; null: not finite.
-
-    Its trace leaves out the `common` first steps, those of the capacity curve.
-    """
+    """Return a check as a part of the results, with `more`, its trace but for the `common` first steps."""
     return as_part(kind, check, **{"trace": lines(check.trace[common:])} | more)
 
 

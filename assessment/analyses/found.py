@@ -32,10 +32,7 @@ class Found(Generic[Value]):
 
 
 def as_part(kind: type[Kind], *found: object, **more: Any) -> Kind:
-    """Return a part of the results: whatever its keys are called in what was `found` too, and `more`; null: not finite.
-
-    A `trace` becomes the lines of its steps.
-    """
+    """Return a part with the keys that what was `found` has, and `more`; a `trace` as lines; null: not finite."""
     names = kind.model_fields.keys() - more.keys()
     values = {name: getattr(each, name) for each in found for name in names if hasattr(each, name)}
     for name, value in values.items():
@@ -74,10 +71,7 @@ def accuracy_of(project: Project) -> Accuracy:
 
 
 def observed_order(values: Sequence[float | None]) -> float | None:
-    """Return the order that the last three of the values at steps h, h/2, h/4… show.
-
-    None: fewer are known, or their differences do not shrink as with a method.
-    """
+    """Return the order of the last three values at steps h, h/2, h/4…; None: unknown, or they do not shrink like it."""
     if len(values) < LEVELS:
         return None
     a, b, c = values[-LEVELS:]
@@ -108,10 +102,7 @@ def refined(project: Project, halvings: int) -> Project:
 
 
 def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project, SettlementTable]]:
-    """Return each settlement in the increments at which its state converged, with the project in those increments.
-
-    `halvings`: how often the increments of each state, by name, were halved; 0 for a state that is not there.
-    """
+    """Return each settlement, and the project, in the increments at which its state converged, by their `halvings`."""
     projects = [refined(project, halvings.get(each.name, 0)) for each in project.settlements]
     return [(each, each.settlements[number]) for number, each in enumerate(projects)]
 

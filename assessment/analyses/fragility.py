@@ -66,10 +66,7 @@ class Observed:
 
 
 def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
-    """Return what outcomes at some levels show.
-
-    What counts, `capacity`, is the level of 16 % in the lowest bracket, or that of the probit where it is lower.
-    """
+    """Return what outcomes at levels show; 16 % in the lowest bracket, or of the probit if lower, is the `capacity`."""
     runs = sorted(zip(levels, fallen, strict=True))
     falls = [level for level, fell in runs if fell]
     standing = [level for level, fell in runs if not fell]
@@ -209,11 +206,7 @@ class Lognormal(NamedTuple):
 
 
 def samples_of_records(record: Array) -> Array:
-    """Weights (s, n) of SAMPLES samples of as many records as there are, with replacement, from a fixed seed.
-
-    `record` (n,): which record each observation is of. Observations of one record stay together: they are no
-    independent ones.
-    """
+    """Weights (s, n) of SAMPLES bootstrap samples of records, from a fixed seed; `record` (n,): of each observation."""
     count = int(record.max()) + 1
     drawn = np.random.default_rng(SEED).multinomial(count, np.full(count, 1.0 / count), SAMPLES)
     return drawn[:, record].astype(float)
@@ -293,10 +286,7 @@ def fit_stripes(levels: Array, collapsed: Array | Mask, weights: Array) -> Logno
 
 
 def _most_likely(x: Array, fell: Array, stood: Array) -> tuple[Array, Array]:
-    """Return medians (s,) and β (s,) of the most likely a + b x; at x (k,), ln g, `fell` and `stood` (s, k) so many.
-
-    Newton's method with halved steps, from b = 0 on. NaN where it does not converge, or the median is no number.
-    """
+    """Return medians and β (s,) of the most likely a + b x (k,) by Newton's method; (s, k) `fell` and `stood`."""
     middle, width = x.mean(), x.std()
     u, total = (x - middle) / width, (fell + stood).sum(axis=1)
     a, b = ndtri(fell.sum(axis=1) / total), np.zeros(len(fell))

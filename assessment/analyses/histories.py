@@ -84,11 +84,7 @@ class Track:
 
 
 def agree(one: Track, other: Track, tolerance: float, size: float) -> bool:
-    """Whether two members are the same motion: both collapse or neither, and their courses agree up to the peak.
-
-    `tolerance`: of their distance at any time, relative to the peak; `size` (m): of the model. Equal peaks alone might
-    be a coincidence.
-    """
+    """Whether two members are one motion: both collapse or neither, courses up to the peak within `tolerance` of it."""
     if one.collapsed != other.collapsed:
         return False
     until = min(max(one.time[one.last], other.time[other.last]), one.time[-1], other.time[-1])
@@ -326,10 +322,7 @@ class HistoryStudy:
 
 
 def together(title: Message, members: Sequence[time_history.FoundHistory]) -> time_history.FoundHistory:
-    """Return the members of a history as one result: the numbers of the worst member, and the range of all.
-
-    A collapse is worse than any peak, an earlier collapse worse than a later one.
-    """
+    """Return the members of a history as one: the numbers of the worst (a collapse, the earliest), the range of all."""
     finished = [each for each in members if each.numbers.collapsed is not None]
     if not finished or len(members) == 1:
         return members[0]

@@ -222,10 +222,7 @@ def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], clos
 
 
 def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> FiniteMotion:
-    """Follow a mechanism until α = 0.
-
-    Raises KinematicsError unless the hinges allow one motion, and where it is stopped.
-    """
+    """Follow a mechanism until α = 0. Raises KinematicsError unless hinges allow one motion, or where stopped."""
     parts = _Parts.of(positions, chosen, hinges)
     q = np.zeros((len(chosen.parts), 3))
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
@@ -273,10 +270,7 @@ class _Parts:
         return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
     def rate(self, q: Array, rotations: Array) -> Array:
-        """Return the rates (n, 3) that keep the hinges closed and turn like `rotations` (n,); the fastest is 1.
-
-        Raises KinematicsError where the hinges leave the parts other than one independent motion.
-        """
+        """Return the rates (n, 3), the fastest 1, that keep the hinges closed and turn like `rotations` (n,)."""
         rows = np.zeros((2 * len(self.hinges), 3 * len(q)))
         for k, hinge in enumerate(self.hinges):
             for part, sign in ((hinge.first, 1.0), (hinge.second, -1.0)):

@@ -31,10 +31,7 @@ DIFFERS = 0.01  # relative difference of the other friction law's multiplier fro
 
 
 def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.RigidPush:
-    """Return a rigid curve; the mechanism is that at the point of α0 (C8.7.1.2).
-
-    With the multiplier by the other law of friction: of a curve by the associative one where joints slide in it.
-    """
+    """Return a rigid curve, its mechanism at the point of α0 (C8.7.1.2), and α0 by the other law of friction."""
     model, direction, at, met = path.model, path.direction, path.states[path.formed], Met(path.model)
     mechanism = _mechanism(control, met, path.formed, float(path.multiplier[path.formed]), at, path)
     delta = np.array(mechanism.displacements)
@@ -72,10 +69,7 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
 
 
 def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
-    """Return an elastic curve: its peak (α_u at d_u, m), its yield point and its end.
-
-    A check against the standard replaces the yield point by that of the capacity curve that it fits.
-    """
+    """Return an elastic curve: its peak (α_u at d_u, m), end and yield point, which a check replaces by its own."""
     model = path.model
     yields = None  # where the control point does not advance as the load grows
     with suppress(CapacityError):

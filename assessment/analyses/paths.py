@@ -91,10 +91,7 @@ def turns_on_rounding(path: Pushdown | Pushover) -> bool:
 
 
 def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[Message]:
-    """Return a warning for each stretch (n, 2) m in which a part moves by itself; adjoining stretches are joined.
-
-    A stretch shorter than 1/32 of the increment (m) is below the accuracy of the path and left out.
-    """
+    """Return a warning for each stretch (n, 2) m, 1/32 `increment` or longer, in which a part moves by itself."""
     stretches: list[list[float]] = []
     for left, held in np.sort(crossed, axis=1):
         if held - left < 0.99 * PATH.shortest(increment):

@@ -56,10 +56,7 @@ def ordinate(motion: BaseMotion, period: float) -> float:
 
 
 def scaled_to(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
-    """Scale each record to the target between two periods, as far as the limits allow.
-
-    The factor makes the mean of ln(S_a / target) over the logarithm of the period vanish.
-    """
+    """Scale each record, within the limits, so that the mean of ln(S_a/target) over ln T vanishes."""
     periods, (low, high) = np.geomspace(*table.periods_s, PERIODS), table.scale_limits
     wanted, found = np.log(target.spectrum.acceleration(periods)), []
     for motion in motions:

@@ -60,19 +60,17 @@ class Request:
         return self.model.strengthened is not None
 
     @property
-    def settling(self) -> "Settling | None":
-        """The settlement of the request; requests that settle alike share it. None: as drawn."""
+    def movement(self) -> "Movement | None":
+        """How it settles; requests that settle alike share it. None: as drawn."""
         if self.settlement is None:
             return None
-        last = None
-        for each in (*self.project.movements_to(self.settlement.name)[:-1], self.settlement):
-            last = Settling(self.project, self.model.settling, each, self.behaviour, last)
-        return last
+        earlier = self.project.movements_to(self.settlement.name)[:-1]
+        return self.model.settling, (*earlier, self.settlement), self.behaviour
 
-    @property
-    def title(self) -> str:
-        """What is analysed, for people."""
-        return f"{self.what}{path_title(self.state, self.behaviour)}"
+    def title(self, state: str = "") -> str:
+        """Return what is analysed, for people; `state`: another one that leads to its own."""
+        path = path_title(state or self.state, self.behaviour)
+        return f"{self.what}: {path}" if self.what else path
 
     @property
     def sliding(self) -> Sliding:
@@ -86,16 +84,8 @@ class Request:
         return table.directions if table and self.behaviour in table.contacts else ()
 
 
-@dataclass(frozen=True)
-class Settling:
-    """One settlement of an assembly under one behaviour; `before`: that in whose state it begins, None: as drawn."""
-
-    project: Project = field(compare=False)
-    model: Assembly
-    settlement: SettlementTable
-    behaviour: Behaviour
-    before: "Settling | None" = None
-
+Movement = tuple[Assembly, tuple[SettlementTable, ...], Behaviour]
+"""Settlements of an assembly under a behaviour, the first as drawn, each other begun in the state of that before."""
 
 Pushing = tuple[Request, tuple["Direction", ...]]
 """A request, and the directions in which its curves are followed in one task."""
@@ -190,7 +180,7 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
         pushed[request, way] = Found(failures=[headed(title, nothing)])
     results = []
     for request in requests:
-        movement = settled.get(request.settling) if request.settling else None
+        movement = settled.get(request.movement) if request.movement else None
         result = _result(request, movement, begun.get(request))
         for way in (way for way in request.directions if (request, way) in pushed):
             found = pushed[request, way]
@@ -222,7 +212,7 @@ def _pushed(
         increment, until = known(project.pushover).increment_m, 0.0 if whole else PAST_PEAK
         setting = PushSetting(request.behaviour, request.sliding, increment, until)
         arguments.append((own.model, request.state, own.state, setting, together, controls))
-    titles = [f"{request.title}, {' and '.join(together)}" for request, together in tasks]
+    titles = [f"{request.title()}, {' and '.join(together)}" for request, together in tasks]
     models = (begun[request].model for request, _ in tasks)
     found = workers.each(f"{prefix}pushover", push, arguments, titles, large(*models))
     return {
@@ -254,74 +244,74 @@ def _of_other_points(
     return other
 
 
-def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict[Settling, Found[Settled]]:
+def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict[Movement, Found[Settled]]:
     """Return the settlements of all requests, each once, those that begin in the state of another one after it."""
-    waiting: dict[Settling, Request] = {}
+    asked: dict[Movement, Request] = {}
     for request in requests:
-        each = request.settling
-        while each is not None:
-            waiting.setdefault(each, request)
-            each = each.before
-    found: dict[Settling, Found[Settled]] = {}
-    while ready := [
-        each for each in waiting if each not in found and (not each.before or each.before in found)
-    ]:
-        for each in ready:
-            if each.before and _reached(found[each.before]) is None:
+        if request.movement:
+            model, path, behaviour = request.movement
+            for count in range(len(path), 0, -1):
+                asked.setdefault((model, path[:count], behaviour), request)
+    found: dict[Movement, Found[Settled]] = {}
+    for count in range(1, 1 + max((len(path) for _, path, _ in asked), default=0)):
+        tasks, titles = {}, []
+        for (model, path, behaviour), request in asked.items():
+            if len(path) != count:
+                continue
+            last, start = path[-1], _reached(found.get((model, path[:-1], behaviour)))
+            if count > 1 and start is None:
                 missing = message("the state that the movement begins in was not reached")
-                title = path_title(each.settlement.name, each.behaviour)
-                found[each] = Found(failures=[headed(title, missing)])
-        followed = [each for each in ready if each not in found]
-        tasks = []
-        for each in followed:
-            whole = each.settlement.model_copy(update={"steps": None})  # it knows no sweep
-            control = next(iter(each.project.control), None)
-            start = _reached(found[each.before]) if each.before else None
-            tasks.append((each.model, whole, each.behaviour, waiting[each].sliding, control, start))
-        titles = [
-            f"{waiting[each].what}{path_title(each.settlement.name, each.behaviour)}" for each in followed
-        ]
-        moved = workers.each(
-            f"{prefix}pushdown", settle, tasks, titles, large(*(each.model for each in followed))
-        )
-        for each, path in zip(followed, moved, strict=True):
-            reached = _reached(path)
-            told = _not_back(each, reached, found) if reached is not None else []
-            found[each] = replace(path, warnings=[*path.warnings, *told])
+                reason = headed(path_title(last.name, behaviour), missing)
+                found[model, path, behaviour] = Found(failures=[reason])
+                continue
+            whole, control = (
+                last.model_copy(update={"steps": None}),
+                next(iter(request.project.control), None),
+            )
+            tasks[model, path, behaviour] = (model, whole, behaviour, request.sliding, control, start)
+            titles.append(request.title(last.name))
+        worthwhile = large(*(model for model, *_ in tasks))
+        moved = workers.each(f"{prefix}pushdown", settle, list(tasks.values()), titles, worthwhile)
+        for movement, followed in zip(tasks, moved, strict=True):
+            found[movement] = replace(
+                followed, warnings=[*followed.warnings, *_not_back(movement, followed, found)]
+            )
     return found
 
 
-def _reached(movement: Found[Settled]) -> State | None:
-    return movement.value.reached if movement.value else None
+def _reached(movement: Found[Settled] | None) -> State | None:
+    return movement.value.reached if movement and movement.value else None
 
 
-def _not_back(last: Settling, reached: State, found: Mapping[Settling, Found[Settled]]) -> list[Message]:
+def _not_back(
+    movement: Movement, followed: Found[Settled], found: Mapping[Movement, Found[Settled]]
+) -> list[Message]:
     """Return what does not come back where all supports are where they were, as drawn or after an earlier movement."""
-    places: list[tuple[Message, State]] = []
-    earlier = last.before
-    while earlier is not None:
-        if (state := _reached(found[earlier])) is not None:
-            places.append((message("after {state}", state=earlier.settlement.name), state))
-        earlier = earlier.before
-    if places:
-        places.append((message("as drawn"), last.model.initial))
-    told = (not_back(last.model, reached, where, state) for where, state in places)
-    return [headed(path_title(last.settlement.name, last.behaviour), text) for text in told if text][:1]
+    (model, path, behaviour), reached = movement, _reached(followed)
+    places = [
+        (message("after {state}", state=path[count - 1].name), state)
+        for count in range(len(path) - 1, 0, -1)
+        if (state := _reached(found[model, path[:count], behaviour])) is not None
+    ]
+    if reached is None or not places:
+        return []
+    told = (not_back(model, reached, *place) for place in (*places, (message("as drawn"), model.initial)))
+    return [headed(path_title(path[-1].name, behaviour), text) for text in told if text][:1]
 
 
 def _beginnings(
-    requests: Sequence[Request], settled: Mapping[Settling, Found[Settled]], workers: Workers, prefix: str
+    requests: Sequence[Request], settled: Mapping[Movement, Found[Settled]], workers: Workers, prefix: str
 ) -> tuple[dict[Request, Beginning], dict[Request, Message]]:
     """Return where each request is pushed from, and why others find no rest; not those that collapse before."""
     resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
     tasks = [(request.model.settling, request.sliding) for request in resting]
-    titles = [f"{request.title}, at rest" for request in resting]
+    titles = [f"{request.title()}, at rest" for request in resting]
     models = (request.model.settling for request in resting)
     rests = workers.each(f"{prefix}rest", rest_as_drawn, tasks, titles, large(*models))
     at_rest = dict(zip(resting, rests, strict=True))
     found, restless = {}, {}
     for request in requests:
-        moved = settled[request.settling] if request.settling else None
+        moved = settled[request.movement] if request.movement else None
         reached = _reached(moved) if moved else at_rest.get(request)
         if isinstance(reached, Message):
             restless[request] = reached

@@ -279,10 +279,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
 
 
 def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow:
-    """Return the row of motions in the table of certificates; `worst`: the largest residual of all their programs.
-
-    It bounds the residuals of equilibrium and complementarity. The method itself keeps forces inside the cone.
-    """
+    """Return the row of motions in the table of certificates; `worst` bounds their residuals of both kinds."""
     return QualityRow(
         state=state,
         stage=stage,
@@ -383,10 +380,7 @@ class MotionInputs:
 def starts_of(
     behaviours: Iterable[Behaviour], models: Mapping[str, StateModel], stages: Iterable[StateResult]
 ) -> dict[tuple[str, str], Resting]:
-    """Return the state at rest by name and behaviour, or the reason why it was not reached.
-
-    The original state, and a strengthened one of rigid joints, are at rest as drawn.
-    """
+    """Return what is at rest by state and behaviour, as drawn or settled, or the reason why it was not reached."""
     drawn = models[ORIGINAL].assembly
     starts: dict[tuple[str, str], Resting] = {
         (ORIGINAL, behaviour): Resting(drawn, drawn.initial) for behaviour in behaviours
@@ -411,10 +405,7 @@ def why_not_reached(stage: StateResult) -> Message:
 def ultimates(
     pushovers: Mapping[str, Mapping[Direction, Pushovers]],
 ) -> dict[tuple[str, str], float]:
-    """Return the displacement (m) at which the static capacity vanishes, by state and control point.
-
-    `pushovers`: of each state, by direction. Only where both directions have such a displacement, of one point.
-    """
+    """Return where the capacity vanishes (m) by state and control point, if for one point in both directions."""
     found = {}
     for state, pushed in pushovers.items():
         rigid = [(each.control, each.rigid) for each in pushed.values() if each.rigid is not None]

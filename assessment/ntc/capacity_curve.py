@@ -81,19 +81,13 @@ def participation(
 
 
 def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float) -> Participation:
-    """Return e* and Γ* of virtual displacements (b, 3), that of the control point along x being control_dx.
-
-    Every block that takes part in the mechanism counts, with the load it carries as seismic mass.
-    """
+    """Return e* and Γ* of virtual displacements (b, 3), with the seismic mass that each moving block carries."""
     weights = np.array([block.mass * GRAVITY for block in model.blocks])
     return participation(weights, mechanism[:, 0], control_dx, model.taking_part(mechanism))
 
 
 def mass_share(model: Assembly, mechanism: Array) -> float:
-    """Return e* of virtual displacements (b, 3), which does not depend on a control point.
-
-    Raises CapacityError where no weight moves horizontally.
-    """
+    """Return e* of virtual displacements (b, 3), which does not depend on a control point."""
     weights = np.array([block.mass * GRAVITY for block in model.blocks])
     mean = float(weights[model.movable] @ mechanism[model.movable, 0] / weights[model.movable].sum())
     return mechanism_participation(model, mechanism, mean).e_star

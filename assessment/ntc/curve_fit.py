@@ -93,10 +93,7 @@ class CurveFit:
 
 
 def fit_rigid(rigid: Curve) -> CurveFit:
-    """Return the rigid branch alone (displacement (k,) m, multiplier (k,)), cut where it reaches 0.
-
-    Raises CapacityError where α0 ≤ 0, ValueError where the displacement does not grow.
-    """
+    """Return the rigid branch alone (displacement (k,) m, multiplier (k,)), cut where it reaches 0."""
     d, alpha, d_0 = _rigid_branch(rigid)
     return CurveFit("none", float(alpha[0]), d_0, None, None, None, d, alpha)
 
@@ -115,10 +112,7 @@ def fit_trilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
 
 
 def yield_point(elastic: Curve) -> tuple[float, float]:
-    """Return (d_y m, α_y) of the paper's curve (§7.1): 0.9 α_u on the secant at 0.4 α_u, if no rigid branch cuts it.
-
-    Raises CapacityError where the elastic curve does not rise with the displacement of the control point.
-    """
+    """Return (d_y m, α_y) of the paper's curve (§7.1): 0.9 α_u on the secant at 0.4 α_u, if no rigid branch cuts it."""
     secant, alpha_u, _ = _rising_branch(elastic)
     return YIELD_SHARE / SECANT_SHARE * secant, YIELD_SHARE * alpha_u
 
@@ -152,10 +146,7 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
 
 
 def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
-    """Return the fit named by the project's `model`: trilinear, bilinear or none (rigid branch alone).
-
-    rigid, elastic: displacement (k,) m and multiplier (k,). Raises ValueError for an unknown model, and as the fits.
-    """
+    """Return the fit of curves (displacement (k,) m, multiplier (k,)): trilinear, bilinear, none (rigid branch)."""
     require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
     if model == "none":
         return fit_rigid(rigid)

@@ -67,10 +67,7 @@ class _File:
         return HazardError(f"{self.path}: {text}" if line is None else f"{self.path}: line {line}: {text}")
 
     def numbers(self, columns: int, meaning: str, numbered: bool = True) -> Array:
-        """Return the last `columns` cells of every row as numbers (n, columns); a number may stand before them.
-
-        Raises HazardError naming the line where they are none.
-        """
+        """Return the last `columns` cells of every row as numbers (n, columns), a number before them or not."""
         allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
         for line, cells in self.rows:
             if len(cells) not in allowed or not all(map(_is_number, cells)):
@@ -204,10 +201,7 @@ class HazardCurve:
     distances: Array
 
     def at(self, return_period: float) -> Hazard:
-        """Return the hazard for a return period (years): log p linear in log T_R (Allegato A, eq. 1).
-
-        Raises ValueError outside 30–2475 years.
-        """
+        """Return the hazard for T_R (30 to 2475 years): log p linear in log T_R (Allegato A, eq. 1)."""
         k = _interval(return_period)
         T1, T2 = RETURN_PERIODS[k : k + 2]
         share = log(return_period / T1) / log(T2 / T1)
@@ -323,10 +317,7 @@ def site_curve(
 
 
 def hazard_range(return_period: float) -> tuple[Hazard, Hazard]:
-    """Return the least and the greatest a_g, F0 and T_C* of the nodes of Allegato B at a return period (years).
-
-    Raises ValueError outside 30–2475 years.
-    """
+    """Return the least and greatest a_g, F0 and T_C* of the nodes of Allegato B at T_R (30 to 2475 years)."""
     values = allegato_b().values
     least, most = values.min(axis=0), values.max(axis=0)
     low, high = (HazardCurve(ALLEGATO_B, v, v[None], np.zeros(1)).at(return_period) for v in (least, most))
@@ -339,12 +330,7 @@ def site_hazard(
     longitude: float | None = None,
     return_period: float | None = None,
 ) -> Hazard:
-    """Return a_g (g), F0 and T_C* (s) of a site for a return period (years).
-
-    `grid`: a grid, its file or a site's own table; without it the grid of D.M. 14/01/2008, Allegato B. Raises
-    ArgumentError without a return period and for a file that cannot be read, HazardError for a file that is no grid
-    and for a site outside the grid.
-    """
+    """Return a_g (g), F0, T_C* (s) of a site at T_R (years), by `grid`, its file, a site's own table, or Allegato B."""
     if return_period is None:
         raise ArgumentError("return_period: missing; must be from 30 to 2475 years")
     try:

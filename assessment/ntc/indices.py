@@ -42,10 +42,7 @@ def heritage_and_risk_indices(
     a_g: float, demand_a_g: float, zeta: float, use_class: str, T_SLV: float | None = None,
     T_R_SLV: float | None = None, T_SLD: float | None = None,
 ) -> RiskIndices:  # fmt: skip
-    """Return the indices from the capacity at SLV (a_g, demand on rock, g; ratio ζ of PGA) and return periods (years).
-
-    T_SLV, T_SLD: of the capacities at SLV and SLD; T_R_SLV: of the demand at SLV.
-    """
+    """Return the indices from a_g and demand on rock (g), ratio ζ of PGA at SLV, T_R (years) of all."""
     f_a, C_U = a_g / demand_a_g, USE_COEFFICIENT[use_class]
     lines = [
         datum("a_g_SLV", a_g, "g", _HERITAGE),

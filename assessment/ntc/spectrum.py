@@ -256,10 +256,7 @@ class RecordSpectrum:
         return self._ordinates(T)[1]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return max S_De over [T_0, T] (m) and its period (s), at 200 periods in geometric progression.
-
-        Where T_0 is 0 (no elastic branch) or below T/100, the search starts at T/100.
-        """
+        """Return max S_De over [T_0 or T/100, T] (m) and its period (s), at 200 periods in geometric progression."""
         at = np.geomspace(min(max(T_0, T / 100.0), T), T, 200)
         return largest_at(self, at)
 

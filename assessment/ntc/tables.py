@@ -71,10 +71,7 @@ def renamed(formula: str, other: Mapping[str, str]) -> str:
 
 
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:
-    """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, in years (NTC 2018, §2.4 and §3.2.1).
-
-    The bounds 30 and 2475 years are not compared with the text [k]. Raises ValueError naming the argument.
-    """
+    """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, in years (NTC 2018, §2.4, §3.2.1; its bounds: [k])."""
     if limit_state not in EXCEEDANCE:
         raise ValueError(f"limit_state = {limit_state!r}: must be one of SLO, SLD, SLV, SLC")
     if use_class not in USE_COEFFICIENT:
@@ -92,10 +89,7 @@ OWN_PSI_2 = ("I", "K")  # of these categories the designer decides case by case
 
 
 def psi_2(category: str | None, given: float | None) -> float:
-    """Return ψ₂ of a variable load: as given, else that of its category of use (Tab. 2.5.I); 0 without either.
-
-    Raises KeyError for a category that is not in the table, or that has no value there.
-    """
+    """Return ψ₂ of a variable load: as given, else that of its category of use (Tab. 2.5.I); 0 without either."""
     if given is not None:
         return given
     return PSI_2[category] if category is not None else 0.0

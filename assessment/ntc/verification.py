@@ -328,11 +328,7 @@ def _solve_acceleration(
 def _solve_displacement(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
 ) -> Solved:
-    """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve.
-
-    Raises CapacityError where d_0 is not reached, where no capacity is left at the limit, or where the
-    circular knows no nonlinear check for the limit state.
-    """
+    """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve."""
     rule = RULES.get((method.circular, limit_state))
     if rule is None:
         raise CapacityError(

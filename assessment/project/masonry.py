@@ -194,10 +194,7 @@ class Chosen:
 
 
 def chosen_mechanisms(project: Project, model: Assembly) -> list[Chosen]:
-    """Return the mechanisms of [[mechanism]], entries of one name joined.
-
-    Raises ProjectError naming the entry: an unknown layer, no such block, a support, a block chosen twice, none at all.
-    """
+    """Return the mechanisms, entries of one name joined. Raises ProjectError for an entry of wrong blocks."""
     found: dict[str, Chosen] = {}
     for index, entry in enumerate(project.mechanism):
         key = f"{project.source}: mechanism[{index + 1}]"
@@ -267,10 +264,7 @@ class Gauge:
 
 
 def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
-    """Return the gauges of all measurements.
-
-    Raises ProjectError for a point far from any joint, in no block, twice in one.
-    """
+    """Return the gauges of all measurements. Raises ProjectError for a point at no joint, in no block, twice in one."""
     found = []
     for each in project.measurement:
         key = f"{project.source}: measurement.{each.name}"

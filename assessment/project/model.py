@@ -82,10 +82,7 @@ def tie_lengths(model: Assembly, positions: Array) -> Array:
 
 
 def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
-    """Return the assembly of every state by name; `drawn`: without ties.
-
-    Raises ProjectError for a wrong tie or layer.
-    """
+    """Return the assembly of every state by name; `drawn`: without ties. Raises ProjectError for a wrong one."""
     known: dict[tuple[str, ...], Assembly] = {(): drawn}
     found = {}
     for name in project.states:

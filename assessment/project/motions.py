@@ -65,10 +65,7 @@ class BaseMotion:
 
 
 def records_of(project: Project) -> list[Record]:
-    """Return the records of all files of the project, each once, as read.
-
-    Raises RecordError naming file, line and remedy.
-    """
+    """Return the records of all files of the project, each once, as read; RecordError names file, line and remedy."""
     files = [
         (project.path(name), each.time_step_s)
         for each in project.history
@@ -134,10 +131,7 @@ def _motion(
 def motion_of(
     project: Project, key: str, table: MotionTable, original: Record, source: str = ""
 ) -> BaseMotion:
-    """Return the base motion of a record in the window of a table, at its time step; `source`: its file, for messages.
-
-    Raises as `history_motions`.
-    """
+    """Return the base motion of a record (of the file `source`) in the window of a table, at its time step."""
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")

@@ -104,10 +104,7 @@ def load_project(folder: Path | str) -> Project:
 
 
 def survey_project(folder: Path | str) -> tuple[Project, ProjectError | None]:
-    """Return a project, and what does not fit together in it, None: nothing.
-
-    Raises ProjectError for wrong keys and values.
-    """
+    """Return a project and what does not fit together in it (None: nothing). Raises ProjectError for wrong keys."""
     try:
         file = project_file(folder)
         content, places, faults = read_xlsx(file) if file.suffix == ".xlsx" else (read_toml(file), {}, [])

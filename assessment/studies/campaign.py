@@ -33,17 +33,13 @@ from mechanics.procedures import whole_movement
 
 
 def moved_states(statics: variants.Statics, study: variants.Study) -> list[Moved]:
-    """Return the states after each share of each movement that [campaign] asks for, settled and pushed over.
-
-    The original state and whole movements are taken from `statics`. Messages, certificates and times go to `study`.
-    Raises KilledError where a process was ended from outside.
-    """
+    """Return the states after each share of each movement of [campaign]; none and the whole are those of `statics`."""
     project, table = statics.project, known(statics.project.campaign)
     asked, beside = table.settlements or project.unstrengthened[1:], _beside(project, table)
     movements = [each for each in finest(project, statics.halvings) if each[1].name in asked]
     requests = {  # of shares between none and the whole, under every behaviour that is needed
         (whole.name, share, behaviour): Request(
-            finer, statics.models[whole.name], variants.part(whole, share), behaviour, f"× {share:g}: "
+            finer, statics.models[whole.name], variants.part(whole, share), behaviour, f"× {share:g}"
         )
         for finer, whole in movements
         for share in table.shares
@@ -129,11 +125,7 @@ def _static(
 def record_set(
     statics: variants.Statics, table: CampaignTable, motions: Sequence[BaseMotion]
 ) -> tuple[list[BaseMotion], dynamic.CampaignSpectrum | None]:
-    """Return the `motions` of the files, or records made to the target spectrum, scaled to it if asked for.
-
-    With their mean spectrum and the target, None if no record is made or scaled to it. Raises KilledError where a
-    process was ended from outside.
-    """
+    """Return the motions of files, or made to the site's spectrum or scaled to it, with their mean spectrum."""
     if not (table.generated or table.spectrum_compatible):
         return list(motions), None
     found, target = list(motions), sets.Target.of(statics.demands.spectra)
@@ -150,11 +142,7 @@ def record_set(
 def campaign(
     statics: variants.Statics, motions: Sequence[BaseMotion], scans: Scans, study: variants.Study
 ) -> dynamic.Campaign:
-    """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names.
-
-    Combinations that could not be completed are in study.failures, and in the results with their reason. Raises
-    KilledError where a process was ended from outside.
-    """
+    """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names."""
     project, table = statics.project, known(statics.project.campaign)
     records, spectrum = record_set(statics, table, motions)
     ratio = [sets.ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]

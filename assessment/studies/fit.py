@@ -149,10 +149,7 @@ class Fit:
 
 
 def best_length(share: Array, residual: Array) -> tuple[float, float]:
-    """Return the share of a path at which χ² is least, and χ² there.
-
-    `share` (k,) and `residual` (k, m) of its points; between two points the residuals are taken as linear.
-    """
+    """Return the share of a path (`share` (k,), `residual` (k, m), linear between) at which χ² is least, and χ²."""
     if len(share) < 2:
         return float(share[0]), float(residual[0] @ residual[0])
     start, change = residual[:-1], np.diff(residual, axis=0)

@@ -32,10 +32,7 @@ IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that 
 
 
 def open_movements(unknowns: fitting.Unknowns, directions: Array) -> list[Message]:
-    """Return the movements that are not determined, of unit vectors (d, n) at right angles, in words.
-
-    Components that are free by themselves stand alone; of the others those stand together that can change together.
-    """
+    """Return in words the movements, unit vectors (d, n) at right angles, that are not determined."""
     free = np.linalg.norm(directions, axis=0) > np.sqrt(1.0 - IN_IT**2)
     alone = [_component(*unknowns.components[k]) for k in np.flatnonzero(free)]
     together = np.linalg.svd(np.where(free, 0.0, directions))[2][: len(directions) - len(alone)]
@@ -183,10 +180,7 @@ def follow(
     sliding: Sliding,
     gauges: Sequence[Gauge],
 ) -> Followed:
-    """Move the supports from their places as drawn, in so many increments; a fall on the way is a result.
-
-    What was followed before another error stops the path counts as well.
-    """
+    """Move the supports from their places as drawn, in so many increments, as far as they can be followed."""
     began = time.perf_counter()
     size = model.size
     moved = tuple(
@@ -299,10 +293,7 @@ DIGITS_M, DIGITS_RAD = 6, 7  # of a movement in a project file
 
 
 def identification(project: Project, model: Assembly, workers: Workers, study: Study) -> parts.Identification:
-    """Return the best movement of each hypothesis, compared; certificates, times and messages go to `study`.
-
-    Raises KilledError where a process was ended from outside, ProjectError for a point at no joint or in no block.
-    """
+    """Return the best movement of each hypothesis, compared; ProjectError for a point at no joint or in no block."""
     assert project.identification is not None
     found = gauges(project, model)
     lever = 0.5 * float(np.ptp(drawn_extent(model), axis=0).max())

@@ -178,10 +178,7 @@ class Scans:
         study.seconds += found.seconds
 
     def refine(self, asked: Sequence[Asked], study: Study) -> list[ConvergenceRow]:
-        """Scan again, over all levels, with the time step halved twice: two may agree by chance; then until they do.
-
-        Return the estimated error of each; nothing where the project asks for no accuracy.
-        """
+        """Scan again with the time step halved twice, then until levels agree; return errors, if accuracy is asked."""
         accuracy = accuracy_of(self.project)
         if accuracy.tolerance is None:
             return []
@@ -315,10 +312,7 @@ def own_setting(table: MotionTable) -> MotionTable:
 
 
 def mirror_image(project: Project, model: Assembly, table: MotionTable) -> Assembly | None:
-    """Return the structure as drawn if it responds to a record and to its negative with mirror images, else None.
-
-    The control point has to be its own mirror image too: its ultimate displacement may decide about collapse.
-    """
+    """Return the structure as drawn, if it and its control point are their own mirror images, else None."""
     mirror = Mirror.of(model, table.contacts)
     point = project.control_point(table.control).point_m
     return model if mirror is not None and mirror.swaps(point, point) else None

@@ -111,10 +111,7 @@ def record_levels(parts: Sequence[tuple[str, dynamic.Scanned]]) -> list[fragilit
 
 
 def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -> fragility.Dispersion | None:
-    """Return the fit of stripes: of each record the share of its motions that collapse at each level.
-
-    None: the outcomes tell no median (see fit_stripes).
-    """
+    """Return the fit of stripes, of each record the share of its motions that collapse at a level; None: no median."""
     if not known:
         return None
     fallen = _shares(known, scans)
@@ -160,10 +157,7 @@ def loss_of(
     scans: Scans,
     levels: Sequence[float] | None,
 ) -> dynamic.CampaignLoss:
-    """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic beside static.
-
-    Scans give the loss of `paired_loss`, stripes at some `levels` that of `_loss_of_stripes`.
-    """
+    """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic and static."""
     own, before = ([each for each in asked if each.state is of] for of in (state, base))
     loss = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
     if base is not None:

@@ -27,21 +27,6 @@ from mechanics.model import Direction
 from mechanics.procedures import whole_movement
 
 
-@dataclass(frozen=True)
-class Variant:
-    """A project and the model of a state after a settlement (None: as drawn); `what`: how it differs from the state."""
-
-    what: str
-    project: Project
-    model: StateModel
-    settlement: SettlementTable | None
-
-    @property
-    def title(self) -> Message:
-        """The variant and its state, for messages."""
-        return message("{what}: {state}", what=self.what, state=self.model.name)
-
-
 @dataclass(frozen=True, eq=False)
 class Statics:
     """What studies start from: the project, and each state as results.json has it, with the results behind it.
@@ -82,30 +67,29 @@ class Study(Found[Any]):
             self.failures += [headed(title, text) for text in stage.failures]
 
 
-def analyse(
-    variants: Sequence[Variant], statics: Statics, study: Study, name: str
-) -> Iterator[dict[Direction, studies.Capacities]]:
-    """Settle and push over every variant; yield the capacity of each by direction, in order; `name`: of the study.
+def variant(
+    what: Message, project: Project, model: StateModel, settlement: SettlementTable | None
+) -> list[Request]:
+    """Return the requests for a state of a varied project, one for each contact behaviour that is pushed."""
+    return [Request(project, model, settlement, behaviour, what) for behaviour in project.pushed_contacts]
 
-    Messages, certificates and times go to `study`. Raises KilledError where a process was ended from outside.
-    """
-    requests = [
-        Request(variant.project, variant.model, variant.settlement, behaviour, f"{variant.what}: ")
-        for variant in variants
-        for behaviour in variant.project.pushed_contacts
-    ]
-    each = len(requests) // max(1, len(variants))
+
+def analyse(
+    variants: Sequence[list[Request]], statics: Statics, study: Study, name: str
+) -> Iterator[dict[Direction, studies.Capacities]]:
+    """Settle and push over every variant; yield its capacity by direction, in order; tell the `study` of that name."""
+    requests = [request for each in variants for request in each]
     results = iter(analyse_states(requests, statics.workers, name))
-    for variant in variants:
-        stages = [next(results) for _ in range(each)]
-        study.take(variant.what, stages)
-        pushovers = curves(stages)
-        checked: dict[Direction, Capacity] = {}
-        if variant.project.assessment:
-            found = assess(variant.project, variant.model.assembly, pushovers, statics.demands)
+    for first, *others in variants:
+        stages = [next(results) for _ in (first, *others)]
+        pushovers, checked = curves(stages), dict[Direction, Capacity]()
+        study.take(first.what, stages)
+        if first.project.assessment:
+            found = assess(first.project, first.model.assembly, pushovers, statics.demands)
             checked = capacities(found)
-            study.warnings += [headed(variant.title, note) for note in told(found)]
-        yield capacities_of(variant.project, stages, pushovers, checked)
+            title = message("{what}: {state}", what=first.what, state=first.state)
+            study.warnings += [headed(title, note) for note in told(found)]
+        yield capacities_of(first.project, stages, pushovers, checked)
 
 
 def directions(project: Project) -> tuple[Direction, ...]:
@@ -162,13 +146,11 @@ def asks_for_scenarios(project: Project) -> bool:
 def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
     """Return the capacity of every state, and of each part of a movement with a sweep, in the order of the scenarios.
 
-    With the quantity that they are compared by (see `quantity`) and the worst point. Parts have the increments of the
-    whole movement, halved as often. Messages, certificates and times go to `study`. Raises KilledError where a process
-    was ended from outside.
+    With the quantity that they are compared by and the worst point. Parts have the increments of the whole movement.
     """
     project, models = statics.project, statics.models
     variants = {
-        (whole.name, k): Variant(
+        (whole.name, k): variant(
             message("part {number} of {count}", number=k, count=whole.steps or 1),
             finer,
             models[whole.name],
@@ -249,9 +231,8 @@ NAMES = {
 def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
     """Analyse every state with each property lower and higher; return two runs for each property, state and direction.
 
-    The runs halve the increments of a state as often as its own, and leave out the search for collapse, so that only
-    the property differs. Messages, certificates and times go to `study`. Raises ProjectError or DrawingError where a
-    model cannot be built, KilledError where a process was ended from outside.
+    They have the increments of the state, and no search for collapse: only the property differs. Raises ProjectError or
+    DrawingError where a model cannot be built.
     """
     project, halvings = statics.project, statics.halvings
     asked = known(project.sensitivity)
@@ -265,7 +246,7 @@ def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
         title = message("{property} × {factor:g}", property=NAMES[key], factor=factor)
         finer = refined(varied[key, factor], halvings.get(name, 0))
         movement = whole and whole.model_copy(update={"to_collapse": False})
-        variants.append(Variant(title, finer, models[key, factor][name], movement))
+        variants.append(variant(title, finer, models[key, factor][name], movement))
     found = analyse(variants, statics, study, "sensitivity")
     runs = [
         studies.SensitivityRun(

@@ -144,10 +144,7 @@ class Assembly:
         return moved
 
     def plot(self, state: State | None = None, magnified: float = 1.0, axes: Axes | None = None) -> Axes:
-        """Draw the blocks and ties, supports dark, over their dashed outlines as drawn; return the matplotlib axes.
-
-        `state`: default as drawn; `magnified`: factor of its displacements; `axes`: default those of a new figure.
-        """
+        """Draw blocks and ties, `magnified`, over the outlines as drawn; return the axes (default: a new figure's)."""
         moved, ties = self.displaced(self.starting(state)), self.tie_ends(self.starting(state), magnified)
         title = "" if magnified == 1.0 else f"displacements × {magnified:g}"
         return draw_state(self.shape.moved(moved, magnified), self.shape, ties, title, axes)
@@ -311,19 +308,13 @@ class Assembly:
         return load
 
     def taking_part(self, mechanism: Array) -> Mask:
-        """Return which blocks (b,) take part in virtual displacements (b, 3): those that move noticeably.
-
-        Blocks that a mechanism hardly moves are no part of its chain: their weight would make e* small, and 1/e* large.
-        """
+        """Return which blocks (b,) move noticeably in virtual displacements (b, 3): others would make e* too small."""
         moves = abs(mechanism[:, :2]).max(axis=1)
         part: Mask = (moves > PART * moves.max()) & self.movable
         return part
 
     def lateral_load(self, direction: Direction) -> Array:
-        """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction.
-
-        Raises ArgumentError for an unknown direction.
-        """
+        """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction."""
         require(direction in {"+x", "-x"}, "direction", direction, '"+x" or "-x"')
         load = np.zeros((len(self.blocks), 3))
         load[:, 0] = (1.0 if direction == "+x" else -1.0) * GRAVITY * self.mass[:, 0]
@@ -355,11 +346,7 @@ class Assembly:
         return centre
 
     def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
-        """Return positions (b, 3) after a rigid movement of a support.
-
-        `displacement` (2,) m; `rotation` (rad), about the support's drawn centroid. Raises ArgumentError for an
-        unknown support.
-        """
+        """Return positions (b, 3) after a displacement (2,) m and rotation (rad), about its centroid, of a support."""
         index, centre = self.support(name), self.support_centre(name)
         arm = self.initial.positions[index, :2] - centre
         cos, sin = np.cos(rotation), np.sin(rotation)
@@ -370,10 +357,7 @@ class Assembly:
         return moved
 
     def support_movement(self, positions: Array, name: str) -> tuple[Array, float]:
-        """Return the displacement (2,) m, and the rotation (rad) about its drawn centroid, of a support at positions.
-
-        Raises ArgumentError for an unknown support.
-        """
+        """Return displacement (2,) m and rotation (rad), about its drawn centroid, of a support at positions (b, 3)."""
         first, centre = self.support(name)[0], self.support_centre(name)
         turn = float(positions[first, 2])
         x, z = self.initial.positions[first, :2] - centre
@@ -381,10 +365,7 @@ class Assembly:
         return positions[first, :2] - centre - np.array([cos * x - sin * z, sin * x + cos * z]), turn
 
     def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
-        """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m.
-
-        Raises ArgumentError for a block that is not there, or a point that is none.
-        """
+        """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m."""
         last = len(self.blocks) - 1
         require(is_whole(block) and 0 <= block <= last, "block", block, f"from 0 to {last}")
         pivot = point_of("about", about)
@@ -411,10 +392,7 @@ class Assembly:
         return state
 
     def block_at(self, point: ArrayLike, name: str = "control") -> int:
-        """Return the block that contains a drawn point (2,) m, edges included. Raises ArgumentError if none does.
-
-        `name`: what the point is, for the message.
-        """
+        """Return the block that contains a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
         import shapely
 
         at = point_of(name, point)

@@ -208,10 +208,7 @@ class Joints:
 
 
 def default_tolerance(outlines: Sequence[Block | Array]) -> float:
-    """Return a thousandth of the median edge, m: more than the rounding of a drawing, less than a real gap.
-
-    `outlines`: blocks, or corners (n, 2) m of outlines.
-    """
+    """Return a thousandth of the median edge (m) of blocks, or corners (n, 2): less than a gap, more than rounding."""
     rings = [each.polygon if isinstance(each, Block) else each for each in outlines]
     return 1e-3 * float(np.median(np.concatenate([np.hypot(*(np.roll(v, -1, axis=0) - v).T) for v in rings])))
 

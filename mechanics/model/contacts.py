@@ -203,10 +203,7 @@ def shorter_face(faces: Array) -> Array:
 def between(
     blocks: Sequence[Block], a: Index, b: Index, faces: Array, segments: int, edges: Index, tolerance: float
 ) -> Contacts:
-    """Return contacts with the `faces` (j, FACE); unlike stones act in series, the lesser μ and depth count.
-
-    `segments`: of joints whose blocks have no number of their own, 0 for the exact bed.
-    """
+    """Return contacts of `faces` (j, FACE): stones in series, least μ and depth; `segments` where blocks have none."""
     depth = np.array([block.depth for block in blocks])
     mu = np.array([block.material.friction for block in blocks], dtype=float)
     mu[mu > STEEPEST] = np.inf

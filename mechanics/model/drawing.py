@@ -130,11 +130,7 @@ def survey_drawing(
     path: str | Path, unit: str, default: Layer, layers: Mapping[str, Layer] = {},
     sagitta: float | None = None, tolerance: float | None = None,
 ) -> Drawing:  # fmt: skip
-    """Return what `read_drawing` does, and its faults in place of raising them; `blocks` are then those without.
-
-    `tolerance` (m) of the joints, as of `Assembly`: beside it faults are small enough to be mended. Raises
-    DrawingError where the file cannot be read.
-    """
+    """Return what `read_drawing` does, with its faults, small beside a `tolerance` (m), not raising them."""
     return Sheet.of(path, unit, default, layers, sagitta, tolerance).drawing
 
 
@@ -362,10 +358,7 @@ class Sheet:
 
     @cached_property
     def enclosed(self) -> list[tuple[str, Array]]:
-        """What LINEs on layers of blocks enclose beside blocks, (n, 2), drawing units, each with its layer.
-
-        Stones, as a rule, without which the masonry would have a hole.
-        """
+        """What LINEs enclose beside blocks, stones as a rule: layer and ring (n, 2), drawing units, of each."""
         near = [o.points[:, :2] for o in self.outlines if len(o.points) > 2 and o.is_near(self.scale)]
         holding = {layer_key(o.source.layer) for o in self.closed}
         drawn: dict[str, list[Array]] = {}

@@ -64,10 +64,7 @@ logging.getLogger("ezdxf").addHandler(
 
 
 def open_document(path: Path) -> tuple[Document, list[Message]]:
-    """Return the document, repaired where that loses nothing, and warnings of that.
-
-    Raises DrawingError where it cannot be read.
-    """
+    """Return the document, repaired where that loses nothing, and warnings. Raises DrawingError if unreadable."""
     try:
         size = path.stat().st_size
         data = path.read_bytes() if 0 < size <= MOST_BYTES else b""  # what has no size may have no end
@@ -125,10 +122,7 @@ def dxf_bytes(document: Document) -> bytes:
 
 
 def _as_of_today(data: bytes) -> tuple[bytes, list[Message]]:
-    """Return a text file whose LWPOLYLINEs are those of R2000, whatever its header says, and a warning of a change.
-
-    Some programs write them into files of older versions or of none, or without the markers of their subclasses.
-    """
+    """Return a text file with its LWPOLYLINEs as R2000 has them, which some programs write otherwise, and a warning."""
     named = VERSION.search(data)
     old = named is None or named[2] < R13
     if not (old or b"AcDbPolyline" not in data or data.count(b"LWPOLYLINE") > data.count(b"AcDbPolyline")):
@@ -366,10 +360,7 @@ def _is_undecided(block: Any, states: dict[str, list[set[str]]]) -> bool:
 def covered(
     outlines: Iterable[tuple[Placed, Array]], placed: Sequence[Placed], space: Any, view: Array
 ) -> Iterator[tuple[int, str]]:
-    """Yield the number of each of the outlines (n, 3) that a WIPEOUT drawn over it covers, and the handle of that.
-
-    `view` (3, 3): the axes of the drawing's plane, in columns, in which the outlines are.
-    """
+    """Yield each of the outlines (n, 3), by number, that a WIPEOUT covers in the `view` (3, 3), and its handle."""
     wipeouts = [p for p in placed if p.entity.dxftype() == "WIPEOUT" and not p.hidden]
     if not wipeouts:
         return

@@ -214,10 +214,7 @@ def find_gaps(
 
 
 def _apart(blocks: Sequence[Block], polygons: Polygons, facing: Joints, reach: float) -> Array:
-    """Return how far blocks that face each other are apart (f, 2) m at either end of the stretch along which they do.
-
-    An end lies midway: `reach` (m) holds both blocks. The distance to a block is that to the nearest of its edges.
-    """
+    """Return how far facing blocks are apart (f, 2), m, at both ends of their stretch; `reach` (m) holds both."""
     side = np.stack([facing.a, facing.b], axis=1)  # (f, 2), beside (f, 2) ends
     place = np.repeat(facing.ends.reshape(-1, 2), 2, axis=0)  # of each end twice: (f · end · side, 2)
     of = np.repeat(side[:, None, :], 2, axis=1).ravel()

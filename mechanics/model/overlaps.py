@@ -84,10 +84,7 @@ def _overlapping(
 def _copies(
     blocks: Sequence[Block], polygons: Polygons, pairs: Index, tolerance: float, surplus: Mask
 ) -> Iterator[Fault]:
-    """Yield outlines that are drawn more than once, and mark the later ones as surplus.
-
-    They can be deleted where the project says the same of them; which of two roles was meant is not clear.
-    """
+    """Yield outlines drawn more than once, to be deleted where their role is the same; mark these as surplus."""
     bounds, rims = shapely.bounds(polygons), shapely.boundary(polygons)
     shapely.prepare(rims)
 
@@ -126,10 +123,7 @@ def _role(block: Block) -> tuple[object, ...]:
 def _overlap_faults(
     blocks: Sequence[Block], polygons: Polygons, pairs: Index, tolerance: float, surplus: Mask
 ) -> Iterator[Fault]:
-    """Yield overlaps: first each block that overlaps MANY others, most of them first, then the remaining pairs.
-
-    One that encloses all others that it overlaps is a frame, and is marked as surplus.
-    """
+    """Yield blocks that overlap MANY others, frames among them, marked as surplus, then the remaining pairs."""
     partners: dict[int, set[int]] = defaultdict(set)
     for i, j in pairs.tolist():
         partners[i].add(j)

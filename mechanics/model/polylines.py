@@ -65,10 +65,7 @@ def is_polyline(entity: DXFGraphic) -> bool:
 
 
 def placed_outline(source: Placed, scale: float, sagitta: float | None) -> PlacedOutline:
-    """Place a polyline in model space, its arcs as chords within `sagitta` (m; None: SAGITTA of an arc's width).
-
-    `scale`: m per drawing unit.
-    """
+    """Place a polyline in model space, arcs as chords within `sagitta` (m; None: by width); `scale`: m per unit."""
     vertices, closed = _vertices(source.entity)
     xyz, bulges = vertices[:, :3], vertices[:, 3]
 
@@ -110,10 +107,7 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
 
 
 def view_of(outlines: Sequence[PlacedOutline]) -> Array | None:
-    """Return the axes (3, 3), in columns, of the vertical plane in which most of the outlines' area is drawn.
-
-    The first is horizontal, towards +x (or +y), the second is z, the third the plane's normal. None: the XY plane.
-    """
+    """Return the axes (3, 3: along, z, normal) of the vertical plane of most drawn area; None: the XY plane."""
     areas = np.zeros((len(outlines), 3))
     for area, outline in zip(areas, outlines, strict=True):
         if outline.closed and not outline.broken and len(outline.points) > 2:
@@ -224,11 +218,7 @@ def ends_major_arc(outline: PlacedOutline) -> NDArray[np.bool_]:
 
 
 def redraw(outline: PlacedOutline, points: Array) -> None:
-    """Give the entity of an outline the vertices (n, 3) of model space in drawing units, in place of its own.
-
-    They are as many as its own or fewer; their bulges are those of its first ones. It is closed unless it ends where it
-    begins. The entity is in no INSERT.
-    """
+    """Give the entity of an outline, in no INSERT, the vertices (n, 3) of model space in place of its own, no fewer."""
     entity: Any = outline.source.entity
     to_model = _to_model(outline.source)
     own = (points - to_model[3, :3]) @ np.linalg.inv(to_model[:3, :3])

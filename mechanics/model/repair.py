@@ -204,10 +204,7 @@ class Fitting:
         return changed
 
     def _clearance(self, most: float) -> Array:
-        """Return the distances (n,) m, at most `most`, of vertices from their next ones and from other edges.
-
-        Those within the tolerance do not count: such vertices are one, and what is so thin is no block.
-        """
+        """Return distances (n,) m, at most `most`, of vertices from their outline beyond the tolerance."""
         along = np.arange(len(self.points))
         after, before = along + 1, along - 1
         after[self.first[1:] - 1], before[self.first[:-1]] = self.first[:-1], self.first[1:] - 1
@@ -286,10 +283,7 @@ class Fitting:
         return np.asarray(foot[np.linalg.norm(foot - place, axis=1).argmin()])
 
     def _move(self, vertex: int, place: Array) -> None:
-        """Move a vertex, and those that are at its place within the tolerance, unless one of them must stay.
-
-        No vertex is moved farther than its room from where it is drawn, or onto another of its own outline.
-        """
+        """Move a vertex, with those at its place, within their room, unless one must stay or two would become one."""
         near = np.array(self.tree.query_ball_point(self.points[vertex], 3.0 * self.reach + self.tolerance))
         here, points = self.points[vertex], self.points[near]
         together = near[np.linalg.norm(points - here, axis=1) <= self.tolerance]

@@ -134,10 +134,7 @@ class Header:
 
 
 def parse_record(path: Path, time_step: float | None) -> Samples:
-    """Return the samples of a file; `time_step` is for one column without times.
-
-    Raises RecordError naming file, line and remedy.
-    """
+    """Return the samples of a file, of one column at the `time_step` (s). Raises RecordError naming line and remedy."""
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
@@ -354,10 +351,7 @@ def _cells(body: str, title: str) -> tuple[Callable[[str], list[str]], str | Non
 
 
 def _described(text: RecordText, start: int, count: int, separator: str | None) -> list[Column]:
-    """Return what each of the columns holds: one of accelerations, and one of times where there are several.
-
-    Raises RecordError where a line before the numbers is not understood, or what it says is no such record.
-    """
+    """Return what each column holds: accelerations, and times where there are several; RecordError for others."""
     remedy = "write one name and unit a column, such as: time [s], acceleration [g]"
     lines = [
         (n, bool(re.match(r"\s*(#|%|//|!)", line)), re.sub(r"^\s*(#|%|//|!)+|\"", "", line).strip())

@@ -86,10 +86,7 @@ class Column:
 
 
 def unit(text: str) -> Column | None:
-    """Return the unit that a text is, or None where it is none that is known.
-
-    Velocities and displacements are recognised, to be refused; their size is 0.
-    """
+    """Return the unit that a text is; None: unknown. Those of velocity and displacement, to be refused, have size 0."""
     plain = _plain(text).replace("_", " ").strip(" .,;:")
     plain = re.sub(r"^(in|units?|unita)\s+((of|di)\s+)?", "", plain)
     for words, symbol in WORDS.items():
@@ -148,10 +145,7 @@ def column(label: str) -> Column:
 
 
 def labels(heading: str, count: int, separator: str | None) -> list[str]:
-    """Part a heading into `count` labels, as the numbers below it are parted or as its words suggest.
-
-    Raises HeadingError where it has another number of them.
-    """
+    """Part a heading into `count` labels, as the numbers below it are; HeadingError for another number of them."""
     if count == 1:
         return [heading]
     for form in [re.escape(separator)] if separator else [r"\t+", r"\s{2,}", r"[;,]", r"\s+"]:

@@ -61,18 +61,12 @@ class Record:
         return replace(self, acceleration=factor * self.acceleration)
 
     def compressed(self, time_factor: float) -> Record:
-        """Return the same accelerations `time_factor` times as fast: √10 for a model at 1:10 (similitude).
-
-        Raises ArgumentError for a factor that is not positive.
-        """
+        """Return the same accelerations `time_factor` times as fast: √10 for a model at 1:10 (similitude)."""
         require(is_between(time_factor, 0.0, np.inf), "time_factor", time_factor, "positive")
         return replace(self, time_step=self.time_step / time_factor)
 
     def windowed(self, start: float, end: float) -> Record:
-        """Return the samples from `start` to `end` (s, both included), unchanged and without tapers.
-
-        Raises ArgumentError for times outside the record, or fewer than two samples between them.
-        """
+        """Return the samples from `start` to `end` (s, both included), unchanged; ArgumentError where none are."""
         require(
             0.0 <= start < end <= self.duration + SAME_TIME * self.time_step,
             "window",
@@ -87,10 +81,7 @@ class Record:
         return replace(self, acceleration=self.acceleration[first : last + 1])
 
     def arias_window(self, low: float = 0.05, high: float = 0.95) -> tuple[float, float]:
-        """Find the times (s) where ∫a²dt, by trapezoids, reaches fractions `low` and `high` of its total.
-
-        Raises ArgumentError for fractions that are none, or a record of zeros.
-        """
+        """Find the times (s) where ∫a²dt, by trapezoids, reaches fractions `low` and `high` of its total."""
         require(0.0 <= low < high <= 1.0, "low, high", (low, high), "fractions, low before high")
         require(self.pga > 0.0, "acceleration", 0.0, "other than zero throughout to have a strong part")
         squared = self.acceleration**2

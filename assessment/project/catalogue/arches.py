@@ -99,10 +99,7 @@ def barrel_vault(
     cover_m: Annotated[float, "height of the fill above the crown's extrados"] = 0.1,
     fill_kN_m3: Annotated[float, "unit weight of the fill"] = 16.0,
 ) -> Made:
-    """Return a strip, 1 m deep, of a vault between walls with a fill up to one level, which loads what is below it.
-
-    The fill above each voussoir, and above each wall beside the ring, is a vertical load of that block.
-    """
+    """Return a strip, 1 m deep, of a vault between walls with a fill up to one level, which loads what is below it."""
     ring = replace(ring, springing=wall_height_m)
     wall = _pier(ring, wall_width_m, blocks_per_wall)
     inner, outer = 0.5 * ring.span_m, 0.5 * ring.span_m + wall_width_m
@@ -192,10 +189,7 @@ def _pier(ring: Ring, width: float, blocks: int) -> list[Array]:
 
 
 def _beams(masonry: list[Array], outer: float, height: float, beams: int, side: float) -> list[Array]:
-    """Return square beams (4, 2), m, over the middles of blocks of the top course, which is 2 `outer` m long.
-
-    Raises ValueError if they do not fit side by side.
-    """
+    """Return square beams (4, 2), m, over blocks of the top course, 2 `outer` m long. Raises ValueError if too many."""
     top = [block for block in masonry if block[:, 1].max() > height - 1e-9]
     middles = np.array([0.5 * (block[:, 0].min() + block[:, 0].max()) for block in top])
     spots = outer * (np.arange(1, 2 * beams, 2) / beams - 1.0)

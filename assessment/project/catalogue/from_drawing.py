@@ -37,10 +37,7 @@ TO_FILL_IN: tuple[KeyPath, ...] = (
 
 
 def new_from_drawing(folder: Path, drawing: Path, source: str = TOML) -> tuple[str, ...]:
-    """Write a project of a drawing, with a copy of it, into a new folder, whole or not at all; return what tells of it.
-
-    Raises ProjectError as `new_folder`, DrawingError where the drawing has no closed outline, OSError.
-    """
+    """Write a project of a drawing, with a copy of it, into a new folder, whole or not at all; return what tells it."""
     content, told = proposal(drawing)
     source_data = source_bytes(source, content, TO_FILL_IN)
     with new_folder(folder, {drawing.name: drawing.read_bytes(), source: source_data}):
@@ -49,10 +46,7 @@ def new_from_drawing(folder: Path, drawing: Path, source: str = TOML) -> tuple[s
 
 
 def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple[Message, ...]]:
-    """Return the content of a project for the drawing of that name, and the lines that tell of it; None: unit unknown.
-
-    Raises DrawingError as `new_from_drawing`, ProjectError for a name that no project can have.
-    """
+    """Return the content of a project for a drawing, and lines that tell it. Raises DrawingError, ProjectError."""
     if not re.fullmatch(r"\S(.*\S)?", path.name) or not path.name.isprintable():
         text = "blanks at its ends or control characters; rename the file"
         raise ProjectError(f"--drawing {path.name!r}: {text}")

@@ -81,10 +81,7 @@ class Ring:
         return [np.array([inner[k], inner[k + 1], outer[k + 1], outer[k]]) for k in range(self.voussoirs)]
 
     def foot(self, width: float) -> tuple[Array, Array]:
-        """Return inner and outer end (2,) m of the right-hand springing joint.
-
-        Raises ValueError if wider than `width`, m.
-        """
+        """Return inner and outer end (2,) m of the right-hand springing joint; ValueError if wider than `width`, m."""
         inner, outer = self.joints(0.0)[-1], self.joints(self.thickness_m)[-1]
         if outer[0] - inner[0] > width + 1e-9:
             text = f"the ring's foot is {outer[0] - inner[0]:.3g} m wide, its support {width:g} m"
@@ -92,10 +89,7 @@ class Ring:
         return inner, outer
 
     def springer(self, width: float, bottom: float) -> Array:
-        """Return the right-hand block (5, 2), m, of a `width` from `bottom` (m) up to the ring.
-
-        Raises ValueError as `foot`.
-        """
+        """Return the right-hand block (5, 2), m, of a `width` from `bottom` (m) up to the ring. Raises as `foot`."""
         (xi, zi), (xe, ze) = self.foot(width)
         return np.array([(xi, bottom), (xi + width, bottom), (xi + width, ze), (xe, ze), (xi, zi)])
 

@@ -19,10 +19,7 @@ def source_bytes(source: str, content: Mapping[str, Any], marked: Collection[Key
 
 
 def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
-    """Write the keys of the `old` project file in the other form; return that, and where `old` is kept.
-
-    Raises ProjectError where an earlier file is kept already, OSError where the folder cannot be written.
-    """
+    """Write the `old` project file in the other form; return that, and where `old` is kept. Raises ProjectError."""
     new = old.with_name(XLSX if old.name == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")
     if kept.exists() and not is_converted(old):

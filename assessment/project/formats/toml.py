@@ -45,10 +45,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def updated_toml(text: str, content: Mapping[str, Any]) -> str:
-    """Return a TOML text with its values changed to `content`, its comments and order kept.
-
-    Raises ValueError for no TOML.
-    """
+    """Return a TOML text with its values changed to `content`, its comments and order kept; ValueError for no TOML."""
     import tomlkit
 
     document = tomlkit.parse(text)

@@ -89,9 +89,7 @@ def test_members_settle_and_push_in_increments_of_their_own(tmp_path, monkeypatc
     monkeypatch.setattr(ensemble, "apart", lambda *_: True)
     members([asked], [found], Workers())
     factors = np.geomspace(*ENSEMBLE.increments, project.scatter - 1)
-    settled = [
-        request.settling.settlement.increment_rad / asked.settlement.increment_rad for request in given
-    ]
+    settled = [request.movement[1][-1].increment_rad / asked.settlement.increment_rad for request in given]
     pushed = [request.project.pushover.increment_m / project.pushover.increment_m for request in given]
     count = asked.settlement.increments
     assert settled == pytest.approx([count / max(1, round(count / factor)) for factor in factors])
