@@ -124,7 +124,7 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
 def begun(
     model: Assembly, positions: Array, chosen: Chosen
 ) -> tuple[Array, JointMotion, kinematics.VirtualWork]:
-    """Return virtual displacements (b, 3), motion in the joints and virtual work; MechanismError as `evaluate`."""
+    """Return virtual displacements (b, 3), motion in the joints, virtual work. Raises MechanismError as `evaluate`."""
     delta = kinematics.virtual_displacements(model, positions, chosen)
     motion, work = joint_motion(model, positions, delta), kinematics.virtual_work(model, positions, chosen)
     if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does

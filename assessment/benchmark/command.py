@@ -54,7 +54,7 @@ BENCHMARKS = {
 
 
 def benchmark(names: Sequence[str], quick: bool, folder: Path) -> None:
-    """Measure what is named (nothing: everything), print each table, write the files; ValueError for another name."""
+    """Measure what is named (nothing: all), print tables, write the files. Raises ValueError for another name."""
     for name in names:
         if name not in BENCHMARKS:
             raise ValueError(f"benchmark: {name}: no such benchmark; {nearest(name, BENCHMARKS)}")

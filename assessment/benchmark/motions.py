@@ -251,7 +251,7 @@ def sizes(motion: ShakenCase, found: Sequence[TimeHistory]) -> Array:
 
 
 def median_between(values: Array) -> tuple[float, float]:
-    """Two of the values (k,), six or more, between which the true median lies with 95 % CONFIDENCE."""
+    """Two of the values (k,) around the true median with 95 % CONFIDENCE. Raises ValueError for fewer than six."""
     count, ordered = len(values), np.sort(values)
     below = int(binom.ppf(0.5 * (1.0 - CONFIDENCE), count, 0.5))  # fewer of them are hardly ever below
     if below < 1:

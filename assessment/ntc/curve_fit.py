@@ -146,7 +146,7 @@ def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
 
 
 def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
-    """Return the fit of curves (displacement (k,) m, multiplier (k,)): trilinear, bilinear, none (rigid branch)."""
+    """Return the trilinear, bilinear or rigid ("none") fit of curves (d (k,) m, α (k,)). Raises ValueError."""
     require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
     if model == "none":
         return fit_rigid(rigid)

@@ -53,7 +53,7 @@ def fundamental_period(building_height: float) -> Step:
 def first_mode(
     period: float, storeys: int, height: float, building_height: float, damping: float = 0.05
 ) -> Mode:
-    """Return the approximate first mode (s, m): γ_1 = 3n/(2n+1), ψ_1 = z/H (Circolare 7/2019, C7.2.3)."""
+    """Return the first mode (s, m): γ_1 = 3n/(2n+1), ψ_1 = z/H (Circolare 7/2019, C7.2.3). Raises ArgumentError."""
     require(storeys >= 1, "storeys", storeys, "a whole number ≥ 1")
     must_be = "from 0 to the building's height, in m"
     require(is_between(height, 0.0, building_height, "[]"), "height", height, must_be)

@@ -67,7 +67,7 @@ class _File:
         return HazardError(f"{self.path}: {text}" if line is None else f"{self.path}: line {line}: {text}")
 
     def numbers(self, columns: int, meaning: str, numbered: bool = True) -> Array:
-        """Return the last `columns` cells of every row as numbers (n, columns), a number before them or not."""
+        """Return the last `columns` cells of rows as numbers, one before them or not. Raises HazardError for others."""
         allowed: Sequence[int] = (columns, columns + 1) if numbered else (columns,)
         for line, cells in self.rows:
             if len(cells) not in allowed or not all(map(_is_number, cells)):
@@ -330,7 +330,7 @@ def site_hazard(
     longitude: float | None = None,
     return_period: float | None = None,
 ) -> Hazard:
-    """Return a_g (g), F0, T_C* (s) of a site at T_R (years), by `grid`, its file, a site's own table, or Allegato B."""
+    """Return a_g (g), F0, T_C* (s) of a site at T_R (years), by a grid, its file, a site's table. Raises ValueError."""
     if return_period is None:
         raise ArgumentError("return_period: missing; must be from 30 to 2475 years")
     try:

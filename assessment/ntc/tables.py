@@ -71,7 +71,7 @@ def renamed(formula: str, other: Mapping[str, str]) -> str:
 
 
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:
-    """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, in years (NTC 2018, §2.4, §3.2.1; its bounds: [k])."""
+    """Return T_R = −V_R/ln(1 − P_VR), V_R = V_N C_U, years (NTC 2018, §2.4, §3.2.1; bounds [k]). Raises ValueError."""
     if limit_state not in EXCEEDANCE:
         raise ValueError(f"limit_state = {limit_state!r}: must be one of SLO, SLD, SLV, SLC")
     if use_class not in USE_COEFFICIENT:

@@ -131,7 +131,7 @@ def _motion(
 def motion_of(
     project: Project, key: str, table: MotionTable, original: Record, source: str = ""
 ) -> BaseMotion:
-    """Return the base motion of a record (of the file `source`) in the window of a table, at its time step."""
+    """Return the motion of a record (of the file `source`) in a table's window and step. Raises ProjectError."""
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")

@@ -145,7 +145,7 @@ def column(label: str) -> Column:
 
 
 def labels(heading: str, count: int, separator: str | None) -> list[str]:
-    """Part a heading into `count` labels, as the numbers below it are; HeadingError for another number of them."""
+    """Part a heading into `count` labels, as the numbers below it are. Raises HeadingError for another number."""
     if count == 1:
         return [heading]
     for form in [re.escape(separator)] if separator else [r"\t+", r"\s{2,}", r"[;,]", r"\s+"]:

@@ -81,7 +81,7 @@ _PACKAGE = Path(__file__).parents[2]
 
 
 def new_project(folder: Path, template: str, options: Mapping[str, float], source: str = TOML) -> None:
-    """Write drawing, record and project file of a template into a new folder; ProjectError if no structure."""
+    """Write drawing, record and project file of a template into a new folder. Raises ProjectError if no structure."""
     layout, content = made(template, options)
     record = (examples()["triumphal_arch"] / RECORD).read_bytes()
     files = {source: source_bytes(source, content), RECORD: record}
@@ -102,7 +102,7 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 
 @contextmanager
 def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
-    """Yield a temporary folder of files that becomes `folder`, empty or new, when the block ends without an error."""
+    """Yield a temporary folder of files that becomes `folder` when the block ends. Raises ProjectError unless new."""
     if CONTROL.search(str(folder.absolute())):
         from mechanics.faults import visible  # late: the mechanics take their time
 
@@ -160,7 +160,7 @@ def example_title(folder: Path) -> str:
 
 
 def new_example(folder: Path, name: str, source: str = TOML) -> None:
-    """Copy an example, whole or not at all, into a new folder with a project file called `source`."""
+    """Copy an example into a new folder with a project file called `source`. Raises ProjectError as `new_folder`."""
     known = examples()
     name = name.lower().replace("-", "_")
     if name not in known:

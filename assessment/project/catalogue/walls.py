@@ -68,7 +68,7 @@ def wall(
     courses: Annotated[int, "courses"] = 8,
     moving_blocks: Annotated[int, "blocks at the right end that stand on the support 'destro'"] = 2,
 ) -> Made:
-    """Return a running-bond wall from x = 0 on two bases, the right one under the last blocks."""
+    """Return a running-bond wall from x = 0, its last blocks on a base of their own. Raises ValueError if all are."""
     if moving_blocks >= blocks:
         raise ValueError(f"moving_blocks: must be fewer than blocks ({blocks}), is {moving_blocks}")
     length, height = blocks * block_length_m, courses * block_height_m
@@ -90,7 +90,7 @@ def wall_with_openings(
     block_length_m: BlockLength = 0.5,
     course_height_m: CourseHeight = 0.3,
 ) -> Made:
-    """Return a running-bond wall with rows of openings below lintels of one course, on two bases."""
+    """Return a running-bond wall with openings below lintels, on two bases. Raises ValueError if they do not fit."""
     count, storey_height = storeys.storeys, storeys.storey_height_m
     levels = geometry.courses(0.0, storey_height, course_height_m)
     per_storey, step = len(levels) - 1, float(levels[1])
