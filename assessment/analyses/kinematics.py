@@ -270,7 +270,7 @@ class _Parts:
         return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
     def rate(self, q: Array, rotations: Array) -> Array:
-        """Return rates (n, 3), the fastest 1, that keep hinges closed and turn like `rotations`; raises KinematicsError."""
+        """Return rates (n, 3), fastest 1, of closed hinges that turn like `rotations`. Raises KinematicsError."""
         rows = np.zeros((2 * len(self.hinges), 3 * len(q)))
         for k, hinge in enumerate(self.hinges):
             for part, sign in ((hinge.first, 1.0), (hinge.second, -1.0)):
