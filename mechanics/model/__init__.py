@@ -13,8 +13,7 @@ from mechanics.model.contacts import (
     relative_motion,
 )
 from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
-from mechanics.model.layout import survey_layout
-from mechanics.model.overlaps import NEAR
+from mechanics.model.layout import NEAR, survey_layout
 from mechanics.model.polylines import PlacedOutline
 from mechanics.model.repair import Repair, repair_drawing
 

@@ -24,7 +24,7 @@ from mechanics.faults import Fault, FaultyDrawingError, Outline, listed, visible
 from mechanics.messages import Message, headed, layer_key, message
 from mechanics.model.block import Block, Material, default_tolerance
 from mechanics.model.dxf import Placed, covered, open_document, placed_entities
-from mechanics.model.overlaps import NEAR
+from mechanics.model.layout import NEAR
 from mechanics.model.polylines import (
     FARTHEST,
     MOST_POINTS,

@@ -15,8 +15,7 @@ from mechanics.faults import FaultyDrawingError
 from mechanics.model.block import Block, default_tolerance
 from mechanics.model.drawing import Layer, Sheet
 from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes
-from mechanics.model.layout import misfits, survey_layout, touching
-from mechanics.model.overlaps import NEAR, name_of, place_of
+from mechanics.model.layout import NEAR, misfits, name_of, place_of, survey_layout, touching
 from mechanics.model.polylines import SHARE, PlacedOutline, ends_major_arc, file_points, redraw, without_loops
 from mechanics.types import Array, Index, Mask
 

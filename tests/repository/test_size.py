@@ -26,7 +26,7 @@ LINES = {
     "assessment/workflow": 947,
     "mechanics": 966,
     "mechanics/kernels": 3642,
-    "mechanics/model": 3177,
+    "mechanics/model": 3134,
     "mechanics/procedures": 3331,
     "mechanics/records": 1065,
     "mechanics/solvers": 1071,
