@@ -5,10 +5,9 @@ Every look is a named style of `templates/docx_styles.xml`.
 """
 
 import io
-import math
 import re
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -138,19 +137,13 @@ def _table(document: Any, table: Element) -> None:
     rows = [list(row) for row in table.iter("tr")]
     headed = table.find("thead") is not None
     native = document.add_table(len(rows), max(map(len, rows)), "Report Table" if headed else "Normal Table")
-    native.autofit = False
-    texts = [[SPACES.sub(" ", cell.text_content()).strip() for cell in cells] for cells in rows]
-    widths = _widths(texts) if headed else [Emu(round(WIDTH * share)) for share in (0.3, 0.7)]
-    for column, width in zip(native.columns, widths, strict=True):
-        column.width = width
-    text = "Table Text Small" if headed and len(widths) > MANY_COLUMNS else "Table Text"
+    text = "Table Text Small" if headed and len(native.columns) > MANY_COLUMNS else "Table Text"
     together = len(rows) if len(rows) <= WHOLE else TOGETHER
     for number, (row, cells) in enumerate(zip(native.rows, rows, strict=True)):
         head = headed and number == 0
         for tag in ("cantSplit", *(("tblHeader",) if head else ())):
             _append(row._tr.get_or_add_trPr(), tag)
-        for cell, width, source in zip(row.cells, widths, cells, strict=True):
-            cell.width = width
+        for cell, source in zip(row.cells, cells, strict=True):
             paragraph = _styled(cell.paragraphs[0], "Table Head" if head else text)
             if headed and "text" not in source.classes:
                 paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
@@ -163,15 +156,6 @@ def _table(document: Any, table: Element) -> None:
                 paragraph.paragraph_format.keep_with_next = True
             _words(paragraph, source)
     _paragraph(document, "After Table")
-
-
-def _widths(rows: Sequence[Sequence[str]]) -> list[Emu]:
-    """Return widths of the columns of a table, texts of cells: as their longest words and the square roots of texts."""
-    wanted = [
-        max(max([4, *map(len, text.split())]) + math.sqrt(len(text)) for text in column)
-        for column in zip(*rows, strict=True)
-    ]
-    return [Emu(round(WIDTH * each / sum(wanted))) for each in wanted]
 
 
 def _paragraph(document: Any, style: str) -> Any:

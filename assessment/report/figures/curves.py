@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, state_style
+from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, legend, state_style
 from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars
@@ -26,7 +26,7 @@ ONSET, END, YIELD = MARKS
 def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
     """Draw both reactions of the moved support over the movement; applied and ultimate movement marked."""
     content, mm = results.states[state], scale("movement_m")
-    figure, panels = chart(words, columns=2, height_mm=54.0, foot_mm=12.0)
+    figure, panels = chart(words, columns=2, height_mm=54.0)
     for axes, component in zip(panels, ("x", "z"), strict=True):
         for contacts, path in content.pushdown.items():
             force = path.reaction_x_kN if component == "x" else path.reaction_z_kN
@@ -49,7 +49,7 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
                 named = words.plain("figure.ultimate_line", contacts=contacts, movement=ultimate)
                 style = {"linewidth": 0.5 * WIDTHS[contacts], "linestyle": DASHES[2], "label": named}
                 axes.axvline(mm * ultimate, color="0.0", **style)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2)
+    legend(figure, panels[0].get_legend_handles_labels()[0])
     return figure
 
 
@@ -78,8 +78,7 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
     if any(push.members for each in every for push in each.by_contacts.values()):
         handles.append(key(words.plain("figure.ensemble"), color="0.65", linewidth=0.4))
     columns, mm = 2 if yields else 1, scale("displacement_m")
-    foot = 4.0 + 4.0 * -(-len(handles) // 3)
-    figure, panels = chart(words, columns=columns, rows=len(directions), height_mm=58.0, foot_mm=foot)
+    figure, panels = chart(words, columns=columns, rows=len(directions), height_mm=58.0)
     for at, axes in enumerate(panels):
         direction = directions[at // columns]
         for name, pushover in states[direction].items():
@@ -90,14 +89,15 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
                     axes.plot(*others, color="0.65", linewidth=0.4, linestyle=style["linestyle"])
                 along = sense(direction) * mm * np.asarray(push.curve.displacement_m)
                 axes.plot(along, push.curve.multiplier, linewidth=WIDTHS[contacts], **style)
-            _key_points(axes, pushover, COLOURS[names.index(name) % len(COLOURS)])
         title = direction_name(direction)
         if yields:
             title += ", " + words.plain(f"figure.{'first_branch' if at % 2 else 'whole_curve'}")
         axes.set(xlabel=label("displacement_m", words), ylabel=label("multiplier", words), title=title)
         axes.set_ylim(bottom=0.0)
         axes.set_xlim(0.0, 6.0 * mm * max(yields) if at % columns else None)
-    figure.legend(handles=handles, loc="lower center", ncols=3)
+        for name, pushover in states[direction].items():
+            _key_points(axes, pushover, COLOURS[names.index(name) % len(COLOURS)])
+    legend(figure, handles, 3)
     return figure
 
 
@@ -108,17 +108,18 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
 
 
 def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
-    """Mark α0, d_0 and (d_y, α_y): named in the legend, beside a point they met others."""
-    rigid, elastic, mm = pushover.rigid, pushover.elastic, scale("displacement_m")
+    """Mark α0, d_0 and (d_y, α_y) where the axes reach them: named in the legend, beside a point they met others."""
+    rigid, elastic, found = pushover.rigid, pushover.elastic, dict[str, tuple[float, float]]()
     if rigid:
         peak = int(np.argmax(rigid.curve.multiplier))
-        onset = mm * abs(rigid.curve.displacement_m[peak]), rigid.curve.multiplier[peak]
-        axes.plot(*onset, color=colour, clip_on=False, **MARKS[ONSET])
+        found[ONSET] = abs(rigid.curve.displacement_m[peak]), rigid.curve.multiplier[peak]
         if rigid.d_0_m is not None:
-            left = alpha_at_d_0(rigid) or 0.0
-            axes.plot(mm * rigid.d_0_m, left, color=colour, clip_on=False, **MARKS[END])
+            found[END] = rigid.d_0_m, alpha_at_d_0(rigid) or 0.0
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
-        axes.plot(mm * elastic.d_y_m, elastic.alpha_y, color=colour, **MARKS[YIELD])
+        found[YIELD] = elastic.d_y_m, elastic.alpha_y
+    for mark, (displacement, alpha) in found.items():
+        if (d := scale("displacement_m") * displacement) <= axes.get_xlim()[1]:
+            axes.plot(d, alpha, color=colour, clip_on=False, **MARKS[mark])
 
 
 LONGEST = 4.0  # s: what is drawn of the spectra
@@ -134,7 +135,7 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
     latter meets the line of period T of the limit state at d*. The curve with elastic joints is grey.
     """
     columns, mm, demand = min(2, len(views)), scale("d_star_m"), "outside"
-    figure, panels = chart(words, columns, -(-len(views) // columns), height_mm=60.0, foot_mm=14.0)
+    figure, panels = chart(words, columns, -(-len(views) // columns), height_mm=60.0)
     spectrum = (results.spectra or {}).get(limit)
     frames = _frames(results, views, limit)
     for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=False):
@@ -167,7 +168,7 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
     handles += [key(words.plain("figure.elastic_capacity"), **ELASTIC)] if elastic else []
     handles += [key(borne, linewidth=0.9)]
     handles += [key(words.plain(f"figure.demand_{demand}", limit=limit), linewidth=0.9, linestyle=DASHES[2])]
-    figure.legend(handles=handles, loc="lower center", ncols=2)
+    legend(figure, handles)
     return figure
 
 
@@ -178,7 +179,7 @@ def one_scale(results: Results, views: Views, limit: str) -> bool:
 
 def draw_demand(results: Results, words: Words) -> Figure:
     """Draw S_e (g) and S_De (mm) of each limit state over the period, 5 % damping."""
-    figure, panels = chart(words, columns=2, height_mm=48.0, foot_mm=6.0)
+    figure, panels = chart(words, columns=2, height_mm=48.0)
     for axes, name in zip(panels, ("S_e_g", "S_De_m"), strict=True):
         for dashes, (limit, spectrum) in zip(DASHES, known(results.spectra).items(), strict=False):
             T = np.asarray(spectrum.T_s, dtype=float)
@@ -187,7 +188,7 @@ def draw_demand(results: Results, words: Words) -> Figure:
             axes.plot(T[T <= LONGEST], values[T <= LONGEST], **line)
         axes.set(xlabel=label("T_s", words), ylabel=label(name, words), xlim=(0.0, LONGEST))
         axes.set_ylim(bottom=0.0)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=4)
+    legend(figure, panels[0].get_legend_handles_labels()[0], 4)
     return figure
 
 
@@ -255,7 +256,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     """
     found, mm = known(results.scenarios), scale("movement_m")
     names = list(dict.fromkeys(point.state for point in found.points if point.movement_m > 0.0))
-    figure, (axes,) = chart(words, height_mm=95.0, foot_mm=9.0 + 5.0 * len(names))
+    figure, (axes,) = chart(words, height_mm=95.0)
     labels: list[tuple[str, float, float]] = []
     for number, name in enumerate(names, 1):
         style = state_style(number - 1)
@@ -284,7 +285,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     axes.set_ylabel(_capacity(results, words, found.quantity, found.limit_state))
     for text, right, top in labels:
         axes.annotate(text, (right, top), (7, -2), textcoords="offset points", annotation_clip=False)
-    figure.legend(handles=_scenario_legend(results, names, words), loc="lower center", ncols=2)
+    legend(figure, _scenario_legend(results, names, words))
     return figure
 
 
@@ -292,9 +293,7 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     """Draw per state a bar for each property from its low to its high factor, the widest on top."""
     of_state = {state: [bar for bar in bars(results) if bar.state == state][::-1] for state in states}
     tallest = max(map(len, of_state.values()))
-    figure, panels = chart(
-        words, rows=len(states), height_mm=22.0 + 9.0 * tallest, foot_mm=10.0, left_mm=30.0
-    )
+    figure, panels = chart(words, rows=len(states), height_mm=22.0 + 9.0 * tallest)
     shown = [capacity for own in of_state.values() for bar in own for capacity in bar.capacities()]
     for axes, (state, own) in zip(panels, of_state.items(), strict=True):
         base = known(own[0].a_g_base_g)
@@ -320,7 +319,7 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     limit = known(results.sensitivity).limit_state
     panels[-1].set_xlabel(_capacity(results, words, "a_g_g", limit))
     handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
-    figure.legend(handles=handles, loc="lower center", ncols=2)
+    legend(figure, handles)
     return figure
 
 

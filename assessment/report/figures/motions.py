@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures.drawing import draw_ties, ghost_handle, moved_ends, tie_handles
-from assessment.report.figures.style import DASHES, LEGEND, chart, comma_ticks, key, sheet, state_style
+from assessment.report.figures.style import DASHES, chart, comma_ticks, key, legend, sheet, state_style
 from assessment.report.language import COARSE, Words, label, scale
 from assessment.results.joint_states import outlines
 from assessment.results.schema import Results, dynamic, known
@@ -58,7 +58,7 @@ def fragile_shares(results: Results, settlement: str) -> list[dynamic.CampaignFr
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
     motion = known(results.motions)[index]
-    figure, panels = chart(words, columns=2, height_mm=48.0, foot_mm=0.0)
+    figure, panels = chart(words, columns=2, height_mm=48.0)
     panels[0].plot(motion.time_s, motion.acceleration_g, color="0.0", linewidth=0.5)
     panels[0].set(xlabel=label("time_s", words), ylabel=label("acceleration_g", words))
     panels[0].set_xlim(*motion.window_s)
@@ -103,7 +103,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.members")))
     if until:
         handles.append(key(words.plain("figure.free_motion"), linewidth=0.5, linestyle=DASHES[2]))
-    figure.legend(handles=handles, loc="lower center", ncols=min(2, len(handles)))
+    legend(figure, handles)
     return figure
 
 
@@ -216,7 +216,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
     if any(seen.resurrections_g for _, _, seen, _ in curves):
         mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
         handles.append(key(words.plain("figure.resurrection"), **mark))
-    figure, axes_of = _grid(words, len(panels), 70.0, 8.0 + 4.0 * -(-len(handles) // LEGEND))
+    figure, axes_of = _grid(words, len(panels))
     for axes, panel in zip(axes_of, panels, strict=True):
         for record, sign, seen, points in panel.curves:
             _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
@@ -235,7 +235,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
             beside.grid(visible=False)
             beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
             beside.annotate("d/d₀", (0.99, 0.90), xycoords="axes fraction", ha="right", fontsize="x-small")
-    figure.legend(handles=handles, loc="lower center", ncols=LEGEND)
+    legend(figure, handles)
     return figure
 
 
@@ -254,10 +254,10 @@ def _curve(
         axes.annotate("", (edge, collapse), below[-1], arrowprops=arrow)
 
 
-def _grid(words: Words, count: int, height_mm: float, foot_mm: float = 16.0) -> tuple[Figure, list[Axes]]:
+def _grid(words: Words, count: int) -> tuple[Figure, list[Axes]]:
     """Return a figure of so many panels, two in a row; a place that is left over is empty."""
     columns = min(2, count)
-    figure, panels = chart(words, columns, -(-count // columns), height_mm, foot_mm)
+    figure, panels = chart(words, columns, -(-count // columns), height_mm=66.0)
     for axes in panels[count:]:
         axes.set_axis_off()
     return figure, panels[:count]
@@ -296,7 +296,7 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
     """Draw probabilities of collapse over the measure, curves with their 95 % bounds; circles: what was seen."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
-    figure, (axes,) = chart(words, height_mm=75.0, foot_mm=8.0 + 4.0 * len(fits))
+    figure, (axes,) = chart(words)
     top = max(fit.median * np.exp(max(2.0 * fit.dispersion, STEEP)) for fit in fits)
     low = min(fit.median * np.exp(-3.0 * fit.dispersion) for fit in fits)
     low = min([low, *(level for fit in fits for level in fit.seen[0])])
@@ -319,7 +319,7 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
     if any(fit.band for fit in fits):
         text = words.plain("figure.fragility_band")
         handles.append(Patch(color="0.0", alpha=SHADE, linewidth=0.0, label=text))
-    figure.legend(handles=handles, loc="lower center", ncols=1, handlelength=4.0)
+    legend(figure, handles, 1, handlelength=4.0)
     return figure
 
 
@@ -336,7 +336,7 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
     """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 95 % bounds, static beside."""
     names, campaign = moved(results), known(results.campaign)
-    figure, panels = _grid(words, len(names), 70.0)
+    figure, panels = _grid(words, len(names))
     losses = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
     drawn = [loss for loss in losses if loss is not None]
     least, most = min([0.0, *drawn]), max([0.01, *drawn])
@@ -362,7 +362,7 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     if campaign.method != "stripes":
         handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.loss_band")))
     handles.append(key(words.plain("figure.static_loss"), **static))
-    figure.legend(handles=handles, loc="lower center", ncols=3)
+    legend(figure, handles, 3)
     return figure
 
 

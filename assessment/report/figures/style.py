@@ -12,13 +12,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from matplotlib.text import Annotation, Text
+from matplotlib.text import Text
 from matplotlib.ticker import Formatter
-from matplotlib.transforms import Bbox
 from PIL import Image
 
 from assessment.report.language import Words
@@ -29,9 +27,8 @@ from mechanics.pictures import STYLE, nice
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
 OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a label that lies on lines
-TWO_LINES_MM = 11.0  # from an axis to a label of two lines
 SHADES = 64  # of a PNG in colours
-BAND_MM = 1.0  # of white that is left above and below a figure
+BAND_MM = 1.0  # of white around a figure
 LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
 LEGEND = 2  # columns
@@ -55,23 +52,13 @@ def key(label: str, **style: Any) -> Line2D:
 
 
 def typeset(figure: Figure) -> Figure:
-    """Set the symbols in the words of a figure as symbols: a_g with its subscript; a name's own dollars stay.
-
-    A label that is longer than its axis is high takes two lines, parted at the blank nearest to its middle.
-    """
+    """Set the symbols in the words of a figure as symbols: a_g with its subscript; a name's own dollars stay."""
 
     def symbol(found: re.Match[str]) -> str:
         letter, _, index = found[1].replace("₀", "_0").partition("_")
         star = "^*" if "*" in found[1] else ""
         return f"${letter.rstrip('*')}_{{\\mathrm{{{index.rstrip('*')}}}}}{star}$"
 
-    for axes in figure.axes:
-        label = axes.get_ylabel()
-        if axes.yaxis.label.get_window_extent().height > axes.bbox.height:
-            blanks = [at for at, letter in enumerate(label) if letter == " "]
-            at = min(blanks, key=lambda blank: abs(blank - len(label) / 2.0))
-            axes.set_ylabel(f"{label[:at]}\n{label[at + 1 :]}")
-            axes.yaxis.set_label_coords(-TWO_LINES_MM * MM * figure.dpi / axes.bbox.width, 0.5)
     for text in figure.findobj(Text):
         words = text.get_text()
         if not text.get_parse_math() and SYMBOL.search(words):
@@ -82,49 +69,24 @@ def typeset(figure: Figure) -> Figure:
 
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
-    buffer = io.BytesIO()
-    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        figure = typeset(draw())
-        figure.savefig(buffer, format="svg", metadata={"Date": None}, bbox_inches=_without_bands(figure))
-    write_atomically(path, with_fonts(buffer.getvalue().decode()).encode())
+    svg = _drawn(draw, format="svg", metadata={"Date": None}).getvalue().decode()
+    write_atomically(path, with_fonts(svg).encode())
 
 
 def save_png(draw: Callable[[], Figure], path: Path) -> None:
-    """Draw in the common style and write a PNG, grey if it can be, whose bytes depend on nothing but the drawing."""
+    """Draw in the common style and write a PNG in few colours, whose bytes depend on nothing but the drawing."""
+    picture = Image.open(_drawn(draw, format="png", dpi=PNG_DPI)).convert("RGB")
     buffer = io.BytesIO()
-    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
-        canvas = FigureCanvasAgg(typeset(draw()))
-        canvas.figure.set_dpi(PNG_DPI)
-        canvas.draw()  # type: ignore[no-untyped-call]
-    pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[no-untyped-call]
-    rows = np.flatnonzero((pixels < 255).any(axis=(1, 2)))
-    pad = round(BAND_MM * MM * PNG_DPI)
-    pixels = pixels[max(0, rows[0] - pad) : rows[-1] + pad + 1]
-    picture = Image.fromarray(pixels)
-    grey = bool((pixels == pixels[:, :, :1]).all())
-    picture = picture.convert("L") if grey else picture.quantize(SHADES, dither=Image.Dither.NONE)
-    picture.save(buffer, format="png", dpi=(PNG_DPI, PNG_DPI))
+    picture.quantize(SHADES, dither=Image.Dither.NONE).save(buffer, format="png", dpi=(PNG_DPI, PNG_DPI))
     write_atomically(path, buffer.getvalue())
 
 
-def _without_bands(figure: Figure) -> Bbox:
-    """Return the figure in inches, in its whole width, without the empty bands above and below what is drawn.
-
-    Of a sheet, whose axes are off, only what stands on it is drawn; no tight box knows of an arrow without words.
-    """
-    parts: list[Artist] = [*figure.legends, *figure.texts]
-    for axes in figure.axes:
-        frame = [axes.patch, axes.xaxis, axes.yaxis, *axes.spines.values()]
-        parts += [axes] if axes.axison else [each for each in axes.get_children() if each not in frame]
-    found = [
-        part.get_window_extent() if isinstance(part, Annotation) else part.get_tightbbox()
-        for part in parts
-        if part.get_visible()
-    ]
-    boxes = [b for b in found if b is not None and np.isfinite(b.extents).all() and b.height > 0.0]
-    low, high = min(b.y0 for b in boxes) / figure.dpi, max(b.y1 for b in boxes) / figure.dpi
-    width, height = figure.get_size_inches()
-    return Bbox([[0.0, max(0.0, low - BAND_MM * MM)], [width, min(height, high + BAND_MM * MM)]])
+def _drawn(draw: Callable[[], Figure], **kind: Any) -> io.BytesIO:
+    """Return a figure as matplotlib writes it, cut to what is drawn."""
+    buffer = io.BytesIO()
+    with mpl.rc_context(STYLE):  # type: ignore[arg-type]
+        typeset(draw()).savefig(buffer, bbox_inches="tight", pad_inches=BAND_MM * MM, **kind)
+    return buffer
 
 
 @dataclass(frozen=True)
@@ -213,27 +175,22 @@ def sheet(
 
 
 def chart(
-    words: Words,
-    columns: int = 1,
-    rows: int = 1,
-    height_mm: float = 75.0,
-    foot_mm: float = 16.0,
-    left_mm: float = 18.0,
+    words: Words, columns: int = 1, rows: int = 1, height_mm: float = 75.0
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of the column's width with `rows` × `columns` axes, and a foot for the legend."""
-    left, right, head, below = left_mm, 3.0, 7.0, 11.0  # mm around each axes: labels and title
-    total = rows * height_mm + foot_mm
-    figure = Figure(figsize=(WIDTH_MM * MM, total * MM))
-    width = WIDTH_MM / columns
-    panels = []
-    for index in range(rows * columns):
-        row, column = divmod(index, columns)
-        bottom = total - (row + 1) * height_mm + below
-        box = (column * width + left, bottom, width - left - right, height_mm - below - head)
-        panels.append(figure.add_axes((box[0] / WIDTH_MM, box[1] / total, box[2] / WIDTH_MM, box[3] / total)))
-        panels[-1].yaxis.set_label_coords(-15.0 / box[2], 0.5)
-        comma_ticks(panels[-1], words)
+    """Return a figure of the column's width with `rows` × `columns` axes, each so high with its words."""
+    figure = Figure(figsize=(WIDTH_MM * MM, rows * height_mm * MM), layout="constrained")
+    panels: list[Axes] = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
+    for axes in panels:
+        comma_ticks(axes, words)
     return figure, panels
+
+
+def legend(figure: Figure, handles: Sequence[Artist], columns: int = LEGEND, **style: Any) -> None:
+    """Put a legend below the axes of a chart, which becomes higher by it."""
+    columns = min(columns, len(handles))
+    lines = math.ceil(len(handles) / columns)
+    figure.set_figheight(figure.get_figheight() + (FREE_MM + LINE_MM * lines) * MM)
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, **style)
 
 
 class EvenDecimals(Formatter):

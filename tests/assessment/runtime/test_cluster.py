@@ -14,7 +14,7 @@ from assessment.results.schema.part import plain
 from assessment.runtime import pool as cluster
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.pool import Cluster, KilledError, Patience
+from assessment.runtime.pool import Cluster, KilledError
 from assessment.runtime.progress import Show
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
@@ -75,35 +75,21 @@ def test_a_worker_of_another_version_is_refused(local, monkeypatch):
     engine.close(at_once=False)
 
 
-def test_work_for_which_no_worker_is_left_is_not_waited_for_without_end():
-    """The scheduler keeps what the last worker was at until another one comes: the run hung."""
-    with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as found:
-        engine = Cluster(found.scheduler_address, Patience(workerless=0.1, look=0.01))
-        assert engine.submit(pow, 2, 3).result(timeout=LONG) == 8
-        found.scale(0)
-        found.sync(found._correct_state)
-        with pytest.raises(KilledError, match=r"no worker, for 0.1 s; start it, or one \(dask worker\)"):
-            engine.submit(pow, 2, 3).result(timeout=LONG)
-        found.scale(1)
-        found.sync(found._correct_state)
-        assert engine.submit(pow, 2, 4).result(timeout=LONG) == 16  # the wait begins anew
-        engine.close(at_once=False)
-
-
 def test_what_is_asked_of_a_scheduler_that_is_lost_fails():
     with distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=":0") as found:
         engine = Cluster(found.scheduler_address)
         waiting = engine.submit(time.sleep, 30)
-    for each in (waiting, engine.submit(pow, 2, 3)):
+    for ask in (lambda: waiting, lambda: engine.submit(pow, 2, 3)):
         with pytest.raises(KilledError, match="the Dask scheduler or its workers were lost"):
-            each.result(timeout=LONG)
+            cluster.result_of(ask())
     engine.close(at_once=True)
 
 
-def test_no_scheduler_at_the_address_is_told():
+def test_no_scheduler_at_the_address_is_told(monkeypatch):
+    monkeypatch.setattr(cluster, "ANSWER", 0.5)
     for address in ("tcp://127.0.0.1:1", "nowhere"):
         with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
-            Cluster(address, Patience(answer=0.5))
+            Cluster(address)
 
 
 def test_a_single_analysis_is_given_to_the_scheduler_too():
