@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from assessment.results.joint_states import Met, outlines, shares
 from assessment.results.schema import DrawnTie, Frames, Results, ShakenTie, Snapshots, TieTension
-from assessment.results.schema.part import finite, plain
+from assessment.results.schema.part import finite
 from mechanics import Assembly, State
 from mechanics.model import Contacts
 from mechanics.pictures import field, place
@@ -233,7 +233,7 @@ def _pictured(
         share[number[known]] = shares(c.contacts.places(at), c.forces)[known]
         share[resultant[:, 0] <= 1e-9 * model.weight] = np.nan
         force.append(_rounded(resultant, model.weight))
-        centre.append(plain(np.round(share, 6).tolist()))
+        centre.append([finite(value) for value in np.round(share, 6).tolist()])
     told = {"configuration": configurations(model, np.array(positions)), "force_kN": force, "centre": centre}
     told["met"] = list(met.joints)
     if model.ties:

@@ -6,22 +6,19 @@ returns; one that is damaged, or of another type, counts as absent. JSON execute
 
 from __future__ import annotations
 
-import builtins
 import hashlib
 import json
 import os
 import platform
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from assessment.runtime.files import file_digest, write_atomically
 
@@ -127,18 +124,27 @@ def packed(result: Any) -> str:
 def unpacked(text: str, kind: Any) -> Any:
     """Return what `packed` was given, of the annotated type `kind`.
 
-    Raises ValueError, TypeError, KeyError or RecursionError where the text is no such value.
+    Raises ValueError (pydantic's ValidationError is one), KeyError or RecursionError where the text is no such value.
     """
-    found = _built(json.loads(text, object_hook=_restored), kind, {})
+    found = _reader(kind).validate_python([json.loads(text, object_hook=_restored)])[0]
     if found == []:  # of several analyses in one there is a result of each
         raise ValueError("no result")
     return found
 
 
 @cache
+def _reader(kind: Any) -> TypeAdapter[list[Any]]:
+    """Return what builds values of a type, dataclasses and parts of the results within, from plain ones."""
+    return TypeAdapter(list[kind], config=ConfigDict(arbitrary_types_allowed=True))
+
+
+@cache
 def returned(function: Callable[..., Any]) -> Any:
     """Return the type that a function says it returns; Any where it says nothing."""
-    return _hints(function).get("return", Any)
+    try:
+        return get_type_hints(function).get("return", Any)
+    except (TypeError, AttributeError):  # a function in C, of the standard library
+        return Any
 
 
 @dataclass(frozen=True)
@@ -196,7 +202,7 @@ def _plain(value: Any) -> Any:
         return value.item()
     if is_dataclass(value):
         return {field.name: _marked(getattr(value, field.name)) for field in fields(value)}
-    if _is_part(type(value)):
+    if isinstance(value, BaseModel):
         return _marked(value.model_dump(by_alias=True, exclude_unset=True))
     raise TypeError(f"{type(value).__name__}: not a result of an analysis")
 
@@ -225,71 +231,3 @@ def _restored(content: dict[str, Any]) -> Any:
 
         return Message(content[MESSAGE], content["fields"])
     return content
-
-
-def _built(value: Any, kind: Any, bound: Mapping[Any, Any]) -> Any:
-    """Return a value as one of a type, tables as the classes that they are of; `bound`: types of type variables.
-
-    Raises TypeError where it is of another type, and pydantic's ValidationError for a part of the results.
-    """
-    kind = bound.get(kind, Any) if isinstance(kind, TypeVar) else kind
-    origin, arguments = get_origin(kind) or kind, get_args(kind)
-    if kind is Any:
-        return value
-    if origin in {Union, UnionType}:
-        for each in arguments:
-            with suppress(TypeError, ValueError):
-                return _built(value, each, bound)
-    elif origin in {list, Sequence} and isinstance(value, list):
-        return [_built(item, arguments[0], bound) for item in value]
-    elif origin in {dict, Mapping} and isinstance(value, dict):
-        return {name: _built(item, arguments[1], bound) for name, item in value.items()}
-    elif is_dataclass(origin) and isinstance(value, dict):
-        own = dict(zip(getattr(origin, "__parameters__", ()), arguments, strict=False))
-        hints = _hints(origin)  # type: ignore[arg-type]
-        if value.keys() != {field.name for field in fields(origin)}:
-            raise TypeError(f"{', '.join(value)}: no {kind}")
-        return origin(**{name: _built(item, hints[name], own) for name, item in value.items()})  # type: ignore[operator]
-    elif isinstance(origin, type) and _is_part(origin) and isinstance(value, dict):
-        return origin(**value)
-    elif _is_plain(value, origin, arguments):
-        return value
-    raise TypeError(f"{type(value).__name__}: no {kind}")
-
-
-def _is_plain(value: Any, origin: Any, arguments: Sequence[Any]) -> bool:
-    """Whether a value is one of a plain type: a number, a text, an array, nothing."""
-    if origin is Literal:
-        return value in arguments
-    if origin is float:
-        return type(value) in {int, float}
-    if origin is int:
-        return type(value) is int
-    if origin in {None, NoneType}:
-        return value is None
-    if not isinstance(origin, type) or not isinstance(value, origin):
-        return False
-    if arguments and hasattr(value, "dtype"):  # an array: shape and type of its numbers
-        return any(value.dtype == number for number in get_args(arguments[-1]))
-    return True
-
-
-def _is_part(kind: type) -> bool:
-    from assessment.results.schema.part import Part  # late: as above
-
-    return issubclass(kind, Part)
-
-
-@cache
-def _hints(annotated: Any) -> dict[str, Any]:
-    """Return the annotations of a function or a class as types; Any for names that only type checkers see."""
-
-    class Names(dict[str, Any]):
-        def __missing__(self, _: str) -> Any:
-            return Any
-
-    module = sys.modules.get(getattr(annotated, "__module__", None) or "", builtins)
-    try:
-        return get_type_hints(annotated, localns=Names(vars(builtins) | vars(module)))
-    except (TypeError, AttributeError):  # a function in C, of the standard library
-        return {}

@@ -176,9 +176,11 @@ class Workers:
             return False
         if text := self.store.find(key := stage.key(number)):
             with suppress(Exception):  # whatever another text than a result makes of it: it is absent
-                stage.known[number] = unpacked(text, returned(stage.function))
-                self.taken += key not in self.kept
-                return True
+                found = unpacked(text, returned(stage.function))
+                if packed(found) == text:  # else what is missing was filled in
+                    stage.known[number] = found
+                    self.taken += key not in self.kept
+                    return True
         return False
 
     def _compute(self, stage: _Stage, worthwhile: bool) -> Iterator[tuple[int, str]]:

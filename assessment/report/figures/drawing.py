@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch
+from matplotlib.patches import Patch, Polygon
 from matplotlib.path import Path
 
 from assessment.report.figures.style import Panels, foot, key, sheet
@@ -22,7 +22,7 @@ from assessment.results.frames import ties_of
 from assessment.results.joint_states import outlines
 from assessment.results.schema import Direction, DrawnBlock, Results, Settlement
 from assessment.results.table import sense
-from mechanics.faults import Fault, FaultyDrawingError, Outline
+from mechanics.faults import FaultyDrawingError
 from mechanics.pictures import FAINT, INK, SUPPORT, TIE, Bounds, Shape, fill, place
 from mechanics.types import Array
 
@@ -143,62 +143,40 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     (x0, z0), (x1, z1) = np.quantile(points, (0.0, 1.0), axis=0).tolist()
     page = sheet((x0, z0, x1, z1), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
     axes = page.panels[0]
-    for grey in ("0.95", SUPPORT, "none"):
-        rings = [(each.points, each.closed) for each in faulty.outlines if _grey(each) == grey]
-        if rings:
-            axes.add_artist(PathPatch(_path(rings), facecolor=grey, edgecolor=INK, linewidth=0.4))
-    for kind in dict.fromkeys(fault.kind for fault in faulty.faults):
-        _mark(axes, kind, [fault for fault in faulty.faults if fault.kind == kind])
+    for each in faulty.outlines:
+        grey = "none" if not each.closed else SUPPORT if each.support else "0.95"
+        axes.add_patch(Polygon(each.points, closed=each.closed, facecolor=grey, edgecolor=INK, linewidth=0.4))
+    handles: list[Any] = []
+    for kind, count in Counter(fault.kind for fault in faulty.faults).items():
+        own, style, surface = (
+            [each for each in faulty.faults if each.kind == kind],
+            _style(kind),
+            kind in SURFACES,
+        )
+        lines = [line for fault in own for line in fault.lines if len(line) > 1]
+        axes.add_collection(PolyCollection(lines, closed=surface, **style), autolim=False)
+        if kind == "outline":
+            points = np.concatenate([fault.points for fault in own])
+            axes.plot(*points.T, linestyle="none", marker="o", markersize=3.5, color=RED)
+        label = words.plain(f"figure.fault_{kind}", count=count)
+        line = key(label, color=RED, linewidth=style["linewidth"])
+        handles.append(Patch(label=label, **style) if surface else line)
     marked = [(n, fault) for n, fault in enumerate(faulty.faults, 1) if len(fault.points)]
     for turn, (number, fault) in enumerate(marked[:MOST_NUMBERS]):
         angle = 0.7 + 2.4 * turn  # neighbours' numbers lie on different sides
         off = 12.0 if fault.kind in SMALL else 0.0
         away = (off * np.cos(angle), off * np.sin(angle))
         axes.annotate(str(number), fault.points[0], away, textcoords="offset points", **NUMBER)
-    page.legend(_handles(faulty.faults, words), words)
+    page.legend(handles, words)
     return page.figure
 
 
-def _grey(outline: Outline) -> str:
-    return "none" if not outline.closed else SUPPORT if outline.support else "0.95"
-
-
-def _path(rings: Sequence[tuple[Array, bool]]) -> Path:
-    """Return outlines, closed or not, as one path, which is one element of the SVG."""
-    curves = [Path(np.vstack([r, r[:1]]) if closed else r, closed=closed) for r, closed in rings]
-    return Path.make_compound_path(*curves)
-
-
-def _mark(axes: Axes, kind: str, faults: Sequence[Fault]) -> None:
-    """Mark the faults of a kind, however many, by one artist for their lines and one for their points."""
-    lines = [own for fault in faults if (own := [line for line in fault.lines if len(line) > 1])]
-    if lines and kind in SURFACES:
-        shapes = [_path([(line, True) for line in own]) for own in lines]
-        axes.add_artist(PathCollection(shapes, **_surface(kind)))
-    elif lines:
-        path = _path([(line, False) for own in lines for line in own])
-        thick = 2.4 if kind == "gap" else 1.3
-        axes.add_artist(PathPatch(path, fill=False, edgecolor=RED, linewidth=thick, capstyle="round"))
-    if kind == "outline":
-        points = np.concatenate([fault.points for fault in faults])
-        axes.plot(*points.T, linestyle="none", marker="o", markersize=3.5, color=RED)
-
-
-def _surface(kind: str) -> dict[str, Any]:
+def _style(kind: str) -> dict[str, Any]:
+    """Return how faults of a kind are drawn: surfaces hatched, lines as thick as they are wide."""
+    if kind not in SURFACES:
+        return {"facecolor": "none", "edgecolor": RED, "linewidth": 2.4 if kind == "gap" else 1.3}
     face = {"facecolor": RED, "alpha": 0.45} if kind == "overlap" else {"facecolor": "none"}
     return {"edgecolor": RED, "linewidth": 1.0, "hatch": SURFACES[kind], **face}
-
-
-def _handles(faults: Sequence[Fault], words: Words) -> list[Any]:
-    counts = Counter(fault.kind for fault in faults)
-    handles: list[Any] = []
-    for kind, count in counts.items():
-        label = words.plain(f"figure.fault_{kind}", count=count)
-        if kind in SURFACES:
-            handles.append(Patch(label=label, **_surface(kind)))
-        else:
-            handles.append(Line2D([], [], color=RED, linewidth=2.4 if kind == "gap" else 1.3, label=label))
-    return handles
 
 
 def ghost_handle(label: str) -> Line2D:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import chain
 from typing import Annotated, Any, Self, TypeVar, get_args, get_origin
 
 import pydantic
@@ -214,27 +213,9 @@ def ratio_decimals(value: float, decimals: int = 2) -> int:
 
 
 def plain(value: Any) -> Any:
-    """Return a value in dictionaries, lists, strings and Python's own numbers; null for NaN and infinity.
-
-    Of a part of the results come the keys that were set, by their names in the file. A list of finite
-    floats is returned itself.
-    """
-    if isinstance(value, float):  # first: they are most
-        return float(value) if math.isfinite(value) else None
-    if type(value) is list and _finite(value):
-        return value
-    if isinstance(value, list | tuple):
+    """Return parts of the results, alone, in lists or tables, as the keys that were set, named as in the file."""
+    if isinstance(value, list):
         return [plain(item) for item in value]
     if isinstance(value, Mapping):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, pydantic.BaseModel):
-        return value.model_dump(by_alias=True, exclude_unset=True)
-    return value.item() if hasattr(value, "item") else value
-
-
-def _finite(values: list[Any]) -> bool:
-    """Whether lists, and lists within, hold finite floats alone: as those out of JSON do, with most of all numbers."""
-    kinds = set(map(type, values))
-    if kinds == {list}:
-        return _finite(list(chain.from_iterable(values)))
-    return kinds == {float} and math.isfinite(sum(values))
+        return {name: plain(item) for name, item in value.items()}
+    return value.model_dump(by_alias=True, exclude_unset=True) if isinstance(value, Part) else value
