@@ -50,11 +50,9 @@ def participation(
 ) -> Participation:
     """Return e* = (ΣPδ)²/(ΣP ΣPδ²) and Γ* = ΣPδ²/(δ_C ΣPδ) of a mechanism (Circolare C8.7.1.2; paper §7.1).
 
-    weights (b,) in kN hold the loads each block carries as well; dx (b,) are the virtual horizontal
-    displacements at onset and control_dx that of the control point, in any common unit. Blocks that stay
-    still do not count in ΣP: `moving` (b,) says which move (a block may move vertically only); without it,
-    those with |dx| > still · max|dx|. Raises CapacityError where nothing moves, where the control point does
-    not move horizontally, or where it moves against the resultant of the moving weights.
+    weights (b,), kN, with the loads of the blocks; dx (b,), control_dx: virtual horizontal displacements in a common
+    unit. Of blocks that stay still none counts in ΣP: `moving` (b,) says which move, by default those with |dx| > still
+    · max|dx|. Raises CapacityError where nothing moves, or not the control point, or it against the resultant.
     """
     P, delta = np.asarray(weights, dtype=float), np.asarray(dx, dtype=float)
     require(P.ndim == 1 and P.shape == delta.shape, "dx", delta.shape, f"one value per weight: {P.shape}")
@@ -64,19 +62,16 @@ def participation(
     if largest == 0.0 or not P[takes_part].any():
         raise CapacityError(message("e*, Γ*: no weight moves horizontally in the mechanism"))
     if abs(control_dx) <= still * largest:
-        raise CapacityError(
-            message(
-                "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
-            )
+        still_there = message(
+            "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
         )
+        raise CapacityError(still_there)
     P, ratio = P[takes_part], delta[takes_part] / control_dx
     weight, first, second = float(P.sum()), float(P @ ratio), float(P @ ratio**2)
     if first <= 0.0:
-        raise CapacityError(
-            message(
-                "Γ*: the control point moves against the moving weights; choose one that moves with the mechanism"
-            )
-        )
+        against = message("Γ*: the control point moves against the moving weights; choose one that moves with the "
+                          "mechanism")  # fmt: skip
+        raise CapacityError(against)
     return Participation(first**2 / (weight * second), second / first, weight, first, second)
 
 
@@ -160,9 +155,13 @@ class CapacityCurve:
 
     def steps(self) -> Trace:
         """Return α0*, a_y*, T_0 and d_0* by hand."""
-        fit, F_C, e, Gamma, first = (
-            self.fit, self.confidence_factor, self.e_star, self.gamma_star, self.activation,
-        )  # fmt: skip
+        fit, first, F_C, e, Gamma = (
+            self.fit,
+            self.activation,
+            self.confidence_factor,
+            self.e_star,
+            self.gamma_star,
+        )
         own = first.e_star == e  # of the mechanism of the curve, or of another one that moves before
         alpha, e_act = ("alpha_0", "e_star") if own else ("alpha_act", "e_star_act")
         lines = [
@@ -180,8 +179,7 @@ class CapacityCurve:
                 datum("d_0", fit.d_0, "m", f"{fit.source}: {why}"),
                 step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
             ]
-        if fit.alpha_y is not None and fit.d_y is not None:
-            a_y, d_y = fit.alpha_y / (e * F_C), fit.d_y * Gamma
+        if (a_y := self.a_y_star) is not None and (d_y := self.d_y_star) is not None:
             lines += [
                 *fit.steps,
                 step("a_y_star", "alpha_y/(e_star*F_C)", a_y, "g", _LAW, alpha_y=fit.alpha_y, e_star=e,

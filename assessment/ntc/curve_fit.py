@@ -4,6 +4,7 @@ Portioli et al., §7.1 (trilinear); NTC 2018, C7.3.4.2 (equal area); Circolare 7
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -98,59 +99,42 @@ def fit_rigid(rigid: Curve) -> CurveFit:
     return CurveFit("none", float(alpha[0]), d_0, None, None, None, d, alpha)
 
 
-def fit_trilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
-    """Return the paper's trilinear curve (§7.1): secant at 0.4 α_u, plateau 0.9 α_u, rigid branch to d_0.
-
-    The plateau ends where it meets the rigid branch, and the fit never lies above that branch: where the
-    secant meets it below the plateau, that point is (d_y, α_y), with a note; an elastic peak above α0
-    is noted too. Raises CapacityError without an elastic curve, for α0 ≤ 0, or where the elastic curve does
-    not rise with the displacement of the control point.
-    """
-    d, alpha, d_0 = _rigid_branch(rigid)
-    secant, alpha_u, _ = _rising_branch(elastic)
-    return _idealised("trilinear", (d, alpha, d_0), secant, alpha_u, YIELD_SHARE * alpha_u)
-
-
 def yield_point(elastic: Curve) -> tuple[float, float]:
     """Return (d_y m, α_y) of the paper's curve (§7.1): 0.9 α_u on the secant at 0.4 α_u, if no rigid branch cuts it."""
     secant, alpha_u, _ = _rising_branch(elastic)
     return YIELD_SHARE / SECANT_SHARE * secant, YIELD_SHARE * alpha_u
 
 
-def fit_bilinear(rigid: Curve, elastic: Curve | None) -> CurveFit:
-    """Return the elastic-plastic curve of equal area, cut by the rigid branch.
+def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
+    """Return the curve of the project's `model` from curves (displacement (k,) m, multiplier (k,)).
 
-    The stiffness is the secant at 0.4 α_u; the plateau α_y ≤ α_u gives the curve the area that the elastic
-    pushover has up to its meeting with the rigid branch (NTC 2018, C7.3.4.2, carried over to mechanisms
-    [k]); beyond the plateau the rigid branch is followed to d_0. Raises as fit_trilinear.
+    "none": the rigid branch alone. "trilinear" (§7.1 of the paper): secant at 0.4 α_u, plateau 0.9 α_u, rigid branch to
+    d_0. "bilinear": the plateau α_y ≤ α_u gives the curve the area that the elastic one has up to its meeting with the
+    rigid branch (NTC 2018, C7.3.4.2, carried over to mechanisms [k]). No fit lies above the rigid branch: where the
+    secant meets it below the plateau, that point is (d_y, α_y), with a note. Raises CapacityError without an elastic
+    curve, for α0 ≤ 0, or where the elastic curve does not rise with the control point; ArgumentError for the model.
     """
+    require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
+    if model == "none":
+        return fit_rigid(rigid)
     d, alpha, d_0 = _rigid_branch(rigid)
     secant, alpha_u, (d_e, alpha_e) = _rising_branch(elastic)
+    found = partial(_idealised, model, (d, alpha, d_0), secant, alpha_u)
+    if model == "trilinear":
+        return found(YIELD_SHARE * alpha_u)
     grid = np.union1d(np.union1d(d, d_e[d_e < d[-1]]), np.linspace(0.0, d[-1], 2001))
     branch = np.interp(grid, d, alpha)
     target = float(np.trapezoid(np.minimum(np.interp(grid, d_e, alpha_e), branch), grid))
 
     def excess(alpha_y: float) -> float:
-        fit = _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
+        fit = found(alpha_y, target)
         return float(np.trapezoid(fit.multiplier, fit.displacement) - target)
 
     if excess(alpha_u) <= 0.0:
-        return _idealised(
-            "bilinear", (d, alpha, d_0), secant, alpha_u, alpha_u, None,
-            message("no plateau below α_u has the area of the curve: α_y = α_u"),
-        )  # fmt: skip
+        return found(alpha_u, None, message("no plateau below α_u has the area of the curve: α_y = α_u"))
     from scipy.optimize import brentq  # late: few fits need it, and it takes long to import
 
-    alpha_y = float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14))
-    return _idealised("bilinear", (d, alpha, d_0), secant, alpha_u, alpha_y, target)
-
-
-def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
-    """Return the trilinear, bilinear or rigid ("none") fit of curves (d (k,) m, α (k,)). Raises ValueError."""
-    require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
-    if model == "none":
-        return fit_rigid(rigid)
-    return (fit_trilinear if model == "trilinear" else fit_bilinear)(rigid, elastic)
+    return found(float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14)), target)
 
 
 def _branch(curve: Curve, name: str) -> tuple[Array, Array]:
@@ -166,12 +150,9 @@ def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
     d, alpha = _branch(rigid, "rigid curve")
     require(bool((np.diff(d) > 0.0).all()), "rigid curve", "displacement", "growing from point to point")
     if alpha[0] <= 0.0:
-        raise CapacityError(
-            message(
-                "alpha_0 = {alpha:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity",
-                alpha=float(alpha[0]),
-            )
-        )
+        none = message("alpha_0 = {alpha:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity",
+                       alpha=float(alpha[0]))  # fmt: skip
+        raise CapacityError(none)
     down = np.flatnonzero(alpha <= 0.0)
     if not down.size:
         return d, alpha, None
@@ -183,12 +164,9 @@ def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
 def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Array]]:
     """Return where the curve reaches 0.4 α_u (m), α_u, and the curve up to where its displacement turns back."""
     if elastic is None:
-        raise CapacityError(
-            message(
-                'no elastic pushover curve: ask for contacts = ["rigid", "elastic"] and give '
-                'normal_stiffness_kN_m3, or set model = "none" (rigid branch alone)'
-            )
-        )
+        missing = message('no elastic pushover curve: ask for contacts = ["rigid", "elastic"] and give '
+                          'normal_stiffness_kN_m3, or set model = "none" (rigid branch alone)')  # fmt: skip
+        raise CapacityError(missing)
     d, alpha = _branch(elastic, "elastic curve")
     d, alpha = np.insert(d, 0, 0.0), np.insert(alpha, 0, 0.0)
     peak = int(np.argmax(alpha))

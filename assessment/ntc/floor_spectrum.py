@@ -287,13 +287,11 @@ def spectrum_at_return_period(
     knots = [log(T_R) for T_R in RETURN_PERIODS]
     over = [excess(knot) >= 0.0 for knot in knots]
     if over[0]:
-        return at(_LOW), (
-            message("capacity below the hazard of 30 years: the shape of that return period is scaled"),
-        )
+        below = message("capacity below the hazard of 30 years: the shape of that return period is scaled")
+        return at(_LOW), (below,)
     if not any(over):
-        return at(_HIGH), (
-            message("capacity above the hazard of 2475 years: the shape of that return period is scaled"),
-        )
+        above = message("capacity above the hazard of 2475 years: the shape of that return period is scaled")
+        return at(_HIGH), (above,)
     from scipy.optimize import brentq  # late: few projects need it, and it takes long to import
 
     k = over.index(True)
@@ -302,9 +300,8 @@ def spectrum_at_return_period(
 
 def with_hazard(spectrum: Spectrum, hazard: Hazard) -> Spectrum:
     """Return the spectrum on the same ground under another hazard. Raises ValueError for that of a record."""
+    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
+        return replace(spectrum, ground=with_hazard(spectrum.ground, hazard))
     if isinstance(spectrum, ElasticSpectrum):
         return replace(spectrum, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
-    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
-        ground = replace(spectrum.ground, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
-        return replace(spectrum, ground=ground)
     raise ValueError('scaling = "return_period": must be "shape" where the spectrum is that of a record')

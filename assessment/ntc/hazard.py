@@ -43,11 +43,8 @@ class HazardGrid:
 
 @cache
 def allegato_b() -> HazardGrid:
-    """Return the reference grid of D.M. 14/01/2008 (Gazzetta Ufficiale 29, 4/2/2008), Allegato B, table 1.
-
-    The text of an official act of the State is in no one's copyright (L. 633/1941, art. 5). `allegato_b.npz` holds the
-    digits that the act prints, as whole numbers: degrees, a_g in g/10, F0 and T_C* (s) for nine return periods.
-    """
+    """Return the reference grid of D.M. 14/01/2008 (Gazzetta Ufficiale 29, 4/2/2008), Allegato B, table 1."""
+    # digits as printed, whole numbers; an official act of the State is in no one's copyright (L. 633/1941, art. 5)
     with files("assessment.ntc").joinpath("allegato_b.npz").open("rb") as file, np.load(file) as table:
         read = {name: table[name] / 10.0**digits for name, digits in _DIGITS.items()}
     values = np.stack([read["ag"].T / 10.0, read["F0"].T, read["Tc_star"].T], axis=2)
@@ -72,11 +69,8 @@ class _File:
         for line, cells in self.rows:
             if len(cells) not in allowed or not all(map(_is_number, cells)):
                 found = ", ".join(cell.strip()[:12] for cell in cells[:4])
-                raise self.error(
-                    f"{columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; "
-                    "correct the line, or get the file again from its source",
-                    line,
-                )
+                text = f"{columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; correct the line, or "
+                raise self.error(f"{text}get the file again from its source", line)
         return np.array([cells[-columns:] for _, cells in self.rows], dtype=float)
 
     def check(self, values: Array, unit: str) -> None:
@@ -285,10 +279,10 @@ def site_curve(
         raise HazardError(
             f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site"
         )
-    require(is_between(latitude, -90.0, 90.0, "[]"), "latitude", latitude, "from -90 to 90, in degrees")
-    require(
-        is_between(longitude, -180.0, 180.0, "[]"), "longitude", longitude, "from -180 to 180, in degrees"
-    )
+    for name, degrees, most in (("latitude", latitude, 90.0), ("longitude", longitude, 180.0)):
+        require(
+            is_between(degrees, -most, most, "[]"), name, degrees, f"from -{most:g} to {most:g}, in degrees"
+        )
     x = (grid.longitude - longitude) * np.cos(np.radians(latitude)) * _KM_PER_DEGREE
     y = (grid.latitude - latitude) * _KM_PER_DEGREE
     distance = np.hypot(x, y)
@@ -300,8 +294,8 @@ def site_curve(
     if cell is None:
         lon, lat, first = grid.longitude, grid.latitude, int(near[0])
         inside = lon.min() <= latitude <= lon.max() and lat.min() <= longitude <= lat.max()
-        turned = (
-            f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " if inside else ""
+        turned = f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " * bool(
+            inside
         )
         raise HazardError(
             f"{grid.name}: site latitude = {latitude:g}, longitude = {longitude:g}: no cell of four nodes holds it; "
@@ -325,20 +319,17 @@ def hazard_range(return_period: float) -> tuple[Hazard, Hazard]:
 
 
 def site_hazard(
-    grid: HazardGrid | str | Path | None = None,
-    latitude: float | None = None,
-    longitude: float | None = None,
+    grid: HazardGrid | str | Path | None = None, latitude: float | None = None, longitude: float | None = None,
     return_period: float | None = None,
-) -> Hazard:
+) -> Hazard:  # fmt: skip
     """Return a_g (g), F0, T_C* (s) of a site at T_R (years), by a grid, its file, a site's table. Raises ValueError."""
     if return_period is None:
         raise ArgumentError("return_period: missing; must be from 30 to 2475 years")
     try:
         curve = site_curve(grid, latitude, longitude)
     except OSError as error:
-        raise ArgumentError(
-            f"grid = {str(grid)!r}: must be a file that can be read ({error.strerror})"
-        ) from None
+        text = f"grid = {str(grid)!r}: must be a file that can be read ({error.strerror})"
+        raise ArgumentError(text) from None
     return curve.at(return_period)
 
 

@@ -90,9 +90,7 @@ OWN_PSI_2 = ("I", "K")  # of these categories the designer decides case by case
 
 def psi_2(category: str | None, given: float | None) -> float:
     """Return ψ₂ of a variable load: as given, else that of its category of use (Tab. 2.5.I); 0 without either."""
-    if given is not None:
-        return given
-    return PSI_2[category] if category is not None else 0.0
+    return given if given is not None else PSI_2[category] if category is not None else 0.0
 
 
 CONFIDENCE_FACTOR = "Circolare 7/2019, C8.5.4"  # where F_C is a number that is given

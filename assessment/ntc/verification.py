@@ -204,16 +204,12 @@ def check_linear(
 def check_nonlinear(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
 ) -> Verification:
-    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
+    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2, or that of 2009).
 
-    d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same);
-    T = 1.68 π √(d/a) at 8 % damping,
-    T = 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
-    which the same spectrum reaches d_SLC: the formulas allow it where T_SLV lies on the plateau, and a structure past
-    SLC is past SLV. Circular of 2009:
-    d_u = min(0.40 d_0, local limit), T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u.
-    Raises CapacityError where d_0 is not reached, where no capacity is left at the limit, or where the
-    circular knows no nonlinear check for the limit state.
+    d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same), T = 1.68 π √(d/a) at
+    8 % damping or 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
+    which the same spectrum reaches d_SLC: a structure past SLC is past SLV. 2009: d_u = min(0.40 d_0, local limit),
+    T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u. Raises CapacityError where no d or a is left.
     """
     method = method or Method()
     solved = _solve_displacement(capacity, limit_state, spectrum, method)
@@ -331,13 +327,9 @@ def _solve_displacement(
     """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve."""
     rule = RULES.get((method.circular, limit_state))
     if rule is None:
-        raise CapacityError(
-            message(
-                "{limit}: the circular of {year} has no nonlinear check for it",
-                limit=limit_state,
-                year=method.circular,
-            )
-        )
+        none = message("{limit}: the circular of {year} has no nonlinear check for it", limit=limit_state,
+                       year=method.circular)  # fmt: skip
+        raise CapacityError(none)
     d, governing, first = _limit(capacity, limit_state, method, rule)
     lines = [first]
     d_secant, name = d, limit_state
@@ -347,13 +339,9 @@ def _solve_displacement(
                           **{first.symbol: d}))  # fmt: skip
     a = capacity.a_star(d_secant)
     if a <= 0.0:
-        raise CapacityError(
-            message(
-                "{limit}: no acceleration capacity is left at d* = {displacement:.6g} m",
-                limit=limit_state,
-                displacement=d_secant,
-            )
-        )
+        none = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m", limit=limit_state,
+                       displacement=d_secant)  # fmt: skip
+        raise CapacityError(none)
     T, T_0 = rule.factor * pi * sqrt(d_secant / (a * GRAVITY)), capacity.T_0 or 0.0
     largest = method.displacement_demand == "maximum"
 
@@ -390,14 +378,12 @@ def _limit(
     """Return the displacement limit d* (m), what sets it, and its step."""
     d_0, Gamma = capacity.d_0_star, capacity.gamma_star
     if d_0 is None:
-        raise CapacityError(
-            message(
-                "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
-                "{displacement:.6g} m; follow the pushover with rigid contacts to zero",
-                limit=limit_state,
-                displacement=float(capacity.fit.displacement[-1]),
-            )
-        )
+        positive = message(
+            "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
+            "{displacement:.6g} m; follow the pushover with rigid contacts to zero",
+            limit=limit_state, displacement=float(capacity.fit.displacement[-1]),
+        )  # fmt: skip
+        raise CapacityError(positive)
     symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
     share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
     d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"
@@ -461,8 +447,7 @@ def vertical_component(
     """
     a_g, S_T = spectrum.ag, spectrum.S_T
     a_v = 1.35 * S_T * sqrt(a_g) * a_g
-    leading, beside = 1.0 - _SHARE * a_v, (1.0 - a_v) / _SHARE
-    factor = min(leading, beside)
+    factor = min(1.0 - _SHARE * a_v, (1.0 - a_v) / _SHARE)
     law, rule = "NTC 2018, §3.2.3.2.2", "NTC 2018, §7.2.2, §7.3.5"
     lighter = factor * a_0_star
     trace = (
@@ -475,5 +460,6 @@ def vertical_component(
         step("r_v", "a_0_star_v/a_demand", lighter / demand, "", "Circolare 7/2019, C8.7.1.2",
              a_0_star_v=lighter, a_demand=demand),
     )  # fmt: skip
-    ratio = lighter / demand
-    return VerticalComponent(a_v, factor * alpha_0, lighter, demand, ratio, ratio >= 1.0, trace)
+    return VerticalComponent(
+        a_v, factor * alpha_0, lighter, demand, lighter / demand, lighter >= demand, trace
+    )

@@ -8,10 +8,8 @@ from hypothesis import strategies as st
 from assessment.ntc.capacity_curve import capacity_curve, mechanism_participation, participation
 from assessment.ntc.curve_fit import (
     CapacityError,
-    fit_bilinear,
     fit_curve,
     fit_rigid,
-    fit_trilinear,
     yield_point,
 )
 from mechanics.types import GRAVITY
@@ -109,7 +107,7 @@ def test_trilinear():
     """
     d, alpha = _elastic()
     alpha = alpha * 0.07 / alpha[-1]
-    fit = fit_trilinear(_rigid(), (d, alpha))
+    fit = fit_curve("trilinear", _rigid(), (d, alpha))
     assert fit.alpha_u == pytest.approx(0.07)
     assert fit.alpha_y == pytest.approx(0.063)
     assert fit.d_y == pytest.approx(0.00459743, rel=5e-4)  # the curve is sampled
@@ -123,14 +121,16 @@ def test_trilinear():
 def test_bilinear_has_the_area_of_the_curve():
     """Area of min(elastic, rigid) by fine summation equals the area under the fit; α_y ≤ α_u."""
     rigid, elastic = _rigid(), _elastic()
-    fit = fit_bilinear(rigid, elastic)
+    fit = fit_curve("bilinear", rigid, elastic)
     d = np.linspace(0.0, 0.3, 600_001)
     curve = np.minimum(np.interp(d, *elastic), np.interp(d, *rigid))
     area = np.trapezoid(curve, d)
     assert np.trapezoid(fit.multiplier, fit.displacement) == pytest.approx(area, rel=1e-4)
     assert fit.alpha_y < fit.alpha_u
     assert fit.d_y == pytest.approx(
-        fit.alpha_y / fit_trilinear(rigid, elastic).alpha_y * fit_trilinear(rigid, elastic).d_y
+        fit.alpha_y
+        / fit_curve("trilinear", rigid, elastic).alpha_y
+        * fit_curve("trilinear", rigid, elastic).d_y
     )
 
 
@@ -163,13 +163,13 @@ def test_fits_scale_with_the_drawing_and_stay_under_the_rigid_branch(
 def test_soft_elastic_branch_meets_the_rigid_branch_before_the_plateau():
     """K = 0.2 /m from (0.15, 0.03): 0.2 d = 0.1 (1 − d/0.3) at d = 0.1875 m, α = 0.0375 < 0.9·0.0599."""
     elastic = ([0.0, 0.2995], [0.0, 0.0599])
-    fit = fit_trilinear(_rigid(), elastic)
+    fit = fit_curve("trilinear", _rigid(), elastic)
     assert (fit.d_y, fit.alpha_y) == (pytest.approx(0.1875, rel=1e-6), pytest.approx(0.0375, rel=1e-6))
     assert any("no plateau" in note for note in fit.notes)
 
 
 def test_elastic_peak_above_the_rigid_onset_is_noted_and_cut():
-    fit = fit_trilinear(_rigid(), _elastic(alpha_u=0.12))
+    fit = fit_curve("trilinear", _rigid(), _elastic(alpha_u=0.12))
     assert fit.multiplier.max() <= 0.1
     assert any("above the rigid onset" in note for note in fit.notes)
 
@@ -177,7 +177,7 @@ def test_elastic_peak_above_the_rigid_onset_is_noted_and_cut():
 def test_a_control_point_that_sways_back_a_little_as_hinges_close_is_no_fault():
     d, alpha = (np.array(values) for values in _elastic())
     swaying = np.insert(d, 1, -2e-3 * d[np.argmax(alpha)]), np.insert(alpha, 1, 0.1 * alpha[1])
-    straight, swayed = fit_trilinear(_rigid(), (d, alpha)), fit_trilinear(_rigid(), swaying)
+    straight, swayed = fit_curve("trilinear", _rigid(), (d, alpha)), fit_curve("trilinear", _rigid(), swaying)
     assert swayed.d_y == pytest.approx(straight.d_y, rel=1e-2)
     assert swayed.alpha_y == straight.alpha_y
 
@@ -194,12 +194,12 @@ def test_a_control_point_that_sways_back_a_little_as_hinges_close_is_no_fault():
 )
 def test_curves_without_a_fit_are_refused(rigid, elastic, says):
     with pytest.raises(CapacityError, match=says):
-        fit_trilinear(rigid, elastic)
+        fit_curve("trilinear", rigid, elastic)
 
 
 def test_capacity_curve_divides_by_the_confidence_factor_once():
     """e* = 0.8, Γ* = 0.7, F_C = 1.25: a* = α/(0.8·1.25) = α, d* = 0.7 d; T_0 = 2π √(0.7 d_y/(α_y g))."""
-    fit = fit_trilinear(_rigid(), _elastic())
+    fit = fit_curve("trilinear", _rigid(), _elastic())
     curve = capacity_curve(fit, 0.8, 0.7, 1.25)
     np.testing.assert_allclose(curve.acceleration, fit.multiplier)
     np.testing.assert_allclose(curve.displacement, 0.7 * fit.displacement)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from assessment.ntc.capacity_curve import capacity_curve
-from assessment.ntc.curve_fit import fit_rigid, fit_trilinear
+from assessment.ntc.curve_fit import fit_curve, fit_rigid
 from assessment.ntc.floor_spectrum import (
     FloorSpectrum,
     FloorSpectrum2009,
@@ -36,7 +36,7 @@ def capacity(alpha_0, d_0, model="none", e_star=0.75, gamma_star=0.66):
     d = np.linspace(0.0, d_0, 50)
     rigid = (d, alpha_0 * (1.0 - d / d_0))
     elastic = (np.array([0.0, 0.02, 0.06]) * d_0, np.array([0.0, 0.8, 0.85]) * alpha_0)
-    fit = fit_rigid(rigid) if model == "none" else fit_trilinear(rigid, elastic)
+    fit = fit_rigid(rigid) if model == "none" else fit_curve("trilinear", rigid, elastic)
     return capacity_curve(fit, e_star, gamma_star, 1.35)
 
 
