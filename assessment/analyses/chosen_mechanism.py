@@ -84,11 +84,8 @@ class JointMotion:
 
     def closed(self, positions: Array) -> kinematics.Closed:
         """Return blocks and ends of the closed contacts at `positions` (b, 3)."""
-        return (
-            self.contacts.a[self.shut],
-            self.contacts.b[self.shut],
-            end_points(self.contacts, positions)[self.shut],
-        )
+        ends = end_points(self.contacts, positions)
+        return self.contacts.a[self.shut], self.contacts.b[self.shut], ends[self.shut]
 
     @property
     def sliding(self) -> Index:
@@ -128,13 +125,12 @@ def begun(
     delta = kinematics.virtual_displacements(model, positions, chosen)
     motion, work = joint_motion(model, positions, delta), kinematics.virtual_work(model, positions, chosen)
     if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does
-        raise MechanismError(
-            message(
-                "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
-                "correct centres, rotations (anticlockwise positive) or the choice of blocks",
-                block=motion.pair[0], other=motion.pair[1], share=100.0 * motion.penetration,
-            )
+        deep = message(
+            "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
+            "correct centres, rotations (anticlockwise positive) or the choice of blocks",
+            block=motion.pair[0], other=motion.pair[1], share=100.0 * motion.penetration,
         )  # fmt: skip
+        raise MechanismError(deep)
     for tie, _ in kinematics.works(model, positions, delta)[2]:
         if np.isinf(tie.yield_force):
             raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
@@ -142,13 +138,9 @@ def begun(
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
         raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
     if work.alpha_0 <= 0.0:
-        raise MechanismError(
-            message(
-                "alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
-                "rotation",
-                alpha=work.alpha_0,
-            )
-        )
+        driven = message("alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
+                         "rotation", alpha=work.alpha_0)  # fmt: skip
+        raise MechanismError(driven)
     return delta, motion, work
 
 
@@ -182,13 +174,9 @@ def evaluate(
             )
         )  # fmt: skip
     if sliding:
-        notes.append(
-            message(
-                "joints that slide as the mechanism moves: {count}; their friction is left out, so that alpha_0 is "
-                "lower than with it",
-                count=len(sliding),
-            )
-        )
+        slides = message("joints that slide as the mechanism moves: {count}; their friction is left out, so that "
+                         "alpha_0 is lower than with it", count=len(sliding))  # fmt: skip
+        notes.append(slides)
     fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
     if demands.keys() & {"SLV", "SLC"}:
         try:
@@ -202,11 +190,8 @@ def evaluate(
     if capacity.d_0_star is None:  # the finite motion is not known
         checks = {name: check for name, check in checks.items() if check.method == "linear"}
     turned = [
-        as_part(
-            parts.GivenMacroBlock,
-            part,
-            about_m=model.as_drawn(part.about).tolist(),
-            blocks=part.blocks.tolist(),
+        parts.GivenMacroBlock(
+            about_m=model.as_drawn(part.about).tolist(), rotation=part.rotation, blocks=part.blocks.tolist()
         )
         for part in chosen.parts
     ]
@@ -237,16 +222,15 @@ def _fit(
     model: Assembly, positions: Array, chosen: Chosen, closed: kinematics.Closed, control: FollowedPoint
 ) -> CurveFit:
     """Return α over the displacement of the control point, m, along the finite motion (C8.7.1.2.1.2)."""
-    path = kinematics.finite_motion(model, positions, chosen, kinematics.hinges_of(chosen, closed))
+    places, alpha = kinematics.finite_motion(model, positions, chosen, kinematics.hinges_of(chosen, closed))
     x, z = np.subtract(control.point, positions[control.block, :2])
-    turned = path.positions[:, control.block, 2] - positions[control.block, 2]
-    reached = path.positions[:, control.block, 0] + np.cos(turned) * x - np.sin(turned) * z
+    turned = places[:, control.block, 2] - positions[control.block, 2]
+    reached = places[:, control.block, 0] + np.cos(turned) * x - np.sin(turned) * z
     d = np.sign(control.delta_x) * (reached - control.point[0])
     if (np.diff(d) <= 0.0).any():
-        raise kinematics.KinematicsError(
-            message("the control point turns back before α = 0; choose one that does not")
-        )
-    return replace(fit_rigid((d, path.multiplier)), source="virtual work, hinges followed")
+        back = message("the control point turns back before α = 0; choose one that does not")
+        raise kinematics.KinematicsError(back)
+    return replace(fit_rigid((d, alpha)), source="virtual work, hinges followed")
 
 
 def compared(

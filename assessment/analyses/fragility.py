@@ -190,10 +190,10 @@ def over_records(levels: Sequence[RecordLevel]) -> Dispersion | None:
         return fit.median, np.hypot(fit.beta, within), fit.beta, within
 
     median, beta, beta_record, within = (float(value[0]) for value in fitted(np.ones((1, len(levels)))))
-    names = list(dict.fromkeys(each.record for each in levels))
-    if len(names) < ENOUGH:
+    weights = samples_of_records([each.record for each in levels])
+    if weights is None:
         return Dispersion(median, beta, beta_record, within, None, None)
-    samples = fitted(samples_of_records(np.array([names.index(each.record) for each in levels])))
+    samples = fitted(weights)
     ranges = confidence(samples[0]), confidence(samples[1])
     return Dispersion(median, beta, beta_record, within, *ranges, band_of(samples[0], samples[1]))
 
@@ -205,11 +205,18 @@ class Lognormal(NamedTuple):
     beta: Array
 
 
-def samples_of_records(record: Array) -> Array:
-    """Weights (s, n) of SAMPLES bootstrap samples of records, from a fixed seed; `record` (n,): of each observation."""
-    count = int(record.max()) + 1
-    drawn = np.random.default_rng(SEED).multinomial(count, np.full(count, 1.0 / count), SAMPLES)
-    return drawn[:, record].astype(float)
+def samples_of_records(records: Sequence[str]) -> Array | None:
+    """Weights (s, n) of SAMPLES samples of as many records as there are, with replacement, from a fixed seed.
+
+    `records` (n,): of each observation; those of one stay together, being no independent ones. None: fewer than ENOUGH.
+    """
+    names = list(dict.fromkeys(records))
+    if len(names) < ENOUGH:
+        return None
+    drawn = np.random.default_rng(SEED).multinomial(
+        len(names), np.full(len(names), 1.0 / len(names)), SAMPLES
+    )
+    return drawn[:, [names.index(record) for record in records]].astype(float)
 
 
 def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:

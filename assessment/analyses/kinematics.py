@@ -5,7 +5,7 @@ Circolare 7/2019, C8.7.1.2.1.2: macro-blocks turn about hinges of their own mate
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -173,21 +173,12 @@ class KinematicsError(SaidError, ValueError):
     """A mechanism whose hinges do not determine its motion, or whose motion is stopped before α = 0."""
 
 
-@dataclass(frozen=True)
-class Hinge:
+class Hinge(NamedTuple):
     """A point (x, z), m, that two macro-blocks share; they are given by number, None: the blocks that do not move."""
 
     first: int
     second: int | None
     point: tuple[float, float]
-
-
-@dataclass(frozen=True, eq=False)
-class FiniteMotion:
-    """A finite motion: positions (k, b, 3) and multipliers (k,), the first as given, the last not above zero."""
-
-    positions: Array
-    multiplier: Array
 
 
 def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
@@ -221,33 +212,34 @@ def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], clos
     return False
 
 
-def finite_motion(model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> FiniteMotion:
-    """Follow a mechanism until α = 0. Raises KinematicsError unless hinges allow one motion, or where stopped."""
-    parts = _Parts.of(positions, chosen, hinges)
-    q = np.zeros((len(chosen.parts), 3))
+def finite_motion(
+    model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]
+) -> tuple[Array, Array]:
+    """Return positions (k, b, 3) and multipliers (k,) of a mechanism until α = 0. Raises KinematicsError."""
+    origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
+    parts, q = (
+        _Parts([part.blocks for part in chosen.parts], origin, hinges),
+        np.zeros((len(chosen.parts), 3)),
+    )
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
     at, alpha = [positions], [_multiplier(model, positions, parts.motion(positions, q, rate))]
     turned = 0.0
     while alpha[-1] > 0.0:
         if turned > MOTION.farthest:
-            raise KinematicsError(
-                message(
-                    "α is still {alpha:.3g} after a rotation of {turned:.3g} rad",
-                    alpha=alpha[-1],
-                    turned=turned,
-                )
+            last = message(
+                "α is still {alpha:.3g} after a rotation of {turned:.3g} rad", alpha=alpha[-1], turned=turned
             )
+            raise KinematicsError(last)
         q = parts.step(q, rate)
         rate = parts.rate(q, rate[:, 2])
         turned += MOTION.step
         at.append(parts.placed(positions, q))
         alpha.append(_multiplier(model, at[-1], parts.motion(at[-1], q, rate)))
     if parts.drift(q) > MOTION.open * model.size:
-        raise KinematicsError(
-            message("its hinges do not stay closed as it moves: there are more of them than it can keep")
-        )
+        opened = message("its hinges do not stay closed as it moves: there are more of them than it can keep")
+        raise KinematicsError(opened)
     _unhindered(model, at, parts.blocks)
-    return FiniteMotion(np.array(at), np.array(alpha))
+    return np.array(at), np.array(alpha)
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,11 +249,6 @@ class _Parts:
     blocks: list[NDArray[np.intp]]
     origin: Array
     hinges: list[Hinge]
-
-    @classmethod
-    def of(cls, positions: Array, chosen: Chosen, hinges: list[Hinge]) -> Self:
-        origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
-        return cls([part.blocks for part in chosen.parts], origin, hinges)
 
     def arm(self, q: Array, part: int, point: Array) -> Array:
         """Return the vector (m) from a part's origin to its material point (2,), or points (m, 2)."""
@@ -282,13 +269,11 @@ class _Parts:
         _, values, right = np.linalg.svd(rows, full_matrices=True)
         free = rows.shape[1] - int((values > 1e-7 * size).sum())
         if free != 1:
-            raise KinematicsError(
-                message(
-                    "the hinges between its macro-blocks, points of joints that are closed, leave it "
-                    "{count} independent motions, not one: it slides, or a centre lies on no joint",
-                    count=free,
-                )
-            )
+            several = message(
+                "the hinges between its macro-blocks, points of joints that are closed, leave it "
+                "{count} independent motions, not one: it slides, or a centre lies on no joint", count=free,
+            )  # fmt: skip
+            raise KinematicsError(several)
         found = right[-1].reshape(-1, 3)
         found = found / abs(found[:, 2]).max()
         return found if found[:, 2] @ rotations > 0.0 else -found
@@ -353,9 +338,8 @@ def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.int
         for i, j in pairs[owner[pairs[:, 0]] < owner[pairs[:, 1]]].tolist():
             if _shared(model, positions, i, j) > least + _shared(model, at[0], i, j):
                 first, second = sorted((i, j))
-                raise KinematicsError(
-                    message("block {block} runs into block {other} before α = 0", block=first, other=second)
-                )
+                met = message("block {block} runs into block {other} before α = 0", block=first, other=second)
+                raise KinematicsError(met)
 
 
 def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:

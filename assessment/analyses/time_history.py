@@ -211,11 +211,8 @@ def history(shaking: Shaking) -> FoundHistory:
     elif falling := unfinished(*response.parts):
         notes.append(falling)
     elif speed := last.speed_at_end:
-        moving = message(
-            "blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this moment, "
-            "not of rest",
-            speed=speed,
-        )
+        moving = message("blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this "
+                         "moment, not of rest", speed=speed)  # fmt: skip
         notes.append(moving)
     row = quality_row(state, f"history, {motion.name}", response.counts()["programs"], response.worst)
     warnings = [headed(title, note) for note in notes]
@@ -281,11 +278,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
 def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow:
     """Return the row of motions in the table of certificates; `worst` bounds their residuals of both kinds."""
     return QualityRow(
-        state=state,
-        stage=stage,
-        solves=solves,
-        worst_equilibrium_residual=worst,
-        worst_complementarity=worst,
+        state=state, stage=stage, solves=solves, worst_equilibrium_residual=worst, worst_complementarity=worst
     )
 
 
@@ -332,23 +325,19 @@ def thinned(values: Array, most: int = MOST_POINTS) -> np.ndarray[tuple[int, ...
 WORTHWHILE = 50_000  # joints times steps: below it a second process costs more than it saves
 
 
-@dataclass(frozen=True, eq=False)
-class Resting:
-    """An assembly, and the state at rest in which a motion finds it, or why that was not reached."""
-
-    model: Assembly
-    start: Start
+Starts = Mapping[tuple[str, str], tuple[Assembly, Start]]
+"""By state and contacts an assembly, and the state at rest in which a motion finds it, or why that was not reached."""
 
 
 @dataclass(frozen=True)
 class MotionInputs:
     """The inputs that all motions of a run share.
 
-    `starts`: assembly and rest by state and contacts; `ultimates`: ultimate displacement by state and control point.
+    `ultimates`: ultimate displacement by state and control point.
     """
 
     project: Project
-    starts: Mapping[tuple[str, str], Resting]
+    starts: Starts
     ultimates: Mapping[tuple[str, str], float]
     workers: Workers
 
@@ -362,9 +351,9 @@ class MotionInputs:
         found = []
         for state in self.project.states:
             if table.states is None or state in table.states:
-                resting = self.starts[state, table.contacts]
+                model, start = self.starts[state, table.contacts]
                 setting = Setting(integrated, control, self.ultimates.get((state, control.name)), sliding)
-                found += [Shaking(resting.model, each, setting, state, resting.start) for each in motions]
+                found += [Shaking(model, each, setting, state, start) for each in motions]
         return found
 
     def each(
@@ -379,21 +368,17 @@ class MotionInputs:
 
 def starts_of(
     behaviours: Iterable[Behaviour], models: Mapping[str, StateModel], stages: Iterable[StateResult]
-) -> dict[tuple[str, str], Resting]:
+) -> dict[tuple[str, str], tuple[Assembly, Start]]:
     """Return what is at rest by state and behaviour, as drawn or settled, or the reason why it was not reached."""
     drawn = models[ORIGINAL].assembly
-    starts: dict[tuple[str, str], Resting] = {
-        (ORIGINAL, behaviour): Resting(drawn, drawn.initial) for behaviour in behaviours
+    starts: dict[tuple[str, str], tuple[Assembly, Start]] = {
+        (ORIGINAL, behaviour): (drawn, drawn.initial) for behaviour in behaviours
     }
     for stage in stages:
         if stage.state != ORIGINAL:
             model = stage.model or models[stage.state].assembly
-            start: Start = why_not_reached(stage)
-            if stage.reached is not None:
-                start = stage.reached
-            elif stage.from_drawing:
-                start = model.initial
-            starts[stage.state, stage.behaviour] = Resting(model, start)
+            as_drawn = model.initial if stage.from_drawing else None
+            starts[stage.state, stage.behaviour] = model, stage.reached or as_drawn or why_not_reached(stage)
     return starts
 
 

@@ -62,10 +62,10 @@ def participation(
     if largest == 0.0 or not P[takes_part].any():
         raise CapacityError(message("e*, Γ*: no weight moves horizontally in the mechanism"))
     if abs(control_dx) <= still * largest:
-        still_there = message(
+        stays = message(
             "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
         )
-        raise CapacityError(still_there)
+        raise CapacityError(stays)
     P, ratio = P[takes_part], delta[takes_part] / control_dx
     weight, first, second = float(P.sum()), float(P @ ratio), float(P @ ratio**2)
     if first <= 0.0:
@@ -179,7 +179,8 @@ class CapacityCurve:
                 datum("d_0", fit.d_0, "m", f"{fit.source}: {why}"),
                 step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
             ]
-        if (a_y := self.a_y_star) is not None and (d_y := self.d_y_star) is not None:
+        if fit.alpha_y is not None and fit.d_y is not None:
+            a_y, d_y = fit.alpha_y / (e * F_C), fit.d_y * Gamma
             lines += [
                 *fit.steps,
                 step("a_y_star", "alpha_y/(e_star*F_C)", a_y, "g", _LAW, alpha_y=fit.alpha_y, e_star=e,

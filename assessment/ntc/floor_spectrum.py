@@ -300,8 +300,9 @@ def spectrum_at_return_period(
 
 def with_hazard(spectrum: Spectrum, hazard: Hazard) -> Spectrum:
     """Return the spectrum on the same ground under another hazard. Raises ValueError for that of a record."""
-    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
-        return replace(spectrum, ground=with_hazard(spectrum.ground, hazard))
     if isinstance(spectrum, ElasticSpectrum):
         return replace(spectrum, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
+    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
+        ground = replace(spectrum.ground, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
+        return replace(spectrum, ground=ground)
     raise ValueError('scaling = "return_period": must be "shape" where the spectrum is that of a record')

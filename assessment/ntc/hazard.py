@@ -69,8 +69,8 @@ class _File:
         for line, cells in self.rows:
             if len(cells) not in allowed or not all(map(_is_number, cells)):
                 found = ", ".join(cell.strip()[:12] for cell in cells[:4])
-                text = f"{columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…; correct the line, or "
-                raise self.error(f"{text}get the file again from its source", line)
+                text = f"{columns} numbers expected ({meaning}), found {len(cells)} cells: {found}…"
+                raise self.error(f"{text}; correct the line, or get the file again from its source", line)
         return np.array([cells[-columns:] for _, cells in self.rows], dtype=float)
 
     def check(self, values: Array, unit: str) -> None:

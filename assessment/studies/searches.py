@@ -119,10 +119,9 @@ def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -
     median, beta = float(fit.median[0]), float(fit.beta[0])
     if not (0.0 < median < math.inf and math.isfinite(beta)):
         return None
-    names = list(dict.fromkeys(each.record for each in known))
-    if len(names) < fragility.ENOUGH:
+    weights = fragility.samples_of_records([each.record for each in known])
+    if weights is None:
         return fragility.Dispersion(median, beta, beta, 0.0, None, None)
-    weights = fragility.samples_of_records(np.array([names.index(each.record) for each in known]))
     samples = fragility.fit_stripes(np.array(levels), fallen, weights)
     ranges = fragility.confidence(samples.median), fragility.confidence(samples.beta)
     return fragility.Dispersion(
@@ -159,7 +158,7 @@ def loss_of(
 ) -> dynamic.CampaignLoss:
     """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic and static."""
     own, before = ([each for each in asked if each.state is of] for of in (state, base))
-    loss = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
+    loss = UNKNOWN
     if base is not None:
         pairs = list(zip(before, own, strict=True))
         loss = _loss_of_stripes(pairs, scans, levels) if levels else paired_loss(pairs, scans)
@@ -167,6 +166,9 @@ def loss_of(
             loss = loss.replace(dynamic_range=[0.0, 0.0])
     static = reduction(base.static_capacity, state.static_capacity) if base else None
     return as_part(dynamic.CampaignLoss, loss, state, static=static)
+
+
+UNKNOWN = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
 
 
 def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.Loss:
@@ -187,11 +189,9 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
         errors.append(math.hypot(before.known_to(beta), after.known_to(beta)))
     left_out = len(pairs) - len(names)
     if not names:
-        return dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=left_out)
-    records = list(dict.fromkeys(names))
-    weights = np.ones((1, len(names)), dtype=int)
-    if len(records) >= fragility.ENOUGH:
-        weights = fragility.samples_of_records(np.array([records.index(name) for name in names])).astype(int)
+        return UNKNOWN.replace(left_out=left_out)
+    samples = fragility.samples_of_records(names)
+    weights = (np.ones((1, len(names))) if samples is None else samples).astype(int)
     random = np.random.default_rng(RESAMPLED)
     noise = random.standard_normal((fragility.SAMPLES, len(names))) * errors + changes
     medians = [
@@ -212,15 +212,11 @@ def _loss_of_stripes(
 ) -> dynamic.Loss:
     """Return the loss of the median over `pairs`, before and after; its range is that of the bootstrap over records."""
     known = [both for both in pairs if all(each.starts and scans.of(each).reason is None for each in both)]
-    loss = dynamic.Loss(
-        dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=len(pairs) - len(known)
-    )
+    loss = UNKNOWN.replace(left_out=len(pairs) - len(known))
     if not known:
         return loss
-    names, weights = list(dict.fromkeys(one.record for one, _ in known)), np.ones((1, len(known)))
-    if len(names) >= fragility.ENOUGH:
-        samples = fragility.samples_of_records(np.array([names.index(one.record) for one, _ in known]))
-        weights = np.vstack([weights, samples])
+    samples = fragility.samples_of_records([one.record for one, _ in known])
+    weights = np.vstack([np.ones(len(known)), *([] if samples is None else samples)])
     shares = (_shares(own, scans) for own in zip(*known, strict=True))
     medians = (fragility.fit_stripes(np.array(levels), each, weights).median for each in shares)
     # no level collapses: ∞, or all do: 0: only a bound is known
@@ -257,7 +253,7 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
     """Scan every record, of both signs, from every state, and sum them up by state."""
     project, table = inputs.project, inputs.project.incremental
     assert table is not None
-    drawn, found = inputs.starts[ORIGINAL, table.contacts].model, Searched()
+    drawn, found = inputs.starts[ORIGINAL, table.contacts][0], Searched()
     tasks = [("", task, 1.0, None) for task in inputs.tasks(table, motions, own_setting(table))]
     asked = asked_for(tasks, tuple(DIRECTIONS), reach_of(project), mirror_image(project, drawn, table))
     scans.settle(
@@ -315,10 +311,8 @@ def summarise(
     if len(records) < fragility.ENOUGH:
         few = message(
             "records of the incremental analysis: {count}; NTC 2018 §7.3.5 asks for at least {least}; "
-            "the scatter from record to record is not known",
-            count=len(records),
-            least=fragility.ENOUGH,
-        )
+            "the scatter from record to record is not known", count=len(records), least=fragility.ENOUGH,
+        )  # fmt: skip
         warnings.append(headed(title, few))
     signs = [(each.record, part) for each in records for part in each.signs]
     if any(part.same_as is not None for _, part in signs):

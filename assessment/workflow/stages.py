@@ -268,7 +268,7 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
     if "rigid" in project.dynamic_contacts and project.contacts.sliding == "coulomb":
         resting = {name: each for (name, behaviour), each in starts.items() if behaviour == "rigid"}
         at_rest = [
-            (each.model, name, each.start) for name, each in resting.items() if isinstance(each.start, State)
+            (model, name, start) for name, (model, start) in resting.items() if isinstance(start, State)
         ]
         worthwhile = large(*(model for model, *_ in at_rest))
         for found in scans.workers.each("friction at rest", rests_or_moves, at_rest, [*resting], worthwhile):
