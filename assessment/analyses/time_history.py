@@ -202,7 +202,6 @@ def history(shaking: Shaking) -> FoundHistory:
         nothing = _unanswered(motion, setting, error.message)
         return FoundHistory(nothing, failures=[headed(title, error.message)], state=state)
     seconds = time.perf_counter() - began
-
     value = _answered(model, motion, setting, response).replace(seconds=seconds)
     notes, last = list(response.notes), response.last
     if last.collapsed:
@@ -226,6 +225,7 @@ def history_title(shaking: Shaking) -> Message:
 
 def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> History:
     """Return a time history without an answer, and the `reason` why there is none."""
+    vertical = {} if motion.vertical is None else {"vertical_pga_g": float(abs(motion.vertical).max())}
     return History(
         record=motion.name,
         pga_g=motion.pga,
@@ -240,6 +240,7 @@ def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> His
         collapsed=None,
         time_of_collapse_s=None,
         reason=reason,
+        **vertical,
     )
 
 
@@ -297,7 +298,6 @@ def motion_part(motion: BaseMotion, periods: Array) -> AppliedRecord:
         T_s=periods.tolist(),
         S_a_g=S_a.tolist(),
         S_d_m=S_d.tolist(),
-        vertical=motion.vertical is not None,
     )
 
 

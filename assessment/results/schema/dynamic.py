@@ -21,7 +21,6 @@ class AppliedRecord(Part):
     T_s: list[float] = key("periods of the spectrum")
     S_a_g: list[float] = key("accelerations at 5 % damping", "S_a", ground="surface")
     S_d_m: list[float] = key("displacements at 5 % damping")
-    vertical: bool = key("whether a vertical record shakes too")
 
 
 class Course(Part):
@@ -90,6 +89,9 @@ class History(OfRecord, Peaks):
     """`history[]`: one record from the state at rest; without a start only the reason is there."""
 
     pga_g: float = key("its largest acceleration in the window, scale included")
+    vertical_pga_g: float | None = optional(
+        "the same of the vertical record; missing: none", "PGA verticale|Vertical PGA", ground="surface"
+    )
     scale: float = key("factor on the record")
     time_step_s: float = key("time step")
     contacts: str = key("rigid or elastic", "Giunti|Contacts")

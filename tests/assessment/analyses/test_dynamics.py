@@ -1,6 +1,7 @@
 """The dynamic stages of a project, on the template's rocking block."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -246,6 +247,18 @@ def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
     assert response.positions.shape == (response.time.size, 2, 3)
     gentle = respond(model, _motion(Record(0.2 * WAVE, STEP, "gentle")), setting, model.initial)
     assert len(gentle.parts) == 1
+
+
+def test_a_history_tells_the_peak_of_its_vertical_record(setting):
+    """It names none where none shakes: then no column of the table is printed."""
+    model, quiet = block_on_base(0.6, 2.4), Record(0.1 * WAVE, STEP, "quiet")
+    both = replace(_motion(quiet), vertical=-0.03 * WAVE)
+    one, two = (
+        response.history(response.Shaking(model, motion, setting, "drawn", model.initial)).numbers
+        for motion in (both, _motion(quiet))
+    )
+    assert one.vertical_pga_g == pytest.approx(0.03 * abs(WAVE).max())
+    assert "vertical_pga_g" not in two.model_fields_set
 
 
 def test_thinned_curves_keep_their_shape():

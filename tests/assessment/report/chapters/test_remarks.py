@@ -124,7 +124,7 @@ HISTORY = {
     "reason": "block 3 has fallen by 0.4 m", "sustained_displacement_m": 0.06, "time_of_peak_s": 2.34,
     "curve": {"time_s": [0.0, 2.34, 5.32], "displacement_m": [0.0, -0.06, -0.229]},
 }  # fmt: skip
-MOTION = {"name": "rec", "pga_g": 0.3, "scale": 1.0, "window_s": [0.0, 10.0], "vertical": False}
+MOTION = {"name": "rec", "pga_g": 0.3, "scale": 1.0, "window_s": [0.0, 10.0]}
 
 
 def _tied(**tension):
