@@ -65,9 +65,7 @@ class HistoryTable(StatesTable):
         "file of the horizontal ground acceleration; records/artificial.csv comes with a new project"
     )
     name: kinds.Name | None = absent("name in tables and figures; default the record's file name")
-    scale: kinds.Ratio = entry(
-        "factor on the accelerations of the record, and of its vertical one; not zero", 1.0
-    )
+    scale: kinds.Ratio = entry("factor on the accelerations, the vertical ones too; not zero", 1.0)
     vertical_record: Annotated[kinds.Name | None, FileName()] = absent(
         "file of the vertical ground acceleration"
     )

@@ -7,7 +7,8 @@ from assessment.results.schema import Results, present
 from assessment.results.schema import dynamic as parts
 from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
 
-HISTORY = "state record pga_g vertical_pga_g contacts control peak_displacement_m residual_displacement_m collapsed time_of_collapse_s"
+HISTORY = """state record pga_g vertical_pga_g contacts control peak_displacement_m residual_displacement_m collapsed
+time_of_collapse_s"""
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
 MOVED = "settlement share movement_m"
