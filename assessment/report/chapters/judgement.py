@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
-from assessment.report.chapters.lead import lead
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
+from assessment.report.chapters.synthesis import lead
 from assessment.report.language import Words, check_name, merged, plain_text
 from assessment.report.tables.mechanisms import balance
 from assessment.report.tables.rows import capacities, moves
@@ -38,6 +38,13 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
     All that a printed table has of a quantity is compared: no sentence may claim what a table contradicts.
     """
     if not results.model.self_weight_stable:
+        return findings(results, words)
+    return [*findings(results, words), *_trust(results, words), words("judgement.limits")]
+
+
+def findings(results: Results, words: Words) -> list[Markup]:
+    """Return what was found, in sentences; of a structure that does not stand, that it does not."""
+    if not results.model.self_weight_stable:
         return lead(results, words)
     return [
         *lead(results, words),
@@ -51,8 +58,6 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
         *_sensitive(results, words),
         *_margins(results, words),
         *_ties(results, words),
-        *_trust(results, words),
-        words("judgement.limits"),
     ]
 
 

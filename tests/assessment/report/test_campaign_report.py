@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from assessment.report.chapters.judgement import draft_judgement
-from assessment.report.chapters.lead import lead
+from assessment.report.chapters.synthesis import lead
 from assessment.report.document import render_html
 from assessment.report.figures.motions import draw_campaign_curves
 from assessment.report.language import words_of

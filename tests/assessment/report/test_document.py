@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import Markup
 
-from assessment.report.chapters.lead import lead
-from assessment.report.chapters.synthesis import basis, synthesis_grid
+from assessment.report.chapters.synthesis import basis, lead, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_pdf
 from assessment.report.figures.index import pictures
 from assessment.report.language import LANGUAGES, NO_BREAK, Words, words_of

@@ -10,7 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from assessment.report.chapters.judgement import RESIDUALS, all_warnings, draft_judgement
-from assessment.report.chapters.lead import lead
+from assessment.report.chapters.synthesis import lead
 from assessment.report.language import NO_BREAK, check_name, direction_name, words_of, written
 from assessment.report.tables import capacity as capacity_tables
 from assessment.report.tables import mechanisms as mechanism_tables

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, settings
 from markupsafe import Markup
 
-from assessment.report.chapters.lead import lead
-from assessment.report.chapters.synthesis import basis, synthesis_grid
+from assessment.report.chapters.synthesis import basis, lead, synthesis_grid
 from assessment.report.language import Words, direction_name, plain_text, written
 from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanisms
