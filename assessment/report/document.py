@@ -22,7 +22,7 @@ from assessment.report.chapters.judgement import all_warnings
 from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
 from assessment.report.language import Words, joined, sentence, translated, words_of
-from assessment.report.printing import command, embedded_faces, file_faces, load_weasyprint
+from assessment.report.printing import command, faces, load_weasyprint
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
@@ -31,7 +31,7 @@ from assessment.runtime.files import read_picture, write_atomically
 
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
 ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")
-FACES = "/* faces */"  # of the style: where the fonts of the page, or of the PDF, are put in
+FACES = "/* faces */"  # of the style: where the fonts of the PDF are put in
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
@@ -42,7 +42,7 @@ def write_page(results: Results, folder: Path, edited: Markup | None = None) -> 
     """
     words = words_of(results)
     page = render_html(results, folder / "figures", words, edited, viewer(results, words))
-    write_atomically(folder / "report.html", page.replace(FACES, embedded_faces(page)).encode())
+    write_atomically(folder / "report.html", page.encode())
 
 
 def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
@@ -56,7 +56,7 @@ def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> l
     except OSError as error:  # a shared library that cannot be loaded
         reason = str(error).partition("\n")[0]
         return [words.plain("warning.no_pdf", reason=reason, command=command())]
-    page = render_html(results, folder / "figures", words, edited).replace(FACES, file_faces())
+    page = render_html(results, folder / "figures", words, edited).replace(FACES, faces())
     write_atomically(folder / "report.pdf", weasyprint.HTML(string=page).write_pdf())
     return []
 

@@ -53,12 +53,6 @@ def taken_to_collapse(echo: schema.Echo) -> set[str]:
     return {each["name"] for each in echo.settlements or () if each.get("to_collapse")}
 
 
-def turns(echo: schema.Echo) -> set[str]:
-    """Return the settlements that are a rotation alone."""
-    rotated = (each for each in echo.settlements or () if each["rotation_rad"])
-    return {each["name"] for each in rotated if not any(each["displacement_m"])}
-
-
 def limit_states(echo: schema.Echo) -> list[str]:
     """Return the limit states of the project."""
     return list((echo.assessment or {}).get("limit_states", []))

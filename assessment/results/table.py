@@ -95,12 +95,6 @@ def among_known(found: Scenarios) -> tuple[int, int] | None:
     return (known, len(settled)) if known < len(settled) else None
 
 
-def gains_by(row: StrengtheningRow) -> str | None:
-    """Return the quantity that the gain of a strengthened state is of: the first that is known before."""
-    before = (row.a_g_before_g, row.alpha_0_before, row.alpha_u_before, row.dynamic_pga_before_g)
-    return next((name for name, value in zip(COMPARED, before, strict=True) if value is not None), None)
-
-
 def reference_of(results: Results) -> str:
     """Return where the a_g of the checks is: on "rock", or at the "surface" where the spectrum is a record's."""
     kinds = {spectrum.kind for spectrum in (results.spectra or {}).values()}

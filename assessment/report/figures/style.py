@@ -20,7 +20,7 @@ from matplotlib.ticker import Formatter
 from PIL import Image
 
 from assessment.report.language import Words
-from assessment.report.printing import with_fonts
+from assessment.report.printing import FAMILY
 from assessment.runtime.files import write_atomically
 from mechanics.pictures import STYLE, nice
 
@@ -28,6 +28,7 @@ WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air includ
 MM = 1.0 / 25.4  # inches
 OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a label that lies on lines
 SHADES = 64  # of a PNG in colours
+FONTS = f"'{FAMILY}', 'DejaVu Sans', Verdana, sans-serif"  # those of the PDF, then those of a screen
 BAND_MM = 1.0  # of white around a figure
 LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
@@ -70,7 +71,7 @@ def typeset(figure: Figure) -> Figure:
 def save_svg(draw: Callable[[], Figure], path: Path) -> None:
     """Draw in the common style and write an SVG whose bytes depend on nothing but the drawing."""
     svg = _drawn(draw, format="svg", metadata={"Date": None}).getvalue().decode()
-    write_atomically(path, with_fonts(svg).encode())
+    write_atomically(path, svg.replace("'DejaVu Sans'", FONTS).encode())
 
 
 def save_png(draw: Callable[[], Figure], path: Path) -> None:

@@ -1,4 +1,4 @@
-"""No layout hangs on the machine's fonts: they come with the program, in PDF, page and figures."""
+"""No PDF hangs on the machine's fonts: they come with the program."""
 
 import os
 import re
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from assessment.report.document import FACES
 from assessment.report.figures.style import save_svg
-from assessment.report.printing import FAMILY, embedded_faces, file, file_faces, printable
+from assessment.report.printing import FAMILY, faces, file, printable
 
 PRINT = "import sys, weasyprint; weasyprint.HTML(sys.argv[1]).write_pdf(sys.argv[2])"
 
@@ -28,7 +28,7 @@ def figure():
 @pytest.mark.skipif(not printable(), reason="no Pango")
 def test_the_pdf_is_the_same_with_other_fonts_on_the_machine(tmp_path):
     """The machine's own fonts, and a folder that holds nothing but a serif of another width."""
-    style = (files("templates") / "report.css").read_text(encoding="utf-8").replace(FACES, file_faces())
+    style = (files("templates") / "report.css").read_text(encoding="utf-8").replace(FACES, faces())
     save_svg(figure, tmp_path / "figure.svg")
     words = "Nello stato attuale <b>ζ<sub>E</sub></b> = 0,39 <i>non verificata</i> <code>α = 1·10⁻⁶</code> "
     (tmp_path / "page.html").write_text(
@@ -52,7 +52,3 @@ def test_the_pdf_is_the_same_with_other_fonts_on_the_machine(tmp_path):
     assert {name.split(b"+")[1] for name in re.findall(rb"/BaseFont /([\w+-]+)", pages[0])} <= {
         b"Report-Sans", b"Report-Sans-Bold", b"Report-Sans-Italic", b"Report-Mono",
     }  # fmt: skip
-
-
-def test_letters_beyond_the_usual_ones_are_there_too():
-    assert embedded_faces("中ሴa") and embedded_faces("abc") == embedded_faces("cab")
