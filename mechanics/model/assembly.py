@@ -8,12 +8,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from mechanics.errors import ArgumentError, is_number, is_whole, point_of, require, require_positive
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.kernels.joint import H
-from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints
+from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints, turned
 from mechanics.model.contacts import Contacts, drawn_contacts, tie_contacts
 from mechanics.model.proximity import Outlines
 from mechanics.pictures import Shape, draw_state, place
@@ -179,13 +180,12 @@ class Assembly:
     @cached_property
     def tie_blocks(self) -> Index:
         """The two blocks (t, 2) of each tie. Raises ArgumentError for an end that is in no block."""
-        found = [
-            [
-                self.block_at(point, f'{key} of tie "{tie.name}"')
-                for key, point in zip(("start", "end"), tie.points, strict=True)
-            ]
+        ends = [
+            (tie.name, key, point)
             for tie in self.ties
+            for key, point in zip(("start", "end"), tie.points, strict=True)
         ]
+        found = [self.block_at(point, f'{key} of tie "{name}"') for name, key, point in ends]
         return np.array(found, dtype=np.intp).reshape(len(self.ties), 2)
 
     @property
@@ -359,10 +359,8 @@ class Assembly:
     def support_movement(self, positions: Array, name: str) -> tuple[Array, float]:
         """Return displacement (2,) m and rotation (rad), about its drawn centroid, of a support at positions (b, 3)."""
         first, centre = self.support(name)[0], self.support_centre(name)
-        turn = float(positions[first, 2])
-        x, z = self.initial.positions[first, :2] - centre
-        cos, sin = np.cos(turn), np.sin(turn)
-        return positions[first, :2] - centre - np.array([cos * x - sin * z, sin * x + cos * z]), turn
+        turn, arm = float(positions[first, 2]), self.initial.positions[first, :2] - centre
+        return positions[first, :2] - centre - turned(arm, turn), turn
 
     def rotated(self, block: int, about: ArrayLike, rotation: float) -> State:
         """Return the drawn state with one block rotated by `rotation` (rad) about a point (2,) m."""
@@ -393,13 +391,11 @@ class Assembly:
 
     def block_at(self, point: ArrayLike, name: str = "control") -> int:
         """Return the block that contains a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
-        import shapely
-
         at = point_of(name, point)
         distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
-        distance = distance + np.where(
+        distance += np.where(
             self.movable, 0.0, 0.5 * self.joint_tolerance
-        )  # on a shared edge the movable block is taken
+        )  # on a shared edge the movable block
         nearest = int(np.argmin(distance))
         must_be = f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)"
         require(distance[nearest] <= self.joint_tolerance, name, tuple(at.tolist()), must_be)
@@ -409,9 +405,7 @@ class Assembly:
         """Return the displacement (…, 2), m, of a drawn point (2,) m of a block at positions (…, b, 3)."""
         at = self.from_origin(point)
         arm = at - self.initial.positions[block, :2]
-        cos, sin = np.cos(positions[..., block, 2]), np.sin(positions[..., block, 2])
-        turned = np.stack([cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]], axis=-1)
-        moved: Array = positions[..., block, :2] + turned - at
+        moved: Array = positions[..., block, :2] + turned(arm, positions[..., block, 2]) - at
         return moved
 
 

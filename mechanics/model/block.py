@@ -222,9 +222,10 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
     joint.
     """
     start, end, owner = block_edges(blocks)
-    first, second = _candidates(start, end, owner, tolerance)
+    lines = shapely.linestrings(np.stack([start, end], axis=1))
+    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=1.01 * tolerance)
     fixed = np.array([b.support is not None for b in blocks])
-    keep = ~(fixed[owner[first]] & fixed[owner[second]])
+    keep = (owner[first] < owner[second]) & ~(fixed[owner[first]] & fixed[owner[second]])
     first, second = first[keep], second[keep]
 
     unit = (end - start) / np.hypot(*(end - start).T)[:, None]
@@ -257,14 +258,6 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
     return Joints(a[order], b[order], ends[keep][order], rooms[0][order], rooms[1][order], edges[order])
 
 
-def _candidates(start: Array, end: Array, owner: Index, tolerance: float) -> tuple[Index, Index]:
-    """Return the pairs of edges of different blocks that are somewhere closer than the tolerance (m)."""
-    lines = shapely.linestrings(np.stack([start, end], axis=1))
-    first, second = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=1.01 * tolerance)
-    keep = owner[first] < owner[second]
-    return first[keep], second[keep]
-
-
 def block_edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
     """Return the straight edges of all blocks: start (e, 2) m, end (e, 2) m, block (e,)."""
     vertices = np.concatenate([b.polygon for b in blocks])
@@ -292,6 +285,13 @@ def _corners(v: Array, owner: Index) -> Mask:
     one, other = np.hypot(*before.T), np.hypot(*after.T)
     found: Mask = abs(turn) > 1e-9 * one * other + 2.0 * np.spacing(abs(v).max()) * (one + other)
     return found
+
+
+def turned(vectors: Array, angle: Array | float) -> Array:
+    """Return vectors (…, 2) turned anticlockwise by angles (…,), rad."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, z = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * z, s * x + c * z], axis=-1)
 
 
 def _dot(p: Array, q: Array) -> Array:

@@ -39,7 +39,7 @@ from mechanics.kernels.joint import (
     place,
 )
 from mechanics.kernels.law import STEEPEST
-from mechanics.model.block import Block, Joints, Tie
+from mechanics.model.block import Block, Joints, Tie, turned
 from mechanics.types import Array, Index, Mask
 
 ACROSS = 1e-7  # of the tension: a force across the tie, without which the cone of friction had no inside
@@ -224,18 +224,11 @@ def between(
 
 def end_points(contacts: Contacts, positions: Array) -> Array:
     """Return the lower and the upper end (j, 2, 2), m, of the overlaps, midway between the two faces."""
-    places = contacts.places(positions)
-    cos, sin = np.cos(positions[:, 2]), np.sin(positions[:, 2])
-
-    def turned(v: Array, block: Index) -> Array:
-        c, s = cos[block], sin[block]
-        return np.stack([c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]], axis=1)
-
-    f, a, b = contacts.faces, contacts.a, contacts.b
-    tangent = turned(f[:, [TAX, TAZ]], a), turned(f[:, [TBX, TBZ]], b)
-    p = positions[a, :2] + turned(f[:, [PX, PZ]], a)
-    q = positions[b, :2] + turned(f[:, [QX, QZ]], b)
-    slid = places[:, V]
+    f, slid = contacts.faces, contacts.places(positions)[:, V]
+    a, b = positions[contacts.a], positions[contacts.b]
+    tangent = turned(f[:, [TAX, TAZ]], a[:, 2]), turned(f[:, [TBX, TBZ]], b[:, 2])
+    p = a[:, :2] + turned(f[:, [PX, PZ]], a[:, 2])
+    q = b[:, :2] + turned(f[:, [QX, QZ]], b[:, 2])
     high = np.minimum(f[:, A2], f[:, B2] - slid)
     low = np.maximum(f[:, A1], f[:, B1] - slid)
     ends = [0.5 * (p + s[:, None] * tangent[0] + q + (s + slid)[:, None] * tangent[1]) for s in (low, high)]

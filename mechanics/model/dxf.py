@@ -180,11 +180,8 @@ class Clip:
         line = shapely.linestrings(flat) if len(flat) > 1 else shapely.points(flat)[0]
         inside = bool(shapely.covers(self.polygon.buffer(slack), line))
         outside = not shapely.intersects(self.polygon.buffer(-slack), line)
-        return (
-            "whole"
-            if (outside if self.inverted else inside)
-            else ("nothing" if (inside if self.inverted else outside) else "part")
-        )
+        shown, hidden = (outside, inside) if self.inverted else (inside, outside)
+        return "whole" if shown else "nothing" if hidden else "part"
 
 
 @dataclass(frozen=True, slots=True)

@@ -172,7 +172,8 @@ def without_loops(outline: PlacedOutline, reach: float) -> Array | None:
     MOST_CROSSINGS.
     """
     drawn = shapely.Polygon(outline.points[:, :2])
-    if drawn.is_valid or has_arcs(outline) or _crossings(outline.points[:, :2]) > MOST_CROSSINGS:
+    arcs = _vertices(outline.source.entity)[0][:, 3].any()
+    if drawn.is_valid or arcs or _crossings(outline.points[:, :2]) > MOST_CROSSINGS:
         return None
     parts = shapely.get_parts(shapely.make_valid(drawn, method="structure", keep_collapsed=False))
     areas = shapely.area(parts)
@@ -202,11 +203,6 @@ def file_points(outline: PlacedOutline) -> Array:
     vertices, _ = _vertices(outline.source.entity)
     to_model = _to_model(outline.source)
     return np.asarray(vertices[:, :3] @ to_model[:3, :3] + to_model[3, :3])
-
-
-def has_arcs(outline: PlacedOutline) -> bool:
-    """Whether an outline is drawn with arcs."""
-    return bool(_vertices(outline.source.entity)[0][:, 3].any())
 
 
 def ends_major_arc(outline: PlacedOutline) -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 from mechanics.kernels.joint import A1, A2, B1, B2, FACE, MEET, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ, H
-from mechanics.model.block import Block, block_edges
+from mechanics.model.block import Block, block_edges, turned
 from mechanics.model.contacts import Contacts, between, end_gaps
 from mechanics.types import Array, Index
 
@@ -95,15 +95,9 @@ def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, r
 
 def _pairs(outlines: Outlines, positions: Array, reach: float) -> tuple[Index, Index, Index, Array, Array]:
     """Blocks a < b, edges (k, 2) of theirs, and in their blocks' axes the points (k, 2) of these that are nearest."""
-    cos, sin = np.cos(positions[:, 2]), np.sin(positions[:, 2])
     own = outlines.owner
-
-    def turned(v: Array, block: Index) -> Array:
-        c, s = cos[block], sin[block]
-        return np.stack([c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]], axis=1)
-
-    corner = positions[own, :2] + turned(outlines.start, own)
-    along = turned(outlines.direction, own)
+    corner = positions[own, :2] + turned(outlines.start, positions[own, 2])
+    along = turned(outlines.direction, positions[own, 2])
     low, high = np.full((len(positions), 2), np.inf), np.full((len(positions), 2), -np.inf)
     np.minimum.at(low, own, corner)
     np.maximum.at(high, own, corner)

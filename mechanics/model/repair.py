@@ -67,10 +67,6 @@ def repair_drawing(
     return Repair(dxf_bytes(sheet.document), (*sheet.damage, *changes) if changes else ())
 
 
-def _joint_tolerance(sheet: Sheet, blocks: Sequence[Block]) -> float:
-    return sheet.tolerance or default_tolerance(blocks)
-
-
 def _outlines(sheet: Sheet) -> Iterator[str]:
     """Close outlines and take loops off them; yield a line for each."""
     for outline in sheet.outlines:
@@ -95,7 +91,7 @@ def _copies(sheet: Sheet) -> Iterator[str]:
     if not (blocks := sheet.drawing.blocks):
         return
     sources = {o.source.handle: o for o in sheet.sources}
-    for fault in survey_layout(blocks, _joint_tolerance(sheet, blocks), whole=False).faults:
+    for fault in survey_layout(blocks, sheet.tolerance or default_tolerance(blocks), whole=False).faults:
         if fault.kind == "short":
             raise FaultyDrawingError("", [fault])
         for handle in fault.handles[1:] if fault.remedy == "delete" else ():
@@ -110,7 +106,7 @@ def _fit(sheet: Sheet) -> Iterator[str]:
     blocks, sources = sheet.drawing.blocks, sheet.sources
     if not blocks:
         return
-    tolerance = _joint_tolerance(sheet, blocks)
+    tolerance = sheet.tolerance or default_tolerance(blocks)
     reach = NEAR * tolerance
     pairs, wide = misfits(blocks, tolerance, reach)
     if not len(pairs):

@@ -32,9 +32,8 @@ def arch(ring: Ring = Ring(3.0, 1.5, 0.3, 21)) -> Made:
     crown = max(float(polygon[:, 1].max()) for polygons in layout.values() for polygon in polygons)
     title, control = "Arco acuto" if ring.pointed else "Arco", {"chiave": (0.0, crown)}
     increment, moved = round(0.001 * ring.span_m, 6), geometry.outward(round(0.01 * ring.span_m, 6))
-    return layout, geometry.project(
-        title, 1.0, (20.0, 0.6, 1e6), geometry.TWO_SUPPORTS, control, increment, [moved]
-    )
+    stone = (20.0, 0.6, 1e6)
+    return layout, geometry.project(title, 1.0, stone, geometry.TWO_SUPPORTS, control, increment, [moved])
 
 
 def pointed_arch(ring: Ring = Ring(3.0, 2.4, 0.3, 20)) -> Made:
@@ -107,9 +106,8 @@ def barrel_vault(
     top = float(extrados[:, 1].max()) + cover_m
     above = np.diff(extrados[:, 0]) * (top - 0.5 * (extrados[:-1, 1] + extrados[1:, 1]))
     beside = (outer - extrados[-1, 0]) * (top - extrados[-1, 1])
-    number = (
-        np.minimum(np.arange(ring.voussoirs), np.arange(ring.voussoirs)[::-1]) + 1
-    )  # the same on either side
+    place = np.arange(ring.voussoirs)
+    number = np.minimum(place, place[::-1]) + 1  # the same on either side
     blocks = ring.blocks()
     layers = {
         f"VOLTA_{k:02d}": [block for block, own in zip(blocks, number, strict=True) if own == k]
@@ -149,10 +147,8 @@ def triumphal_arch(
         raise ValueError(f"height_m: must be above the ring's crown at {crown:.3g} m, is {height_m:g}")
     ring = replace(ring, springing=springing_m)
     inner, outer = 0.5 * ring.span_m, 0.5 * ring.span_m + wall_thickness_m
-    lower, upper = (
-        geometry.courses(0.0, springing_m, course_height_m),
-        geometry.courses(springing_m, height_m, course_height_m),
-    )
+    lower = geometry.courses(0.0, springing_m, course_height_m)
+    upper = geometry.courses(springing_m, height_m, course_height_m)
     foot = ring.springer(wall_thickness_m, 0.0)
     face, ledge = float(foot[3, 0]), foot[3, 1]
     skewback = int((upper < ledge - 1e-9).sum())
@@ -167,18 +163,13 @@ def triumphal_arch(
     )
     nave, masonry = geometry.mirrored(nave) + nave, ring.blocks() + spandrels
     roof = _beams(nave + masonry, outer, height_m, beams, beam_side_m)
-    layout = geometry.tidied(
-        **geometry.two_bases(geometry.base_below(inner, outer, inner)),
-        NAVATA=nave,
-        ARCO=masonry,
-        COPERTURA=roof,
-    )
+    bases = geometry.two_bases(geometry.base_below(inner, outer, inner))
+    layout = geometry.tidied(**bases, NAVATA=nave, ARCO=masonry, COPERTURA=roof)
     layers: dict[str, Any] = {name: {"depth_m": 5.5} | own for name, own in geometry.TWO_SUPPORTS.items()}
     layers |= {"NAVATA": {"depth_m": 5.5}, "COPERTURA": {"vertical_load_kN": 9.1}}
     control, stone = {"C1": (outer, height_m), "C2": (-outer, height_m)}, (16.0, 0.65, 5.33e6)
-    return layout, geometry.project(
-        "Arco trionfale", 0.6, stone, layers, control, 0.01, [geometry.outward(0.15, 0.01)]
-    )
+    moved = geometry.outward(0.15, 0.01)
+    return layout, geometry.project("Arco trionfale", 0.6, stone, layers, control, 0.01, [moved])
 
 
 def _pier(ring: Ring, width: float, blocks: int) -> list[Array]:

@@ -1,6 +1,5 @@
 """Templates of walls, façades and gables: masonry and project file as a function of dimensions."""
 
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -17,31 +16,8 @@ MOST_LEAN = 60.0  # degrees of the crack of a side wall, from vertical
 TIE = 1000.0  # E/f_y of steel of 210 N/mm²: E A/L of a tie is that of its yield force
 RAFTER = 0.2  # m, height of a rafter
 CRACK = 0.02  # m between a façade and its side walls: in simple overturning they do not rub
-
-
-@dataclass(frozen=True)
-class Storeys:
-    """Storeys of one height."""
-
-    storeys: Annotated[int, "storeys"]
-    storey_height_m: Annotated[float, "height of a storey"]
-
-
-@dataclass(frozen=True)
-class Roof:
-    """A roof that bears on a façade; its rafters thrust where they rise."""
-
-    roof_load_kN: Annotated[float, "load of the roof, per metre of façade"]
-    roof_span_m: Annotated[float, "horizontal length of a rafter that thrusts"]
-    roof_rise_m: Annotated[float, "rise of a rafter that thrusts; 0: trusses, which do not thrust"]
-
-
-@dataclass(frozen=True)
-class SideWalls:
-    """Side walls that a façade is bonded to, and the crack along which it parts from them."""
-
-    side_wall_m: Annotated[float, "thickness of the side walls, per metre of façade"]
-    crack_deg: Annotated[float, "angle of the crack of the side walls, from vertical; 0: no bond"]
+Storeys = Annotated[int, "storeys"]
+StoreyHeight = Annotated[float, "height of a storey"]
 
 
 def block(
@@ -81,7 +57,8 @@ def wall(
 
 def wall_with_openings(
     length_m: Annotated[float, "length of the wall"] = 7.0,
-    storeys: Storeys = Storeys(2, 3.0),
+    storeys: Storeys = 2,
+    storey_height_m: StoreyHeight = 3.0,
     openings: Annotated[int, "openings of a storey, at equal distances"] = 2,
     opening_width_m: Annotated[float, "width of an opening"] = 1.0,
     opening_height_m: Annotated[float, "height of an opening, adapted to the courses"] = 1.5,
@@ -91,8 +68,7 @@ def wall_with_openings(
     course_height_m: CourseHeight = 0.3,
 ) -> Made:
     """Return a running-bond wall with openings below lintels, on two bases. Raises ValueError if they do not fit."""
-    count, storey_height = storeys.storeys, storeys.storey_height_m
-    levels = geometry.courses(0.0, storey_height, course_height_m)
+    levels = geometry.courses(0.0, storey_height_m, course_height_m)
     per_storey, step = len(levels) - 1, float(levels[1])
     sill, rows = round(sill_m / step), max(1, round(opening_height_m / step))
     apart = length_m / max(openings, 1)
@@ -103,18 +79,18 @@ def wall_with_openings(
     if openings and opening_width_m + 2.0 * lintel_bearing_m > apart - 1e-9:
         raise ValueError(f"opening_width_m: with its lintel wider than the {apart:g} m that it has; lower it")
     holes, lintels = [], []
-    for storey in range(count):
-        floor = storey * storey_height
+    for storey in range(storeys):
+        floor = storey * storey_height_m
         bottom, top = floor + sill * step, floor + (sill + rows) * step
         for middle in apart * (np.arange(openings) + 0.5):
             low, high = middle - 0.5 * opening_width_m, middle + 0.5 * opening_width_m
             holes.append(box(low, bottom, high, top))
             low, high = low - lintel_bearing_m, high + lintel_bearing_m
             lintels.append(geometry.rectangle(low, high, top, top + step))
-    height = count * storey_height
+    height = storeys * storey_height_m
     region = box(0.0, 0.0, length_m, height).difference(unary_union([*holes, *map(Polygon, lintels)]))
     along = max(1, round(length_m / block_length_m))
-    cells = geometry.running_bond(0.0, length_m, np.linspace(0.0, height, count * per_storey + 1), along)
+    cells = geometry.running_bond(0.0, length_m, np.linspace(0.0, height, storeys * per_storey + 1), along)
     layout = geometry.tidied(
         **_two_bases(length_m * (1.0 - max(1, along // 3) / along), length_m, block_length_m, step),
         PARETE=geometry.fitted(cells, region),
@@ -124,14 +100,18 @@ def wall_with_openings(
 
 
 def facade(
-    storeys: Storeys = Storeys(2, 3.5),
+    storeys: Storeys = 2,
+    storey_height_m: StoreyHeight = 3.5,
     thickness_m: Annotated[float, "thickness of the façade"] = 0.6,
     course_height_m: CourseHeight = 0.35,
     bearing_m: Annotated[float, "length on which floors and roof bear, from the inner face"] = 0.2,
     floor_load_kN: Annotated[float, "load of each floor, per metre of façade"] = 8.0,
-    roof: Roof = Roof(5.0, 4.0, 0.0),
+    roof_load_kN: Annotated[float, "load of the roof, per metre of façade"] = 5.0,
+    roof_span_m: Annotated[float, "horizontal length of a rafter that thrusts"] = 4.0,
+    roof_rise_m: Annotated[float, "rise of a rafter that thrusts; 0: trusses, which do not thrust"] = 0.0,
     tie_kN: Annotated[float, "yield force of a tie at each floor and the roof, per metre; 0: no ties"] = 10.0,
-    side: SideWalls = SideWalls(0.2, 30.0),
+    side_wall_m: Annotated[float, "thickness of the side walls, per metre of façade"] = 0.2,
+    crack_deg: Annotated[float, "angle of the crack of the side walls, from vertical; 0: no bond"] = 30.0,
 ) -> Made:
     """Return a section of a façade, 1 m deep, that overturns outward, towards +x, about its outer edge x = thickness.
 
@@ -140,30 +120,30 @@ def facade(
     the façade in the compound mechanism (Circolare 7/2019, C8.7.1.2) and lie still in the simple one. Ties are a
     strengthened state. Raises ValueError for dimensions that do not go together.
     """
-    crack, thrusts, deep = side.crack_deg, roof.roof_rise_m > 0.0, {"depth_m": side.side_wall_m}
-    if crack > MOST_LEAN:
-        raise ValueError(f"crack_deg: must be {MOST_LEAN:g} at most, is {crack:g}")
+    thrusts, deep = roof_rise_m > 0.0, {"depth_m": side_wall_m}
+    if crack_deg > MOST_LEAN:
+        raise ValueError(f"crack_deg: must be {MOST_LEAN:g} at most, is {crack_deg:g}")
     if bearing_m >= thickness_m:
         raise ValueError(f"bearing_m: must be less than thickness_m ({thickness_m:g}), is {bearing_m:g}")
-    per_storey = len(geometry.courses(0.0, storeys.storey_height_m, course_height_m)) - 1
+    per_storey = len(geometry.courses(0.0, storey_height_m, course_height_m)) - 1
     if per_storey < 2:
         raise ValueError(f"course_height_m: must be half of storey_height_m at most, is {course_height_m:g}")
-    if roof.roof_span_m < thickness_m:
-        raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof.roof_span_m:g}")
-    top = storeys.storeys * storeys.storey_height_m
-    levels = np.linspace(0.0, top, storeys.storeys * per_storey + 1)
+    if roof_span_m < thickness_m:
+        raise ValueError(f"roof_span_m: must be {thickness_m:g} or more, is {roof_span_m:g}")
+    top = storeys * storey_height_m
+    levels = np.linspace(0.0, top, storeys * per_storey + 1)
     step, t, b = float(levels[1]), thickness_m, bearing_m
     floors = levels[per_storey:-1:per_storey]
-    room, steps, inner = _cracked(levels, crack)
+    room, steps, inner = _cracked(levels, crack_deg)
     # the top course holds the roof's bearing, and with it the thrust, behind an upstand
     low, high = top - step, top + step
     notched = np.array([(0, low), (t, low), (t, high), (b, high), (b, top), (0, top)])
     masonry = [geometry.rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
-    ridge, high = 0.5 * b - roof.roof_span_m, top + roof.roof_rise_m
+    ridge, high = 0.5 * b - roof_span_m, top + roof_rise_m
     rafter = [(0, top), (b, top), (b, top + RAFTER), (ridge, high + RAFTER), (ridge, high)]
     wedge = [geometry.rectangle(x, -CRACK, z, z + step) for x, z in zip(steps, levels, strict=False)]
     # layer: its blocks, and what it has of its own
-    load = {"vertical_load_kN": roof.roof_load_kN}
+    load = {"vertical_load_kN": roof_load_kN}
     parts: dict[str, tuple[list[Array], dict[str, Any]]] = {
         "BASE": ([geometry.rectangle(room, 1.5 * t, -0.5, 0.0)], {"support": "base"}),
         "MURI": ([inner], {"support": "muri"} | deep),
@@ -172,7 +152,7 @@ def facade(
             {"support": "colmo"},
         ),
         "FACCIATA": (masonry, {}),
-        "CUNEO": (wedge if crack else [], deep),
+        "CUNEO": (wedge if crack_deg else [], deep),
         "SOLAI": (
             [geometry.rectangle(0.0, b, z, z + step) for z in floors],
             {"vertical_load_kN": floor_load_kN},
@@ -182,7 +162,7 @@ def facade(
     }
     parts = {name: part for name, part in parts.items() if part[0]}
     tables: dict[str, Any] = {}
-    if crack and not thrusts:  # a rafter turns by itself
+    if crack_deg and not thrusts:  # a rafter turns by itself
         turning = [name for name in parts if name not in {"BASE", "MURI", "CUNEO"}]
         names = {"ribaltamento semplice": turning, "ribaltamento composto": [*turning, "CUNEO"]}
         tables["mechanism"] = [{"name": n, "about_m": [t, 0.0], "layers": own} for n, own in names.items()]

@@ -87,31 +87,30 @@ def _archive(path: Path) -> BytesIO:
     """Return the bytes of a workbook. Raises ProjectError if damaged or too large, OSError if there are none."""
     with path.open("rb") as file:
         packed = BytesIO(file.read(MOST_BYTES + 1))
+    fault = _NO_WORKBOOK
     try:
         with ZipFile(packed) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
-            damaged = archive.testzip() if size <= MOST_BYTES else None
-            whole = damaged is None and size <= MOST_BYTES
-            # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that is
-            # there it reads on to the end, whatever it is asked for
-            sheets = [*filter(_SHEET_PART.search, archive.namelist())] if whole else []
-            declared = (
-                _SHEET.findall(archive.read(_WORKBOOK)) if whole and _WORKBOOK in archive.namelist() else []
-            )
-            missing = len(declared) > len(sheets)
-            longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
+            if size > MOST_BYTES:
+                fault = (
+                    f"file: holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures that "
+                )
+                fault += "are no part of the project"
+            elif archive.testzip() is None:
+                # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that
+                # is there it reads on to the end, whatever it is asked for
+                sheets = [*filter(_SHEET_PART.search, archive.namelist())]
+                whole = len(_SHEET.findall(archive.read(_WORKBOOK))) <= len(sheets)
+                longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
+                if longest > MOST_ROWS:
+                    text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"
+                    fault = f"file: {text}; delete those below the last entry"
+                elif whole:
+                    fault = ""
     except _UNREADABLE:
-        raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from None
-    if size > MOST_BYTES:
-        raise ProjectError(
-            f"{path.name}: file: holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures that "
-            "are no part of the project"
-        )
-    if longest > MOST_ROWS:
-        text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"
-        raise ProjectError(f"{path.name}: file: {text}; delete those below the last entry")
-    if damaged is not None or missing:
-        raise ProjectError(f"{path.name}: {_NO_WORKBOOK}")
+        fault = _NO_WORKBOOK
+    if fault:
+        raise ProjectError(f"{path.name}: {fault}")
     return packed
 
 
