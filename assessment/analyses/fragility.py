@@ -262,17 +262,13 @@ def _censored(
 
 
 def fit_stripes(levels: Array, collapsed: Array | Mask, weights: Array) -> Lognormal:
-    """Fit the collapses (n, k) seen at levels (k,): binomial likelihood (Baker 2015, Earthquake Spectra 31(1), eq. 11).
+    """Fit the collapses (n, k) seen at growing levels (k,): binomial likelihood (Baker 2015, Earthquake Spectra 31(1)).
 
-    `levels` grow. With p = Φ(a + b ln level) the logarithm of the likelihood is concave in a and b. It has a maximum
-    with b > 0 where the share of collapses grows with ln level (by regression), and some stand above the lowest level
-    with a collapse (Silvapulle 1981, J. R. Stat. Soc. B 43(3)); its median is exp(−a/b), and β = 1/b.
-
-    Without a maximum the limit of ever larger likelihoods counts, where it is a distribution. Collapses parted by a
-    level, all above and none below: β = 0, and the geometric mean of the two levels around, of which no other median in
-    between is less likely. All above and none below a level at which some collapse: β → 0, and the median → this level.
-    Without collapse the median is ∞; where none stands, 0. Median and β are NaN where the collapses do not grow with
-    the level, and where a share collapses at one level and no other was run.
+    With p = Φ(a + b ln level) it has a maximum with b > 0 where the share of collapses grows with ln level, and some
+    stand above the lowest level with a collapse (Silvapulle 1981, J. R. Stat. Soc. B 43(3)): median exp(−a/b), β = 1/b.
+    Else the limit of ever larger likelihoods counts: collapses parted by a level, β = 0 and the geometric mean of the
+    two levels around; all above and none below a level, β → 0 and this level; without collapse the median is ∞, where
+    none stands 0. Both are NaN where collapses do not grow with the level, or a share collapses at the only one.
     """
     x, total = np.log(levels), weights.sum(axis=1)
     fell = weights @ collapsed.astype(float)

@@ -135,9 +135,8 @@ def histories(
 def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple["HistoryStudy", int, int]]) -> None:
     """Run members of studies side by side."""
     tasks = [(study.at(level, member),) for study, level, member in wanted]
-    for (study, level, member), found in zip(
-        wanted, inputs.each("history", time_history.history, tasks), strict=True
-    ):
+    done = inputs.each("history", time_history.history, tasks)
+    for (study, level, member), found in zip(wanted, done, strict=True):
         study.members.setdefault(level, {})[member] = found
 
 

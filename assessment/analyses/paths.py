@@ -129,10 +129,8 @@ def local_loss(
 ) -> LocalLoss | None:
     """Return the first loss along a path: a drawn joint that carries, and whose faces overlap no longer.
 
-    `displacement` (k,) m of the points `states`; `forces` (j, 3), kN, kNm, of the drawn joints, and others, by which
-    they carry: those at α0, or at the start of a movement; `falls`: no equilibrium lies beyond the last point. The
-    displacement of the loss is interpolated between two points, or is that of the last point if the structure falls as
-    the faces part; `overlap_m`: of the joint at the start. None if there is no loss.
+    `displacement` (k,) m of the points `states`, between which the loss is interpolated, or that of the last one if the
+    structure `falls` as the faces part; `forces` (j, 3), kN, kNm, by which joints carry. None if there is no loss.
     """
     drawn = model.contacts
     overlap = np.array([2.0 * drawn.places(state.positions)[:, H] for state in states])

@@ -25,18 +25,10 @@ PERIOD, FIRST, LAST = 1.0, 0.15, 2.0  # s: of Sa(T) and AvgSa where the project 
 UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
 
 
-@dataclass(frozen=True)
-class Target:
-    """The spectrum of the site at its farthest limit state: S_a (g) at periods (s)."""
-
-    limit_state: str
-    spectrum: Spectrum
-
-    @classmethod
-    def of(cls, spectra: Mapping[str, Spectrum]) -> Self:
-        """Return the target of a campaign among the demands of a project."""
-        limit_state = next(limit for limit in (*QUOTED, *spectra) if limit in spectra)
-        return cls(limit_state, spectra[limit_state])
+def target_of(spectra: Mapping[str, Spectrum]) -> tuple[str, Spectrum]:
+    """Return the farthest limit state of the site, and its spectrum, to which records are made and scaled."""
+    limit_state = next(limit for limit in (*QUOTED, *spectra) if limit in spectra)
+    return limit_state, spectra[limit_state]
 
 
 def made_record(spectrum: Spectrum, seed: int) -> Record:
@@ -55,10 +47,10 @@ def ordinate(motion: BaseMotion, period: float) -> float:
     return float(spectrum_of(motion, np.array([period]))[0])
 
 
-def scaled_to(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
+def scaled_to(target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
     """Scale each record, within the limits, so that the mean of ln(S_a/target) over ln T vanishes."""
     periods, (low, high) = np.geomspace(*table.periods_s, PERIODS), table.scale_limits
-    wanted, found = np.log(target.spectrum.acceleration(periods)), []
+    wanted, found = np.log(target.acceleration(periods)), []
     for motion in motions:
         best = float(np.exp(np.mean(wanted - np.log(spectrum_of(motion, periods)))))
         factor, notes = float(np.clip(best, low, high)), motion.notes
@@ -66,33 +58,25 @@ def scaled_to(target: Target, motions: Sequence[BaseMotion], table: CampaignTabl
             limited = message(
                 "campaign, {record}: the spectrum of the site asks for a factor of {wanted:.3g}; "
                 "{taken:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
-                record=motion.name,
-                wanted=best,
-                taken=factor,
-                low=low,
-                high=high,
-            )
+                record=motion.name, wanted=best, taken=factor, low=low, high=high,
+            )  # fmt: skip
             notes += (limited,)
-        scaled = replace(
-            motion,
-            record=motion.record.scaled(factor),
-            original=motion.original.scaled(factor),
-            pga=factor * motion.pga,
-            scale=factor * motion.scale,
-            notes=notes,
-        )
-        found.append(scaled)
+        scaled, original = (each.scaled(factor) for each in (motion.record, motion.original))
+        pga, scale = factor * motion.pga, factor * motion.scale
+        found.append(replace(motion, record=scaled, original=original, pga=pga, scale=scale, notes=notes))
     return found
 
 
-def compatibility(target: Target, motions: Sequence[BaseMotion], table: CampaignTable) -> CampaignSpectrum:
+def compatibility(
+    limit_state: str, target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTable
+) -> CampaignSpectrum:
     """Return the mean spectrum of a set of records with the target: relative deviations and their periods (s)."""
     periods = np.geomspace(*table.periods_s, PERIODS)
-    wanted = target.spectrum.acceleration(periods)
+    wanted = target.acceleration(periods)
     mean = np.mean([spectrum_of(each, periods) for each in motions], axis=0)
     deviation = mean / wanted - 1.0
     return CampaignSpectrum(
-        limit_state=target.limit_state,
+        limit_state=limit_state,
         periods_s=list(table.periods_s),
         T_s=periods.tolist(),
         target_g=wanted.tolist(),

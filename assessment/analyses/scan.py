@@ -108,20 +108,16 @@ def scan(
     if levels.refused and len(levels.refused) == len(found.points):
         found.reason = next(iter(levels.refused.values()))
     found.failures = [found.reason] if found.reason else []
-    found.notes = [
-        message(
-            "{count} of {all} motions: {text}", count=len(alike), all=levels.counts["motions"], text=alike[0]
+    every = levels.counts["motions"]
+    for alike in levels.notes.values():
+        found.notes.append(
+            message("{count} of {all} motions: {text}", count=len(alike), all=every, text=alike[0])
         )
-        for alike in levels.notes.values()
-    ]
     if levels.refused and found.reason is None:
-        text = message(
-            "whether it collapses at {levels:.3g} g is not known and counts as neither: {reason}",
-            levels=list(levels.refused),
-            reason=next(iter(levels.refused.values())),
-        )
+        text = message("whether it collapses at {levels:.3g} g is not known and counts as neither: {reason}",
+                       levels=list(levels.refused), reason=next(iter(levels.refused.values())))  # fmt: skip
         found.notes.append(text)
-    if levels.counts["motions"]:
+    if every:
         found.counts = Counts(**levels.counts)
     found.worst, found.seconds = levels.worst, time.perf_counter() - began
     return found

@@ -263,10 +263,8 @@ def site_curve(
 ) -> HazardCurve:
     """Return the hazard of a site for the nine return periods: p = Σ(p_i/d_i)/Σ(1/d_i) over its cell's nodes.
 
-    Without `grid` the nodes are those of Allegato B. latitude and longitude in degrees, in the datum of the grid (ED50
-    in Allegato B [k]). A file of nine lines, one per return period, is the site's own table and needs no coordinates.
-    Raises HazardError where no cell of four nodes holds the site: outside the grid, at its edge, on an island;
-    ArgumentError for what is no coordinate.
+    `grid`: default Allegato B; a file of nine lines is the site's own table. Latitude and longitude in degrees, in the
+    datum of the grid (ED50 in Allegato B [k]). Raises HazardError where no cell of four nodes holds the site.
     """
     if grid is None:
         grid = allegato_b()

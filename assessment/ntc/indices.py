@@ -106,11 +106,8 @@ def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
 def required_zeta(zeta: float | None, use_class: str) -> dict[str, float | None]:
     """Return the ζ_E that each kind of intervention must reach from the one before it (NTC 2018, §8.4).
 
-    `zeta`: before the intervention; None: not known, and so is what improvement must reach.
-
-    Repair, §8.4.1: none, but not below the present; improvement, §8.4.2: 0.1 more in classes II and III, 0.6 at least
-    in class IV and for schools of class III, nothing said of class I; retrofit, §8.4.3: 0.8 for changes of use and
-    class (cases c, e), 1.0 otherwise (a, b, d).
+    Repair, §8.4.1: none; improvement, §8.4.2: 0.1 more in classes II and III, 0.6 at least in class IV and for schools
+    of class III, nothing said of class I; retrofit, §8.4.3: 0.8 for changes of use and class (c, e), 1.0 otherwise.
     """
     more = None if zeta is None else min(1.0, zeta + 0.1)
     enough = None if zeta is None else max(0.6, min(1.0, zeta))

@@ -144,10 +144,8 @@ def verify(
 ) -> dict[str, Verification]:
     """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
 
-    SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, where the curve has
-    one; SLV and SLC: nonlinear. For a mechanism at height the spectra are floor spectra; for the paper's assessment a
-    RecordSpectrum. A capacity that is not defined (d_0 not reached) gives a Verification without numbers that says why.
-    Raises ValueError for an unknown limit state or an unsuitable method.
+    SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, of a curve that has
+    one; SLV and SLC: nonlinear, without numbers where a capacity is not defined. Raises ValueError for a wrong method.
     """
     method = method or Method()
     checks = {}
@@ -440,10 +438,9 @@ def vertical_component(
 ) -> VerticalComponent:
     """Return the linear check of a mechanism with the weights made lighter by the vertical component.
 
-    The masses of a rigid mechanism feel S_ve(0) = a_g S F_v/F_0 = 1.35 S_T √(a_g/g) a_g (§3.2.3.2.2, S_S = 1). What
-    bears is in proportion to the weights, so that E_x + 0.3 E_z makes α0 smaller by the factor 1 − 0.3 a_v, and
-    0.3 E_x + E_z by (1 − a_v)/0.3 against the whole horizontal action (§7.3.5): the smaller one counts.
-    `demand` (g): what a_0* (g) of α0 is compared with.
+    Rigid masses feel S_ve(0) = 1.35 S_T √(a_g/g) a_g (§3.2.3.2.2, S_S = 1). What bears is in proportion to the weights:
+    E_x + 0.3 E_z makes α0 smaller by 1 − 0.3 a_v, 0.3 E_x + E_z by (1 − a_v)/0.3 (§7.3.5), and the smaller one counts.
+    `demand` (g): what a_0* (g) is compared with.
     """
     a_g, S_T = spectrum.ag, spectrum.S_T
     a_v = 1.35 * S_T * sqrt(a_g) * a_g

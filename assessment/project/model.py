@@ -155,9 +155,8 @@ class ProjectModel:
 def build_model(project: Project) -> ProjectModel:
     """Read the drawing, check it, and place control points and ties.
 
-    Raises DrawingError for a drawing that cannot be read, FaultyDrawingError, one of them, with all the faults of one
-    that is no assembly, and ProjectError for a control point in a support, one, the end of a tie or a measurement
-    outside every block, a crack or slip at no joint, or a mechanism whose blocks are not there.
+    Raises DrawingError for a drawing that cannot be read, FaultyDrawingError with all faults of one that is none,
+    and ProjectError for a point, tie, measurement or mechanism that does not go with its blocks.
     """
     geometry = project.geometry
     drawing = masonry.as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))

@@ -114,10 +114,8 @@ def _static(
         values = [check.pga_g if check else None for check in checks]
     else:
         own = [stage for stage in stages if stage.behaviour in project.pushover.contacts]
-        values = [
-            compared(each, variants.quantity(project))
-            for each in variants.capacities_of(project, own, pushed, {}).values()
-        ]
+        borne = variants.capacities_of(project, own, pushed, {}).values()
+        values = [compared(each, variants.quantity(project)) for each in borne]
     known = [value for value in values if value is not None]
     return min(known) if known and len(known) == len(values) else None
 
@@ -128,15 +126,15 @@ def record_set(
     """Return the motions of files, or made to the site's spectrum or scaled to it, with their mean spectrum."""
     if not (table.generated or table.spectrum_compatible):
         return list(motions), None
-    found, target = list(motions), sets.Target.of(statics.demands.spectra)
+    found, (limit_state, target) = list(motions), sets.target_of(statics.demands.spectra)
     if table.generated:
         seeds = range(1, table.generated + 1)
-        tasks, titles = [(target.spectrum, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
+        tasks, titles = [(target, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
         made = statics.workers.each("campaign: records", sets.made_record, tasks, titles, table.generated > 1)
         found = [motion_of(statics.project, "campaign", table, record) for record in made]
     if table.spectrum_compatible:
         found = sets.scaled_to(target, found, table)
-    return found, sets.compatibility(target, found, table)
+    return found, sets.compatibility(limit_state, target, found, table)
 
 
 def campaign(
@@ -237,12 +235,8 @@ def _findings(found: dynamic.Campaign) -> Iterator[Message]:
     for lost in found.loss:
         if lost.distinguishable is False:
             low, high = (value or 0.0 for value in lost.dynamic_range)
-            text = message(
-                "a loss of {loss:.0%} is not distinguishable from none: its range is from {low:.0%} to {high:.0%}",
-                loss=lost.dynamic or 0.0,
-                low=low,
-                high=high,
-            )
+            text = message("a loss of {loss:.0%} is not distinguishable from none: its range is from {low:.0%} to "
+                           "{high:.0%}", loss=lost.dynamic or 0.0, low=low, high=high)  # fmt: skip
             yield headed(moved_title(lost.settlement, lost.share), text)
     if not any(row.share == 0.0 for row in found.loss):
         yield message(

@@ -36,9 +36,8 @@ QUANTITIES = tuple(ERRORS)
 def estimated_error(values: Sequence[float | None]) -> float | None:
     """Estimate |v_n − v| of values v_0 … v_n at increments h, h/2, h/4…; None: the last two are not both known.
 
-    With r = |v_n−1 − v_n−2|/|v_n − v_n−1|, the error by Richardson's extrapolation is |v_n − v_n−1|/(r − 1). r is kept
-    between 1.25, below which the differences show no order, and 2, the ratio of first order. Of two values the error is
-    the difference, as at first order. All estimates have a factor of safety.
+    Richardson's |v_n − v_n−1|/(r − 1), with r = |v_n−1 − v_n−2|/|v_n − v_n−1| from 1.25, below which no order shows, to
+    2, of first order; of two values their difference; all with a factor of safety.
     """
     if len(values) < 2 or values[-1] is None or values[-2] is None:
         return None
@@ -151,9 +150,8 @@ def converge(
 ) -> Converged:
     """Analyse the states in ever finer increments until the errors of their capacities meet the tolerance.
 
-    `analyse`: a function that analyses the states of these names in the increments of a project. A state keeps its
-    coarser analysis where the finer one fails and the coarser did not. Without a tolerance (accuracy "fast") every
-    state is analysed once. Raises what `analyse` raises.
+    `analyse`: analyses the states of these names in the increments of a project. A state keeps its coarser analysis
+    where the finer one fails. Without a tolerance (accuracy "fast") every state is analysed once.
     """
     accuracy = accuracy_of(project)
     given = analyse(project, project.states)

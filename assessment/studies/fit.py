@@ -258,11 +258,10 @@ def _distinct(sides: list[Array], residual: Array) -> tuple[Array, ...]:
 
 
 def over_kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> tuple[Mask, Fit]:
-    """Return where the prediction has a kink within a standard error (n,), m, below and above: (n, 2); and the fit.
+    """Return where the prediction has a kink within a standard error (n,), m, below and above (n, 2), and the fit.
 
-    There what is predicted departs by more than `linear` from its linear part. The slopes of the fit that is returned
-    are also those from one to two standard errors beyond such a kink: either may hold. Unknowns without an error, and
-    movements that the structure does not survive, have none.
+    There it departs by more than `linear` from its linear part; the fit has the slopes beyond such a kink too. Unknowns
+    without an error, and movements that the structure does not survive, have none.
     """
     found, slopes = np.zeros((len(error), 2), dtype=bool), [list(each) for each in fit.slopes]
     known = np.flatnonzero(np.isfinite(error))
@@ -320,9 +319,8 @@ class Sureness:
 def sureness(fit: Fit, measured: float, part: float = 0.1) -> Sureness:
     """Return standard errors from (JᵀJ)⁻¹, and the directions that the measurements leave open.
 
-    A direction is open where its standard error, infinite without an effect, is longer than the whole movement and than
-    the largest `measured` displacement (m); unknowns with more than a `part` in one have no error. Of an unknown with
-    several slopes each may hold: the errors are the largest, the open directions those of the flattest ones.
+    A direction is open where its standard error is longer than the whole movement and than the largest `measured`
+    displacement (m); unknowns with more than a `part` in one have no error. Of several slopes the largest error holds.
     """
     flat = np.array([slopes[0] for slopes in fit.slopes]).T
     found, open_ = _sureness(fit, flat, measured, part)

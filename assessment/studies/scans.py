@@ -74,9 +74,8 @@ def asked_for(
 ) -> list[Asked]:
     """Return every shaking with every sign; each: path of its state, shaking, ratio and state.
 
-    A scan begins at the level found for the same record and sign at the state before on the same path, else at that of
-    the record's first sign, else at that of the first record: levels depend on what is asked for alone, not on what is
-    finished. `mirror_image`: the structure as drawn, of which one sign is run, None: it is not its own mirror image.
+    A scan begins at the level found for the same record and sign at the state before on its path, else for the record's
+    first sign, else the first record. `mirror_image`: the structure as drawn, if it is one: of it one sign is run.
     """
     found: list[Asked] = []
     before: dict[Hashable, Asked] = {}

@@ -240,10 +240,9 @@ def tie_contacts(
 ) -> Contacts:
     """Return the contacts of ties with `ends` (t, 2, 2) m in the `blocks` (t, 2), beside the `drawn` joints.
 
-    Ends and the centroids (b, 2) m of all blocks count from one origin. The normal of such a joint is the tie's line:
-    its tension is N, its elongation the closing, its yielding the crushing; it has no face, P and T are none.
-    Their length along the joint is 1 m: bed and strength are stiffness and yield force. A rigid one is as stiff as
-    RIGID times the stiffest joint where joints are elastic.
+    The normal of such a joint is the tie's line: its tension is N, its elongation the closing, its yielding the
+    crushing; P and T are none. Its length is 1 m: bed and strength are stiffness and yield force. A rigid one is RIGID
+    times as stiff as the stiffest joint where joints are elastic. Centroids (b, 2) m count from the ends' origin.
     """
     count = len(ties)
     faces = np.zeros((count, FACE))

@@ -100,25 +100,15 @@ def read_drawing(
 ) -> Drawing:  # fmt: skip
     """Read the blocks of a DXF drawing (text or binary, R12 and later); their vertices are in m.
 
-    Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs
-    (nested, scaled, mirrored, arrays; there layer 0 is the INSERT's layer). A polyline that ends
-    where it starts is closed. `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by
-    layer name, in any case of letters; nothing is looked at on one to `ignore`. A front view, drawn in a vertical
-    plane, is turned: z is up. Layers FESSURE and CRACKS hold surveyed cracks. What is frozen, off, invisible or
-    clipped away is left out with a warning. An
-    open polyline is an error, but left out with a warning where `layers` names other layers and not its own, and no
-    closed one is there. Other shapes (lines, arcs, circles, …) are left out with a warning, annotation without.
+    Each closed LWPOLYLINE, 2D or plane 3D POLYLINE of model space is a block, also inside INSERTs (nested, scaled,
+    mirrored, arrays). `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by layer name, in any case
+    of letters. A front view, drawn in a vertical plane, is turned: z is up. Layers FESSURE and CRACKS hold surveyed
+    cracks. Arcs become chords no farther than `sagitta` (m) from them, by default a thousandth of the arc's width; one
+    shared by two blocks gives both the same vertices. What is hidden, clipped away or no polyline is left out with a
+    warning; so is an open polyline on a layer that is not named and has no closed one.
 
-    Arcs become chords that are at no place further than `sagitta` (m) from the arc; by default a thousandth
-    of the arc's width (its chord; beyond half a circle, its diameter). An arc is divided evenly, so that
-    one shared by two blocks gives both the same vertices.
-
-    Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing
-    units: the file cannot be read or is cut off; an outline is open, self-crossing, without area or out
-    of the drawing's plane, cut by a clip or covered by a wipeout; a layer of `layers` is not in the drawing, or
-    hidden; nothing closed is in model space.
-
-    Raises ValueError for an unknown `unit` or a `sagitta` that is not positive.
+    Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing units; ValueError
+    for an unknown `unit` or a `sagitta` that is not positive.
     """
     drawing = survey_drawing(path, unit, default, layers, sagitta)
     if drawing.faults:

@@ -60,14 +60,11 @@ def _pairs(gaps: Sequence[Gap]) -> Index:
 def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True) -> Layout:
     """Find what keeps blocks from being an assembly, with the `tolerance` (m) with which its joints are found.
 
-    Faults, with number, layer, handle and coordinates in m: blocks thinner than the tolerance; blocks drawn twice, or
-    that overlap by more than the tolerance (a circle of that diameter fits into the common area, or a vertex lies
-    that deep inside); movable blocks that no chain of joints connects to a support. Warnings: edges that face each
-    other across more than the tolerance but less than NEAR tolerances, and supports that touch nothing.
-
-    Each is told once: blocks that overlap count as touching; blocks that only a gap separates from a support are told
-    by their gap; a copy, or a frame around others, is left out of what follows. `whole`: whether the blocks are all
-    there are; otherwise gaps and floating blocks are not told.
+    Faults: blocks thinner than the tolerance, drawn twice, or overlapping by more than it (a circle of that diameter
+    fits into the common area, or a vertex lies that deep); movable blocks without a chain of joints to a support.
+    Warnings: edges that face each other across less than NEAR tolerances, and supports that touch nothing. Each is told
+    once, and a copy, or a frame, is left out of what follows. `whole`: whether the blocks are all there are; otherwise
+    gaps and floating blocks are not told.
     """
     polygons = polygons_of(blocks)
     short = _too_short(blocks, tolerance)

@@ -42,14 +42,10 @@ def repair_drawing(
 ) -> Repair:  # fmt: skip
     """Return a drawing repaired where it is clear what was meant; the arguments are those of `survey_drawing`.
 
-    With a reach of `NEAR` tolerances: an outline whose ends are less apart is closed; one that crosses itself by a
-    smaller loop loses it; of outlines drawn more than once in one role the first is kept; where blocks overlap by less,
-    or face each other across less, vertices are moved onto vertices or onto edges. No two blocks that touch lose their
-    joint, and none come to overlap or to leave a gap that did not. `tolerance` (m) is that of the joints, default a
-    thousandth of the median edge. What is inside an INSERT is not changed. What was mended to read a damaged file is
-    the first line.
-
-    Raises DrawingError where the file cannot be read, or is too large or too fine for the search.
+    Within `NEAR` tolerances ends of outlines are closed, loops taken off, and vertices moved onto those or the edges of
+    blocks that they overlap or leave a gap to; of outlines drawn twice in one role the first is kept. No blocks that
+    touch lose their joint, none come to overlap or to leave a gap; what is inside an INSERT is not changed. Raises
+    DrawingError where the file cannot be read, or is too large or too fine for the search.
     """
     sheet = Sheet.of(path, unit, default, layers, sagitta, tolerance)
     if not sheet.reach:

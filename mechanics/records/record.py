@@ -102,12 +102,9 @@ class Record:
     def resampled(self, time_step: float) -> Record:
         """Return the record at another time step (s); a rest shorter than one step is dropped from its end.
 
-        To a smaller step by linear interpolation: exact where it divides the record's. To a larger step by
-        the line broken at the new samples that is closest to the record in the mean square: unlike picking
-        samples it keeps the velocity and displacement that the ground reaches, damps what the new step
-        cannot carry instead of folding it back, and undoes a previous refinement exactly. Its peak may
-        differ from the record's: scale the record first, by the record's own PGA. Raises ArgumentError for a step
-        that is not positive, or longer than the record.
+        To a smaller step by linear interpolation; to a larger one by the broken line closest to the record in the mean
+        square, which keeps velocity and displacement, folds nothing back and undoes a refinement exactly. Its peak may
+        differ: scale the record first. Raises ArgumentError for a step that is not positive, or longer than the record.
         """
         require(is_between(time_step, 0.0, np.inf), "time_step", time_step, "positive, in s")
         if abs(time_step - self.time_step) < SAME_TIME * self.time_step:
@@ -148,14 +145,9 @@ def read_record(path: str | Path, time_step: float | None = None) -> Record:
     """Read an accelerogram; accelerations come in g, whatever the unit of the file, and its name is the file's.
 
     The format is recognised by its content: ESM and ITACA .ASC, PEER .AT2, K-NET (less the mean of the counts), CESMD
-    V2 of one channel, the five-column form of corrected ITACA records, and text with a column of times and one of
-    accelerations among others that a heading names, or accelerations alone. A heading says quantity and unit of each
-    column, as in `time [ms], acceleration [m/s²]`, in English or Italian; without one, columns are in s and g.
-    `time_step` (s) is for a single column, which states no time step. Time counts from the first sample.
-
-    Raises RecordError, a ValueError, naming file, line and remedy: for a unit that is not known, a velocity or a
-    displacement, a line that is not understood, another format, samples that are missing or not evenly spaced, a record
-    that is constant, and a peak above 10 g.
+    V2 of one channel, five-column ITACA records, and text with columns of times and accelerations, among others that a
+    heading names, as in `time [ms], acceleration [m/s²]`, or of accelerations alone, `time_step` (s) apart; without a
+    heading in s and g. Raises RecordError naming file, line and remedy, for a peak above 10 g too.
     """
     path = Path(path)
     require(time_step is None or 0.0 < time_step < np.inf, "time_step", time_step, "positive, in s, or None")

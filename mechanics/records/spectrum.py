@@ -23,12 +23,9 @@ def response_spectrum(
 ) -> tuple[Array, Array]:
     """Pseudo-acceleration S_a (m,), g, and relative displacement S_d (m,), m, at the `periods` (m,), s.
 
-    `acceleration_g` (n,) in g at `time_step` (s); `damping` is a fraction of critical. The oscillators start
-    at rest with the first sample and their response at the samples is exact for an acceleration linear in
-    between (Nigam and Jennings 1969). The base stops with the record (its acceleration falls to zero in one
-    further step) and the free vibration that follows counts, so that a short pulse gets its full spectrum.
-    Where a period spans fewer than twenty samples the intervals are subdivided. A period of zero gives the
-    peak acceleration. Raises ValueError naming the argument.
+    `acceleration_g` (n,) in g at `time_step` (s); `damping` is a fraction of critical. Exact at the samples for an
+    acceleration linear in between (Nigam and Jennings 1969); the free vibration after the record counts, intervals are
+    subdivided below twenty samples a period. A period of zero gives the peak. Raises ValueError naming the argument.
     """
     a = np.asarray(acceleration_g, dtype=float)
     T = np.atleast_1d(np.asarray(periods, dtype=float))
@@ -116,17 +113,12 @@ def compatible_record(
 ) -> Record:
     """Generate a record whose 5 % damped pseudo-acceleration spectrum is within `tolerance` of `spectrum`.
 
-    `spectrum` gives S_a (m,), g, at periods (m,), s; it is matched over the `band` of periods (s). The
-    amplitude grows to a `plateau` (s) of constant intensity and decays after it, a third and two thirds of
-    the remaining time; plateau = duration makes a stationary record. The base ends at rest and without
-    displacement. The same `seed` gives the same record. NTC 2018 §3.2.3.6 [k] wants a
-    plateau of 10 s or more, 25 s or more in all, and the mean of the records at no period more than 10 % below the
-    spectrum for 0.15-2 s (or 0.15 s to twice the structure's period).
-
-    Random phases are given the amplitudes of the spectrum and a shape in time; the amplitudes are corrected
-    by the ratio of target to computed spectrum, again and again (as SIMQKE, Gasparini and Vanmarcke 1976).
-    Phases that do not settle are drawn anew. Raises ValueError naming the argument, ConvergenceError where
-    no motion comes within the tolerance.
+    `spectrum` gives S_a (m,), g, at periods (m,), s, matched over the `band` (s). The amplitude grows to a `plateau`
+    (s) and decays after it, a third and two thirds of the remaining time. The base ends at rest and without
+    displacement. The same `seed` gives the same record. Random phases get the amplitudes of the spectrum, corrected
+    again and again by the ratio of target to computed spectrum (SIMQKE, Gasparini and Vanmarcke 1976); phases that do
+    not settle are drawn anew. NTC 2018 §3.2.3.6 [k] wants a plateau of 10 s, 25 s in all. Raises ValueError naming the
+    argument, ConvergenceError where no motion comes within the tolerance.
     """
     require(is_between(time_step, 0.0, 0.02, "(]"), "time_step", time_step, "positive and at most 0.02 s")
     require(is_between(duration, 5.0, np.inf, "[)"), "duration", duration, "at least 5 s")

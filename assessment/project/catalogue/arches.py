@@ -138,9 +138,8 @@ def triumphal_arch(
 ) -> Made:
     """Return the triumphal arch between two nave walls seen in section (paper, §7), roof beams on top.
 
-    The ring stands on a ledge: above the springing the nave walls are set back by the width of its foot. Spandrels are
-    running bond between the walls, cut to the ring's extrados; courses run through. By default α0 and d_0 as drawn are
-    near the paper's: the dimensions were found by search. Raises ValueError for a ring higher than the walls.
+    Above the springing the nave walls are set back by the ring's foot; spandrels are running bond cut to its extrados.
+    By default α0 and d_0 as drawn are near the paper's. Raises ValueError for a ring higher than the walls.
     """
     crown = springing_m + ring.rise_m + ring.thickness_m
     if crown + geometry.THINNEST > height_m:

@@ -19,7 +19,7 @@ from assessment.analyses.fragility import (
     over_records,
     samples_of_records,
 )
-from assessment.analyses.record_set import Measures, Target, compatibility, scaled_to
+from assessment.analyses.record_set import Measures, compatibility, scaled_to
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion, check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
@@ -238,11 +238,11 @@ def test_doubtful_records_are_warned_of():
 
 
 def test_records_are_scaled_to_the_spectrum_within_limits():
-    target = Target("SLC", ElasticSpectrum(0.3, 2.4, 0.36, "B", "T1", 0.05))
+    target = ElasticSpectrum(0.3, 2.4, 0.36, "B", "T1", 0.05)
     table = CampaignTable(records=("r",), spectrum_compatible=True, scale_limits=(0.5, 20.0))
     one = scaled_to(target, [motion("a", noise(1))], table)
     weak, strong = scaled_to(target, [motion("a", 0.8 * noise(1)), motion("b", 1e-3 * noise(1))], table)
     assert weak.pga == pytest.approx(one[0].pga) and weak.notes == ()
     assert strong.scale == 20.0 and "scale_limits = [0.5, 20]" in strong.notes[0]
-    found = compatibility(target, one, table)
+    found = compatibility("SLC", target, one, table)
     assert found.lowest_deviation < 0.0 < found.highest_deviation
