@@ -47,13 +47,11 @@ def processes(jobs: int) -> int:
 class Pool:
     """Computes functions in a number of processes, started when first needed; 0: at once in this one.
 
-    `held`: what each process is given once; `ended`: is given each function applied to it as it ends, in any thread.
+    `held`: what each process is given once.
     """
 
-    def __init__(
-        self, processes: int, held: Any = None, ended: Callable[[Callable[..., Any]], object] | None = None
-    ) -> None:
-        self.held, self._ended = held, ended
+    def __init__(self, processes: int, held: Any = None) -> None:
+        self.held = held
         self._board: list[Any] = []  # memory shared with the processes to come, where the system gives any
         self._executor = None
         if processes:
@@ -75,14 +73,9 @@ class Pool:
 
     def apply(self, function: Callable[..., Result], *arguments: Any) -> Future[Result]:
         """Start function(held, *arguments) and return its future."""
-        future: Future[Result]
         if self._executor is None:
-            future = self.submit(function, self.held, *arguments)
-        else:
-            future = self.submit(_apply, function, arguments)
-        if (ended := self._ended) is not None:
-            future.add_done_callback(lambda _: ended(function))
-        return future
+            return self.submit(function, self.held, *arguments)
+        return self.submit(_apply, function, arguments)
 
     def teller(self, number: int) -> Callable[[float | None], None]:
         """Return what reports, in a process, the share that is done of the task of that number; None: it has ended."""

@@ -121,7 +121,7 @@ class Workers:
     """How analyses are computed, and how many were.
 
     `jobs`: processes, 0: one per core if worth it; `scheduler`: address of a Dask cluster instead; `store`: where
-    results are kept and, unless `fresh`, looked for; `meanwhile`: what this process does, once, while others compute.
+    results are kept and, unless `fresh`, looked for.
     `taken`: from earlier runs; what this one `kept` itself and needs again does not count.
     """
 
@@ -132,7 +132,6 @@ class Workers:
     computed: int = 0
     taken: int = 0
     kept: set[str] = field(default_factory=set)
-    meanwhile: Callable[[], object] | None = None
     scheduler: str | None = None
     engine: Pool | None = None
 
@@ -217,9 +216,6 @@ class Workers:
             stage.look(engine.shares())
 
         begin()
-        if self.meanwhile is not None:
-            self.meanwhile()
-            self.meanwhile = None
         for number, text in finished(futures, look):
             yield number, text
             begin()  # what waited for this result, which is known now

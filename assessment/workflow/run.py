@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,8 +32,6 @@ if TYPE_CHECKING:
 PLACES = """results.json figures/*.svg figures/*.png figures/*.dxf tables/*.csv judgement.md report.html report.pdf
 report.docx attachments/*.png attachments/*.jpg"""  # of the files of a run; all else in the folder is the user's
 ENTRY = "last"  # of the record, in the store
-PRINTED = 4  # figures that the PDF takes as long as, per figure of the results: 3 to 6
-SHEETS = 3  # page, DOCX, tables: each takes about as long as a figure
 HAVE_IT = "add it, or name a stage that it has"
 
 
@@ -95,27 +92,13 @@ def _files(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in found if path.is_file())
 
 
-def prepare(report: bool) -> None:
-    """Import what `write` needs; it takes nearly two seconds, which other processes use to compute."""
-    import pandas  # noqa: F401
-
-    import assessment.report.figures.index
-
-    if report:
-        import assessment.report.document  # noqa: F401
-
-        printable()
-
-
 def write(
-    results: Results, folder: Path, report: bool = True, jobs: int = 1, attachments: Sequence[Path] = (),
-    reached: Callable[[float], object] = lambda _: None,
+    results: Results, folder: Path, report: bool = True, jobs: int = 1, attachments: Sequence[Path] = ()
 ) -> list[str]:  # fmt: skip
     """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
 
     A judgement.md that was edited is kept. Return warnings. `jobs`: processes, 0: one per core; `attachments`: pictures
-    that end the report; `reached`: is given the share that is made. Raises KilledError, or OSError that names a file;
-    the folder is then unchanged.
+    that end the report. Raises KilledError, or OSError that names a file; the folder is then unchanged.
     """
     from assessment.report.chapters.judgement import NAME
     from mechanics.messages import message
@@ -127,7 +110,7 @@ def write(
     with tempfile.TemporaryDirectory(prefix=disk.SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
         try:
-            warnings = _make(results, folder, new, report, jobs, attachments, reached)
+            warnings = _make(results, folder, new, report, jobs, attachments)
             if _version(opinion) not in (None, before):
                 disk.write_atomically(new / NAME, opinion.read_bytes())
                 warnings.append(message("judgement.md was changed while the report was made: print it again"))
@@ -143,28 +126,20 @@ def write(
 
 
 def _make(
-    results: Results, folder: Path, new: Path, report: bool, jobs: int, attachments: Sequence[Path],
-    reached: Callable[[float], object],
+    results: Results, folder: Path, new: Path, report: bool, jobs: int, attachments: Sequence[Path]
 ) -> list[str]:  # fmt: skip
     """Make everything in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement import NAME, judgement
     from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
-    from assessment.report.figures.index import pictures, write_figures, write_images
+    from assessment.report.figures.index import write_figures, write_images
     from assessment.report.language import words_of
     from assessment.report.tables import write_tables
     from assessment.results.file import as_bytes
 
     opinion = judgement(results, words_of(results), folder)
     disk.write_atomically(new / NAME, opinion.content)
-    number, figures = processes(jobs), len(pictures(results))
-    whole, made = SHEETS + (2 + PRINTED * report) * figures, 0
-
-    def ended(function: Callable[..., Any]) -> None:
-        nonlocal made
-        made += PRINTED * figures if function is write_pdf else 1
-        reached(min(made / whole, 1.0))
-
-    with Pool(number if number > 1 else 0, results, ended) as pool:
+    number = processes(jobs)
+    with Pool(number if number > 1 else 0, results) as pool:
         write_figures(pool, new / "figures")
         begun: list[Future[Any]] = []
         if report:
@@ -252,9 +227,9 @@ def carry_out(
 
         refuse_unreadable(folder)
         model, store = build_model(project), Store(folder / FOLDER)
-        outcome = run(project, model, jobs, store, fresh, show, partial(prepare, report), scheduler)
+        outcome = run(project, model, jobs, store, fresh, show, scheduler)
         show.begin("report" if report else "figures and tables", 1, 0, 1.0)
-        warnings = write(outcome.results, folder, report, jobs, project.attachments(), show.reached)
+        warnings = write(outcome.results, folder, report, jobs, project.attachments())
         remember(folder, outcome, key, warnings)
         show.advance(1.0)
         show.end()

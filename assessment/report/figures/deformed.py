@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures import drawing as parts
-from assessment.report.figures.style import Panels, foot, key, sheet
+from assessment.report.figures.style import Panels, key, sheet
 from assessment.report.language import Words
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
@@ -58,7 +58,7 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
             title = words.plain("figure.ultimate", contacts=contacts, movement=path.ultimate_movement_m)
             views.append((title, path.ultimate_configuration, 1.0))
     shapes = [shape.moved(at, by) for _, at, by in views]
-    sizes = {"border_mm": 5.0, "below_mm": 8.0, "foot_mm": foot(1), "height_mm": 130.0, "most_mm": 75.0}
+    sizes = {"border_mm": 5.0, "below_mm": 8.0, "height_mm": 122.0, "most_mm": 75.0}
     page = sheet(pictures.union([shape, *shapes]), len(views), **sizes)
     for axes, (title, at, by), view in zip(page.panels, views, shapes, strict=True):
         axes.set_title(title)
@@ -79,7 +79,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     times = pictures.magnification(shape, at)
     view = shape.moved(at, times)
     shown = [shape, view, *([mechanism.start, mechanism.swept] if mechanism else [])]
-    sizes = {"border_mm": 7.0, "below_mm": 7.0, "foot_mm": foot(2), "height_mm": 88.0, "most_mm": 55.0}
+    sizes = {"border_mm": 7.0, "below_mm": 7.0, "height_mm": 76.0, "most_mm": 55.0}
     page = sheet(pictures.union(shown), 2 if mechanism else 1, **sizes)
     axes, handles = page.panels[0], [parts.ghost_handle(words.plain("figure.before"))]
     axes.set_title(words.state(settled or "original") + (f", {_times(times, words)}" if settled else ""))
@@ -104,7 +104,7 @@ def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Fi
     pushed = [hand_check.rigid_push(results, *view) for view in views]
     starts = [drawing.moved(results.states[name].configuration) for name, _ in views]
     ends = [drawing.moved(rigid.final_configuration) for rigid in pushed]
-    page = sheet(pictures.union([*starts, *ends]), len(views), border_mm=7.0, foot_mm=foot(1))
+    page = sheet(pictures.union([*starts, *ends]), len(views), border_mm=7.0)
     for axes, (name, way), start, end, rigid in zip(page.panels, views, starts, ends, pushed, strict=True):
         left = alpha_at_d_0(rigid)
         lost = "" if left is None else f", α = {words.show(left)}"
@@ -136,7 +136,7 @@ def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure
 def _draw_mechanisms(words: Words, views: Sequence["MechanismView"], ways: Sequence[Direction]) -> Figure:
     handles = mechanism_handles(views, words)
     bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
-    page = sheet(bounds, len(views), border_mm=7.0, foot_mm=foot(len(handles)), height_mm=170.0, most_mm=75.0)
+    page = sheet(bounds, len(views), border_mm=7.0, height_mm=156.0, most_mm=75.0)
     for axes, view, way in zip(page.panels, views, ways, strict=True):
         axes.set_title(words.at(view.state, way))
         view.draw(page, axes)
@@ -235,7 +235,7 @@ def draw_cracks(results: Results, words: Words, state: str, most: int) -> Figure
     """Draw a settled state, not magnified: its cracks, `most` of them numbered, blocks, and where it was surveyed."""
     drawn, moved = outlines(results), np.asarray(results.states[state].configuration, dtype=float)
     shape = drawn.moved(moved)
-    page = sheet(pictures.union([shape]), border_mm=8.0, foot_mm=foot(2))
+    page = sheet(pictures.union([shape]), border_mm=8.0)
     axes = page.panels[0]
     pictures.fill_roles(axes, shape)
     found, named = cracks_of(results, state), list[Array]()  # joints, and where their numbers stand
@@ -280,7 +280,7 @@ def draw_identification(results: Results, words: Words) -> Figure:
     points = np.array([site.point_m for site in found.sites], dtype=float)
     owner = np.array([site.block for site in found.sites], dtype=np.intp)
     marked = points + times * (pictures.place(points, owner, drawn.centroids, moved) - points)
-    page = sheet(pictures.union([drawn, shape]), border_mm=8.0, foot_mm=foot(1))
+    page = sheet(pictures.union([drawn, shape]), border_mm=8.0)
     axes = page.panels[0]
     axes.set_title(_times(times, words))
     pictures.ghost(axes, drawn)
@@ -329,9 +329,7 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     handles += [key(words.plain(f"figure.joint_{each}"), **style) for each, style in named]
     handles += parts.tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
-    page = sheet(
-        pictures.union(shapes), len(shown), border_mm=above, foot_mm=foot(len(handles)), height_mm=150.0
-    )
+    page = sheet(pictures.union(shapes), len(shown), border_mm=above, height_mm=136.0)
     for axes, situation, shape, states, line in zip(page.panels, shown, shapes, joints, lines, strict=True):
         if situation.direction is None:
             forces = words.plain("figure.at_rest_forces", contacts=situation.contacts)

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from matplotlib.path import Path
 
-from assessment.report.figures.style import Panels, foot, key, sheet
+from assessment.report.figures.style import Panels, key, sheet
 from assessment.report.language import Words, direction_name
 from assessment.results.frames import ties_of
 from assessment.results.joint_states import outlines
@@ -49,8 +49,7 @@ def draw_model(results: Results, words: Words) -> Figure:
         support = blocks[own[0]].support
         text = words.plain("figure.support_layer", layer=layer, support=support) if support else layer
         named[layer] = text if len(text) <= LONGEST_NAME else f"{text[: LONGEST_NAME - 1]}…"
-    labels = min(len(named), MOST_NAMED + 1) + 3  # layers, loads, control points, ties
-    page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0, foot_mm=foot(labels))
+    page = sheet(shape.bounds, border_mm=14.0, below_mm=9.0)
     axes = page.panels[0]
     handles: list[Any] = []
     for index, (layer, label) in enumerate(named.items()):
@@ -141,7 +140,7 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     """Draw the outlines that could be read, to scale, and mark every fault that has a place; ValueError without any."""
     points = np.concatenate([outline.points for outline in faulty.outlines])
     (x0, z0), (x1, z1) = np.quantile(points, (0.0, 1.0), axis=0).tolist()
-    page = sheet((x0, z0, x1, z1), border_mm=14.0, below_mm=14.0, foot_mm=16.0)
+    page = sheet((x0, z0, x1, z1), border_mm=14.0, below_mm=14.0)
     axes = page.panels[0]
     for each in faulty.outlines:
         grey = "none" if not each.closed else SUPPORT if each.support else "0.95"

@@ -123,7 +123,7 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     boxes, room = np.array([start.bounds, *(view.bounds for view in views)]), AROUND * start.size
     low = np.maximum(boxes[:, :2].min(axis=0), boxes[0, :2] - room).tolist()
     high = np.minimum(boxes[:, 2:].max(axis=0), boxes[0, 2:] + room).tolist()
-    page = sheet((*low, *high), 2, border_mm=5.0, height_mm=90.0, below_mm=5.0)
+    page = sheet((*low, *high), 2, border_mm=5.0, height_mm=80.0, below_mm=5.0)
     for axes, kind, time, view, at in zip(page.panels, kinds, times, views, moved, strict=True):
         axes.set_title(words.plain(f"figure.{kind}", time=time))
         ghost(axes, start)

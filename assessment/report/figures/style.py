@@ -103,17 +103,17 @@ class Panels:
         return millimetres * self.scale / 1000.0
 
     def legend(self, handles: Sequence[Any], words: Words) -> None:
-        """Put a legend below the panels, and a scale of lengths below it at the left."""
+        """Put a scale of lengths below the panels, at the left, and a legend below it."""
         labels = [str(handle.get_label()) for handle in handles]
         labels = [f" {text}" if text.startswith("_") else text for text in labels]  # "_": left out
         height = self.figure.get_size_inches()[1] / MM
         self.figure.legend(
-            handles, labels, loc="lower center", bbox_to_anchor=(0.5, SCALE_MM / height), borderaxespad=0.2,
+            handles, labels, loc="upper center", bbox_to_anchor=(0.5, -SCALE_MM / height), borderaxespad=0.2,
             ncols=min(len(labels), LEGEND), handlelength=1.8, columnspacing=1.6,
         )  # fmt: skip
         length = nice(self.paper(25.0))
-        end, low = 2.0 + 1000.0 * length / self.scale, 1.2
-        across, up = self.figure.transFigure, np.array([low, low + 0.8]) / height
+        end = 2.0 + 1000.0 * length / self.scale
+        across, up = self.figure.transFigure, np.array([-2.4, -1.6]) / height
         for part in range(4):
             x0, x1 = (2.0 + (end - 2.0) * each / 4.0 for each in (part, part + 1))
             grey = "0.0" if part % 2 == 0 else "1.0"
@@ -126,24 +126,18 @@ class Panels:
         self.figure.text((end + 2.0) / WIDTH_MM, float(up.mean()), text, va="center", fontsize=6.5)
 
 
-def foot(count: int) -> float:
-    """Return the height in mm of a legend of so many labels and the scale of lengths."""
-    return FREE_MM + SCALE_MM + LINE_MM * math.ceil(count / LEGEND)
-
-
 def sheet(
     bounds: tuple[float, float, float, float],
     count: int = 1,
     border_mm: float = 3.0,
-    height_mm: float = 205.0,
-    foot_mm: float = 10.0,
+    height_mm: float = 195.0,
     below_mm: float = 4.0,
     most_mm: float = 105.0,
 ) -> Panels:
     """Lay out `count` panels, two in a row, three if three, or below one another, at the largest usual scale.
 
-    bounds (x0, z0, x1, z1) in m; every panel has a free border, `below_mm` high at its foot; `foot_mm` is kept below
-    all of them for a legend; `most_mm`: height of a panel that stands alone.
+    bounds (x0, z0, x1, z1) in m; every panel has a free border, `below_mm` high at its foot; `most_mm`: height of
+    a panel that stands alone.
     """
     x0, z0, x1, z1 = bounds
     width, height = max(x1 - x0, 1e-6), max(z1 - z0, 1e-6)
@@ -151,7 +145,7 @@ def sheet(
 
     def denominator(columns: int) -> float:
         across = WIDTH_MM / columns - 2.0 * border_mm
-        up = min(most, (height_mm - foot_mm) / math.ceil(count / columns) - head_mm) - border_mm - below_mm
+        up = min(most, height_mm / math.ceil(count / columns) - head_mm) - border_mm - below_mm
         needed = max(width / across, height / max(up, 1.0)) * 1000.0
         return next((scale for scale in SCALES if scale >= needed - 1e-9), needed)
 
@@ -159,7 +153,7 @@ def sheet(
     columns = next((each for each in {1: (), 3: (3,)}.get(count, (2,)) if denominator(each) < least), 1)
     scale, rows = denominator(columns), math.ceil(count / columns)
     cell = (WIDTH_MM / columns, height * 1000.0 / scale + border_mm + below_mm)
-    total = (WIDTH_MM, (cell[1] + head_mm) * rows + foot_mm)
+    total = (WIDTH_MM, (cell[1] + head_mm) * rows)
     figure = Figure(figsize=(total[0] * MM, total[1] * MM))
     middle, half = (x0 + x1) / 2.0, cell[0] * scale / 2000.0
     above, below = border_mm * scale / 1000.0, below_mm * scale / 1000.0
