@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 675,
     "assessment/ntc": 2176,
     "assessment/project": 4618,
-    "assessment/report": 5977,
+    "assessment/report": 5957,
     "assessment/results": 3233,
     "assessment/runtime": 1480,
     "assessment/studies": 2354,

@@ -5,7 +5,7 @@ Other drawings of the structure are made of the same parts: earlier outlines, ti
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from assessment.report.figures.style import Panels, key, sheet
 from assessment.report.language import Words, direction_name
 from assessment.results.frames import ties_of
 from assessment.results.joint_states import outlines
-from assessment.results.schema import Direction, DrawnBlock, Results, Settlement
+from assessment.results.schema import Direction, Results, Settlement
 from assessment.results.table import sense
 from mechanics.faults import FaultyDrawingError
 from mechanics.pictures import FAINT, INK, SUPPORT, TIE, Bounds, Shape, fill, place
@@ -60,65 +60,45 @@ def draw_model(results: Results, words: Words) -> Figure:
     if len(named) > MOST_NAMED:
         more = words.plain("figure.more_layers", count=len(named) - MOST_NAMED)
         handles.append(key(more, linestyle="none"))
-    handles += _loads(page, axes, blocks, words)
-    handles += _controls(axes, results, words)
-    handles += _ties(page, axes, results, words)
+    if loaded := [block for block in blocks if block.vertical_load_kN]:
+        for block in loaded:
+            x, z = block.centroid_m
+            axes.annotate("", (x, z), (x, z + page.paper(7.0)), arrowprops=ARROW | {"color": INK})
+        sizes = " / ".join(map(words.number, sorted({block.vertical_load_kN for block in loaded})))
+        label = words.plain("figure.loads", count=len(loaded), loads=sizes)
+        handles.append(key(label, linestyle="none", marker=DOWN, markersize=9.0, color=INK))
+    mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
+    for control in results.geometry.controls:
+        x, z = control.point_m
+        axes.plot(x, z, **mark)
+        # names lie outside, away from one another
+        away, side = (-4.0, "right") if x < sum(axes.get_xlim()) / 2.0 else (4.0, "left")
+        axes.annotate(control.name, (x, z), (away, 4.0), ha=side, fontweight="bold", **ON_WHITE)
+    handles += [key(words.plain("figure.control"), **mark)] if results.geometry.controls else []
+    for tie in results.model.ties or ():  # whatever states it is in
+        ends = np.array([tie.start_m, tie.end_m])
+        draw_ties(page, axes, [ends])
+        axes.annotate(tie.name, ends.mean(axis=0), (0.0, 3.0), ha="center", va="bottom", **ON_WHITE)
+    handles += [key(words.plain("figure.tie"), **TIE)] if results.model.ties else []
     _dimensions(page, axes, shape.bounds, words)
     page.legend(handles, words)
     return page.figure
 
 
-def _loads(page: Panels, axes: Axes, blocks: Sequence[DrawnBlock], words: Words) -> list[Any]:
-    loaded = [block for block in blocks if block.vertical_load_kN]
-    for block in loaded:
-        x, z = block.centroid_m
-        axes.annotate("", (x, z), (x, z + page.paper(7.0)), arrowprops=ARROW | {"color": INK})
-    sizes = sorted({block.vertical_load_kN for block in loaded})
-    text = " / ".join(words.number(size) for size in sizes)
-    label = words.plain("figure.loads", count=len(loaded), loads=text)
-    mark: dict[str, Any] = {"linestyle": "none", "marker": DOWN, "markersize": 9.0, "color": INK}
-    return [key(label, **mark)] if loaded else []
-
-
-def _controls(axes: Axes, results: Results, words: Words) -> list[Any]:
-    controls = results.geometry.controls
-    mark: dict[str, Any] = {"linestyle": "none", "marker": "D", "markersize": 4.0, "color": INK}
-    middle = sum(axes.get_xlim()) / 2.0
-    for control in controls:
-        x, z = control.point_m
-        axes.plot(x, z, **mark)
-        # names lie outside, away from one another
-        away, side = (-4.0, "right") if x < middle else (4.0, "left")
-        axes.annotate(control.name, (x, z), (away, 4.0), ha=side, fontweight="bold", **ON_WHITE)
-    return [key(words.plain("figure.control"), **mark)] if controls else []
-
-
-def _ties(page: Panels, axes: Axes, results: Results, words: Words) -> list[Any]:
-    """Draw every tie, whatever states it is in, with its name."""
-    ties = results.model.ties or ()
-    ends = [np.array([tie.start_m, tie.end_m]) for tie in ties]
-    draw_ties(page, axes, ends)
-    for tie, (start, end) in zip(ties, ends, strict=True):
-        axes.annotate(tie.name, (start + end) / 2.0, (0.0, 3.0), ha="center", va="bottom", **ON_WHITE)
-    return [key(words.plain("figure.tie"), **TIE)] if ties else []
-
-
 def _dimensions(page: Panels, axes: Axes, bounds: Bounds, words: Words) -> None:
+    """Draw the width below and the height beside the model, each between two ticks."""
     x0, z0, x1, z1 = bounds
-    off, tick = page.paper(7.0), page.paper(1.5)
-    axes.annotate("", (x1, z0 - off), (x0, z0 - off), arrowprops=DIMENSION)
-    axes.annotate("", (x0 - off, z1), (x0 - off, z0), arrowprops=DIMENSION)
-    for x in (x0, x1):
-        axes.plot([x, x], [z0 - off - tick, z0 - tick], color=INK, linewidth=0.4)
-    for z in (z0, z1):
-        axes.plot([x0 - off - tick, x0 - tick], [z, z], color=INK, linewidth=0.4)
-    label = {"ha": "center", "va": "center", "bbox": WHITE | {"pad": 1.0}}
-    axes.text((x0 + x1) / 2.0, z0 - off, _metres(x1 - x0, words), **label)  # type: ignore[arg-type]
-    axes.text(x0 - off, (z0 + z1) / 2.0, _metres(z1 - z0, words), rotation=90, **label)  # type: ignore[arg-type]
-
-
-def _metres(value: float, words: Words) -> str:
-    return f"{words.comma(f'{value:.3f}'.rstrip('0').rstrip('.'))} m"
+    low, left, tick = z0 - page.paper(7.0), x0 - page.paper(7.0), page.paper(1.5)
+    for start, end, turn in (((x0, low), (x1, low), 0), ((left, z0), (left, z1), 90)):
+        axes.annotate("", end, start, arrowprops=DIMENSION)
+        length, middle = float(np.hypot(end[0] - start[0], end[1] - start[1])), np.mean([start, end], axis=0)
+        text = f"{words.comma(f'{length:.3f}'.rstrip('0').rstrip('.'))} m"
+        axes.text(
+            middle[0], middle[1], text, rotation=turn, ha="center", va="center", bbox=WHITE | {"pad": 1.0}
+        )
+        across = np.array([0.0, tick] if turn == 0 else [tick, 0.0])
+        for point in np.array([start, end]):
+            axes.plot(*np.array([point - across, point + across]).T, color=INK, linewidth=0.4)
 
 
 RED = "#c00000"
