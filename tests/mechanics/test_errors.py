@@ -57,19 +57,6 @@ def test_a_block_that_overhangs_cannot_stand(analysis):
         analysis(leaning(0.01))
 
 
-LAWS = {
-    "limit analysis": lambda m: limit_analysis(m, sliding="colomb"),
-    "pushover": lambda m: pushover(m, TOP, sliding="colomb"),
-    "pushdown": lambda m: pushdown(m, "base", (0.01, 0.0), sliding="colomb"),
-}
-
-
-@pytest.mark.parametrize("analysis", LAWS.values(), ids=LAWS)
-def test_an_unknown_law_of_sliding_is_refused(model, analysis):
-    with pytest.raises(ArgumentError, match=r"sliding = 'colomb': must be \"coulomb\" or \"associative\""):
-        analysis(model)
-
-
 @pytest.mark.parametrize("sliding", ["associative", "coulomb"])
 def test_every_result_says_which_law_of_sliding_it_has(model, sliding):
     found = [
@@ -78,6 +65,8 @@ def test_every_result_says_which_law_of_sliding_it_has(model, sliding):
         pushdown(model, "base", (0.01, 0.0), increment=0.01, sliding=sliding),
     ]
     assert [each.sliding for each in found] == 3 * [sliding]
+    with pytest.raises(ArgumentError, match=r"sliding = 'colomb': must be \"coulomb\" or \"associative\""):
+        limit_analysis(model, sliding="colomb")
 
 
 def test_a_block_that_overhangs_less_than_half_can():
@@ -109,31 +98,6 @@ def test_a_block_that_leans_on_its_corner_falls_back(model, lean):
     """Gravity alone is not carried, though it would be by the end of the joint that is open."""
     with pytest.raises(UnstableError, match="start to move"):
         limit_analysis(model, state=model.rotated(1, (0.2, 0.0), lean))
-
-
-@pytest.mark.parametrize(
-    ("name", "call"),
-    [
-        ("direction", lambda m: limit_analysis(m, "x")),
-        ("contacts", lambda m: pushover(m, TOP, contacts="soft")),
-        ("increment", lambda m: pushover(m, TOP, increment=0.0)),
-        ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
-        ("displacement", lambda m: pushdown(m, "base")), ("control", lambda m: pushover(m, (0.1, 2.0))),
-        ("block", lambda m: m.rotated(2, TOP, 0.1)), ("about", lambda m: m.rotated(1, (0.0,), 0.1)),
-        ("segments_per_joint", lambda m: Assembly(m.blocks, segments_per_joint=0)),
-        ("tolerance", lambda m: Assembly(m.blocks, tolerance=0.0)), ("blocks", lambda m: Assembly([])),
-        ("blocks", lambda m: Assembly(m.blocks[:1])), ("unit_weight", lambda m: Material(0.0)),
-        ("friction", lambda m: Material(18.0, -0.1)),
-        ("normal_stiffness", lambda m: Material(18.0, 0.5, 0.0)),
-        ("tangential_stiffness", lambda m: Material(18.0, 0.5, 1e6, 0.0)),
-        ("depth", lambda m: Block(rectangle(0, 0, 1, 1), 0.0, STONE)),
-        ("vertices", lambda m: Block([[0, 0], [1, 0], [2, 0]], 1.0, STONE)),
-        ("segments", lambda m: Block(rectangle(0, 0, 1, 1), 1.0, STONE, segments=0)),
-    ],
-)  # fmt: skip
-def test_a_bad_argument_is_named(model, name, call):
-    with pytest.raises(ValueError, match=rf"^{name} = .*must be "):
-        call(model)
 
 
 def test_elastic_analyses_need_a_stiffness():
@@ -223,40 +187,48 @@ def test_a_coarse_increment_still_finds_where_the_multiplier_vanishes(model, inc
 
 FOOT = [[-1, -0.3], [1, -0.3], [1, 0], [-1, 0]]
 REST = np.zeros(5)
-WRONG = {  # by argument: what is not of its type, or no number
-    "friction": lambda _: Material(18.0, None),
-    "material": lambda _: Block(FOOT, 1.0, "stone"),
-    "support": lambda _: Block(FOOT, 1.0, STONE, support=3),
-    "segments": lambda _: Block(FOOT, 1.0, STONE, segments=1.5),
-    "blocks": lambda m: Assembly([*m.blocks, "wall"]),
-    "block": lambda m: m.rotated(1.0, (0.0, 0.0), 0.1),
-    "about": lambda m: m.rotated(1, "corner", 0.1),
-    "model": lambda m: limit_analysis(list(m.blocks)),
-    "control": lambda m: pushover(m, "C1"),
-    "until": lambda m: pushover(m, TOP, until="0"),
-    "displacement": lambda m: pushdown(m, "base", "down"),
-    "acceleration": lambda m: time_history(m, "record", 0.005),
-    "time_step": lambda m: time_history(m, REST, "0.005"),
-    "restitution": lambda m: time_history(m, REST, 0.005, restitution="0"),
-}
 
 
-IMPOSSIBLE = {
-    "vertices": lambda: Block([[0, 0], [2, 2], [2, 0], [0, 1]], 1.0, STONE),  # a bow tie
-    "support": lambda: Block(FOOT, 1.0, STONE, support=""),
-    "vertical_load": lambda: Block(FOOT, 1.0, STONE, vertical_load=-50.0),  # lighter than nothing
-}
-
-
-@pytest.mark.parametrize(("name", "call"), IMPOSSIBLE.items(), ids=IMPOSSIBLE)
-def test_a_block_that_cannot_be_is_refused(name, call):
-    with pytest.raises(ArgumentError, match=rf"^{name} = .*: must be "):
-        call()
-
-
-@pytest.mark.parametrize(("name", "call"), WRONG.items(), ids=WRONG)
-def test_an_argument_of_another_type_is_named(model, name, call):
-    with pytest.raises(ArgumentError, match=rf"^{name} = .*: must be "):
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("direction", lambda m: limit_analysis(m, "x")),
+        ("contacts", lambda m: pushover(m, TOP, contacts="soft")),
+        ("increment", lambda m: pushover(m, TOP, increment=0.0)),
+        ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
+        ("displacement", lambda m: pushdown(m, "base")), ("control", lambda m: pushover(m, (0.1, 2.0))),
+        ("block", lambda m: m.rotated(2, TOP, 0.1)), ("about", lambda m: m.rotated(1, (0.0,), 0.1)),
+        ("segments_per_joint", lambda m: Assembly(m.blocks, segments_per_joint=0)),
+        ("tolerance", lambda m: Assembly(m.blocks, tolerance=0.0)), ("blocks", lambda m: Assembly([])),
+        ("blocks", lambda m: Assembly(m.blocks[:1])), ("unit_weight", lambda m: Material(0.0)),
+        ("friction", lambda m: Material(18.0, -0.1)),
+        ("normal_stiffness", lambda m: Material(18.0, 0.5, 0.0)),
+        ("tangential_stiffness", lambda m: Material(18.0, 0.5, 1e6, 0.0)),
+        ("depth", lambda m: Block(rectangle(0, 0, 1, 1), 0.0, STONE)),
+        ("vertices", lambda m: Block([[0, 0], [1, 0], [2, 0]], 1.0, STONE)),
+        ("segments", lambda m: Block(rectangle(0, 0, 1, 1), 1.0, STONE, segments=0)),
+        # not of its type, or no number
+        ("friction", lambda _: Material(18.0, None)), ("material", lambda _: Block(FOOT, 1.0, "stone")),
+        ("support", lambda _: Block(FOOT, 1.0, STONE, support=3)),
+        ("segments", lambda _: Block(FOOT, 1.0, STONE, segments=1.5)),
+        ("blocks", lambda m: Assembly([*m.blocks, "wall"])),
+        ("block", lambda m: m.rotated(1.0, (0.0, 0.0), 0.1)),
+        ("about", lambda m: m.rotated(1, "corner", 0.1)), ("model", lambda m: limit_analysis(list(m.blocks))),
+        ("control", lambda m: pushover(m, "C1")), ("until", lambda m: pushover(m, TOP, until="0")),
+        ("displacement", lambda m: pushdown(m, "base", "down")),
+        ("acceleration", lambda m: time_history(m, "record", 0.005)),
+        ("time_step", lambda m: time_history(m, REST, "0.005")),
+        ("restitution", lambda m: time_history(m, REST, 0.005, restitution="0")),
+        ("vertices", lambda _: Block([[0, 0], [2, 2], [2, 0], [0, 1]], 1.0, STONE)),  # a bow tie
+        ("support", lambda _: Block(FOOT, 1.0, STONE, support="")),
+        # lighter than nothing
+        ("vertical_load", lambda _: Block(FOOT, 1.0, STONE, vertical_load=-50.0)),
+        ("sliding", lambda m: pushover(m, TOP, sliding="colomb")),
+        ("sliding", lambda m: pushdown(m, "base", (0.01, 0.0), sliding="colomb")),
+    ],
+)  # fmt: skip
+def test_a_bad_argument_is_named(model, name, call):
+    with pytest.raises(ArgumentError, match=rf"^{name} = .*must be "):
         call(model)
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mechanics.kernels.joint import A1, A2, B1, B2, PX, PZ, QX, QZ, TAX, TAZ, TBX, TBZ
 from mechanics.kernels.law import DILATION, FRICTION, SHEAR
+from mechanics.model.assembly import Assembly
 from mechanics.types import Array
 
 
@@ -13,6 +16,18 @@ def turned(v: Array, angle: float) -> Array:
     """Vectors (..., 2) turned by an angle (rad)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.asarray(v) @ np.array([[cos, sin], [-sin, cos]])
+
+
+def scattered(model: Assembly, seed: int, amount: float) -> Array:
+    """Positions about the drawn ones: every block moved, per block size, and turned by its own random amount."""
+    off = np.random.default_rng(seed).uniform(-amount, amount, model.initial.positions.shape)
+    return model.initial.positions + off * (model.size, model.size, 1.0)
+
+
+def derivative(function: Callable[[Array], Array], size: float = 1e-5, at: Array | float = 0.0) -> Array:
+    """Central differences along each of six displacements, first index."""
+    steps = size * np.eye(6)
+    return np.array([(function(at + step) - function(at - step)) / (2.0 * size) for step in steps])
 
 
 class Pair:

@@ -16,15 +16,10 @@ from mechanics import Assembly, Block, Material, limit_analysis
 from mechanics.types import GRAVITY
 from tests.support.contact_dynamics import farthest, motion
 from tests.support.random_masonry import random_masonry
+from tests.support.reference_loops import turned
 from tests.support.structures import block_on_base, running_bond
 
 STANDS, FALLS = 3e-3, 3e-2  # of a block's size, in one second
-
-
-def turned(corners: list[list[float]], slope: float) -> np.ndarray:
-    """Return corners (n, 2) turned about the origin by an angle, anticlockwise."""
-    cos, sin = np.cos(slope), np.sin(slope)
-    return np.array(corners) @ np.array([[cos, sin], [-sin, cos]])
 
 
 @pytest.mark.parametrize(("alpha", "friction"), [(0.2, 0.1), (0.0, 0.65)])

@@ -18,19 +18,13 @@ from mechanics.kernels.law import LAW, LEFT
 from mechanics.model.contacts import Contacts, rows
 from mechanics.steps.static_step import lay_shear
 from mechanics.types import Array
-from tests.support.reference_loops import Pair, bed_of_points, turned
+from tests.support.reference_loops import Pair, bed_of_points, derivative, scattered, turned
 from tests.support.structures import arch_on_piers, rectangle, running_bond
 
 MODELS = {"arch": arch_on_piers(voussoirs=7, courses=2), "wall": running_bond(columns=3, courses=3)}
 seeds = st.integers(0, 2**32 - 1)
 names = st.sampled_from(sorted(MODELS))
 STONE = Material(18.0)
-
-
-def scattered(model: Assembly, seed: int, amount: float) -> Array:
-    """Positions about the drawn ones: every block moved, per block size, and turned by its own random amount."""
-    off = np.random.default_rng(seed).uniform(-amount, amount, model.initial.positions.shape)
-    return model.initial.positions + off * (model.size, model.size, 1.0)
 
 
 def pair_of(contacts: Contacts, k: int, positions: Array) -> Pair:
@@ -90,12 +84,6 @@ def any_joint(model: Assembly, seed: int, amount: float) -> Joint:
     return Joint(
         c.places(positions)[k], np.r_[positions[c.a[k]], positions[c.b[k]]], pair_of(c, k, positions)
     )
-
-
-def derivative(function, size: float = 1e-5) -> Array:
-    """Central differences along each of the six displacements, first index."""
-    steps = size * np.eye(6)
-    return np.array([(function(step) - function(-step)) / (2.0 * size) for step in steps])
 
 
 @settings(max_examples=30)

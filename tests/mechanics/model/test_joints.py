@@ -13,6 +13,7 @@ from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pusho
 from mechanics.model.block import default_tolerance, find_joints
 from mechanics.model.contacts import end_gaps
 from mechanics.types import GRAVITY
+from tests.support.reference_loops import turned
 from tests.support.structures import (
     arch_on_piers,
     column,
@@ -28,11 +29,6 @@ TOLERANCE = 1e-3
 
 def joints_of(*polygons, tolerance=TOLERANCE):
     return find_joints([Block(p, 1.0, STONE) for p in polygons], tolerance)
-
-
-def turned(polygon, angle, shift=(0.0, 0.0)):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(polygon) @ np.array([[c, s], [-s, c]]) + shift
 
 
 def initial_gap(model):
@@ -96,11 +92,14 @@ def test_nearly_parallel_edges_touch_if_both_ends_do(share, found):
 
 @pytest.mark.parametrize("angle", [0.7, np.pi, -1.3])
 def test_the_direction_of_a_joint_does_not_matter(angle):
-    walls = rectangle(0, 0, 3, 1), rectangle(1, 1, 5, 2), rectangle(0, 1, 1, 3)
-    upright, joints = joints_of(*walls), joints_of(*(turned(p, angle, (7.0, -2.0)) for p in walls))
+    walls, shift = (
+        (rectangle(0, 0, 3, 1), rectangle(1, 1, 5, 2), rectangle(0, 1, 1, 3)),
+        np.array([7.0, -2.0]),
+    )
+    upright, joints = joints_of(*walls), joints_of(*(turned(p, angle) + shift for p in walls))
     assert joints.length == pytest.approx(upright.length)
     assert joints.ends == pytest.approx(
-        turned(upright.ends.reshape(-1, 2), angle, (7.0, -2.0)).reshape(-1, 2, 2)
+        (turned(upright.ends.reshape(-1, 2), angle) + shift).reshape(-1, 2, 2)
     )
 
 

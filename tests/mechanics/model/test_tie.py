@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from mechanics import Assembly, Block, Material, Tie
 from mechanics.kernels.joint import CURVED, U, V, curvature
 from mechanics.model.contacts import rows
+from tests.support.reference_loops import derivative, scattered
 from tests.support.structures import rectangle, tied_arch
 
 MODEL = tied_arch()
@@ -34,26 +35,19 @@ def closing(at, tie):
     return np.linalg.norm(drawn[1] - drawn[0]) - np.linalg.norm(other - one)
 
 
-def scattered(seed, amount, tie):
+def anywhere(seed, amount, tie):
     """The place (PLACE,) of a tie in a random configuration, and where its blocks are, (6,)."""
-    off = np.random.default_rng(seed).uniform(-amount, amount, MODEL.initial.positions.shape)
-    positions = MODEL.initial.positions + off * (MODEL.size, MODEL.size, 1.0)
-    contacts = MODEL.contacts
+    contacts, positions = MODEL.contacts, scattered(MODEL, seed, amount)
     return contacts.places(positions)[tie], np.r_[positions[contacts.a[tie]], positions[contacts.b[tie]]]
-
-
-def derivative(function, at, size):
-    """Central differences of a function along each of six displacements, first index."""
-    return np.array([(function(at + step) - function(at - step)) / (2.0 * size) for step in size * np.eye(6)])
 
 
 @settings(max_examples=25)
 @given(seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]), tie=st.sampled_from(TIES.tolist()))
 def test_the_elongation_of_a_tie_and_its_first_derivatives(seed, amount, tie):
-    place, at = scattered(seed, amount, tie)
+    place, at = anywhere(seed, amount, tie)
     assert place[U] == pytest.approx(closing(at, tie), abs=1e-12)
     found = rows(place[None])[0]
-    assert found[0] == pytest.approx(derivative(lambda x: closing(x, tie), at, 1e-5), abs=1e-8)
+    assert found[0] == pytest.approx(derivative(lambda x: closing(x, tie), at=at), abs=1e-8)
     assert not found[1].any()
     assert place[V] == 0.0
 
@@ -61,7 +55,7 @@ def test_the_elongation_of_a_tie_and_its_first_derivatives(seed, amount, tie):
 @settings(max_examples=25)
 @given(seed=seeds, amount=st.sampled_from([1e-3, 0.05, 0.3]), tie=st.sampled_from(TIES.tolist()))
 def test_the_curvature_of_a_tie_is_the_second_derivative_of_its_elongation(seed, amount, tie):
-    place, at = scattered(seed, amount, tie)
+    place, at = anywhere(seed, amount, tie)
     out, force = np.empty(CURVED), 3.0
     curvature(place, force, 0.0, 0.0, out)
     full = np.zeros((6, 6))
@@ -71,8 +65,8 @@ def test_the_curvature_of_a_tie_is_the_second_derivative_of_its_elongation(seed,
         full[turn, :2] = full[:2, turn] = lever
         full[turn, 3:5] = full[3:5, turn] = -lever
     full[2, 2], full[2, 5], full[5, 2], full[5, 5] = out[4], out[5], out[5], out[6]
-    gradient = lambda x: derivative(lambda y: force * closing(y, tie), x, 1e-4)  # noqa: E731
-    assert derivative(gradient, at, 1e-4) == pytest.approx(full, abs=2e-5)
+    gradient = lambda x: derivative(lambda y: force * closing(y, tie), 1e-4, x)  # noqa: E731
+    assert derivative(gradient, 1e-4, at) == pytest.approx(full, abs=2e-5)
 
 
 def test_ties_come_after_the_joints_and_stay_what_they_are_when_blocks_move_apart():

@@ -67,13 +67,9 @@ def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge(
     plain = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
     dotted = [*plain[:1], *([x, -0.2] for x in (-0.9, -0.8, -0.7)), *plain[1:]]
     wall = Block(rectangle(-0.1, 0.0, 0.1, 1.0), 1.0, STONE)
-    arcs = [
-        pushdown(Assembly([Block(base, 1.0, STONE, support="base"), wall]), "base", rotation=0.01).movement[
-            -1
-        ]
-        for base in (plain, dotted)
-    ]
-    assert arcs[0] == pytest.approx(arcs[1], rel=1e-12)
+    models = [Assembly([Block(base, 1.0, STONE, support="base"), wall]) for base in (plain, dotted)]
+    one, other = (pushdown(model, "base", rotation=0.01).movement[-1] for model in models)
+    assert one == pytest.approx(other, rel=1e-12)
 
 
 def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
@@ -335,23 +331,22 @@ def test_an_elastic_arch_that_snaps_through_has_not_spent_its_capacity(increment
     assert curve.multiplier.max() == pytest.approx(0.157, rel=0.04)
 
 
+def arch_of(stone: Material, voussoirs: int) -> Assembly:
+    return arch_of_voussoirs(
+        span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=voussoirs, material=stone, depth_m=1.0
+    )
+
+
 @pytest.mark.parametrize("normal", [1e6, 1e7])
 def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry(normal):
     """Elastic joints: the equilibrium on the axis turns unstable, softly; it was told to collapse at 14 to 32 mm.
 
     Spread with 0.3 mm upwards or downwards the arch comes to the same rest, or its mirror image, without such a point.
     """
-    stone = Material(
-        unit_weight=22.0, friction=0.6, normal_stiffness=normal, tangential_stiffness=0.4 * normal
-    )
-    model = arch_of_voussoirs(
-        span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=5, material=stone, depth_m=1.0
-    )
+    model = arch_of(Material(22.0, 0.6, normal, 0.4 * normal), 5)
     movements = (0.06, 0.0), (0.06, 3e-4), (0.06, -3e-4)
     turned = [
-        pushdown(
-            model, support="destro", displacement=each, increment=1e-3, contacts="elastic"
-        ).final.positions[2:, 2]
+        pushdown(model, "destro", each, increment=1e-3, contacts="elastic").final.positions[2:, 2]
         for each in movements
     ]
     nearest = min(abs(turned[0] - each).max() for each in turned[1:])
@@ -360,10 +355,7 @@ def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry(normal):
 
 def test_a_settled_elastic_state_is_pushed_without_a_control_point():
     """As rigid blocks it would not stand there; its elastic joints hold it."""
-    stone = Material(unit_weight=22.0, friction=0.6, normal_stiffness=1e6, tangential_stiffness=4e5)
-    model = arch_of_voussoirs(
-        span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=5, material=stone, depth_m=1.0
-    )
+    model = arch_of(Material(22.0, 0.6, 1e6, 4e5), 5)
     moved = pushdown(model, support="destro", displacement=(0.02, -0.02), increment=1e-3, contacts="elastic")
     with pytest.raises(UnstableError):
         pushover(model, state=moved.final)
@@ -373,12 +365,8 @@ def test_a_settled_elastic_state_is_pushed_without_a_control_point():
 
 def test_a_symmetric_arch_that_is_spread_does_not_come_to_rest_on_an_unstable_equilibrium():
     """It did at 19 mm, as the time of a step grew; with 0.5 % of vertical movement it falls at 0.649 m."""
-    stone = Material(unit_weight=20.0, friction=0.6, normal_stiffness=1e7)
-    model = arch_of_voussoirs(
-        span_m=3.0, rise_m=1.5, thickness_m=0.45, voussoirs=7, material=stone, depth_m=1.0
-    )
-    movement = {"support": "destro", "displacement": (0.01, 0.0), "increment": 1e-3}
-    found = pushdown(model, contacts="elastic", to_collapse=True, **movement)
+    model = arch_of(Material(20.0, 0.6, 1e7), 7)
+    found = pushdown(model, "destro", (0.01, 0.0), increment=1e-3, contacts="elastic", to_collapse=True)
     assert found.ultimate == pytest.approx(0.649, rel=0.02)
 
 
