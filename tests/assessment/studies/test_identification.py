@@ -324,6 +324,18 @@ def test_a_bound_holds_and_the_others_go_on():
     assert fit.u[0] == pytest.approx(LINEAR[:, 0] @ offset / (LINEAR[:, 0] @ LINEAR[:, 0]), abs=1e-9)
 
 
+def test_slopes_are_those_between_one_and_two_hundredths_of_the_movement():
+    """z + z² held at its bound z = 0, of a movement of 1 m: downwards (z₂ − z₁)/0.01 = 0.97."""
+
+    def curved(values):
+        return [np.array([10.0 * (u[0] - 1.0), u[1] + u[1] ** 2 - 1.0]) for u in values]
+
+    start = np.array([1.0, 0.0])
+    fit = refined(two(True), start, curved([start])[0], curved)
+    assert fit.u == pytest.approx([1.0, 0.0], abs=1e-9)
+    assert [slope[1] for slope in fit.slopes[1]] == pytest.approx([0.97])
+
+
 def test_a_direction_without_effect_is_open():
     fit = Fit(np.array([1.0, 1.0]), np.zeros(2), ((np.full(2, 10.0),), (np.full(2, 10.0),)), False)
     found = sureness(fit, 1.0)
