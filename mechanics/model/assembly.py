@@ -15,8 +15,7 @@ from mechanics.errors import ArgumentError, is_number, is_whole, point_of, requi
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.kernels.joint import H
 from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints, turned
-from mechanics.model.contacts import Contacts, drawn_contacts, tie_contacts
-from mechanics.model.proximity import Outlines
+from mechanics.model.contacts import Contacts, Outlines, drawn_contacts, tie_contacts
 from mechanics.pictures import Shape, draw_state, place
 from mechanics.types import GRAVITY, Array, Index, Mask
 

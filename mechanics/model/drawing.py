@@ -215,10 +215,8 @@ class Sheet:
             outlines.append(outline)
             count += len(outline.points)
             if count > MOST_POINTS:
-                raise DrawingError(
-                    f"{self.path}: more than {MOST_POINTS} vertices, those of arcs included; simplify the outlines, "
-                    "or write a larger geometry.sagitta_m"
-                )
+                text = f"more than {MOST_POINTS} vertices, those of arcs included; simplify the outlines, or write a "
+                raise DrawingError(f"{self.path}: {text}larger geometry.sagitta_m")
         return outlines, clipped
 
     @cached_property
@@ -296,20 +294,15 @@ class Sheet:
             faults = [*self._layer_faults(), *faults]
         if not self.closed and not faults:
             faults = [Fault("layer", self._nothing())]
-        return Drawing(
-            tuple(map(self.block, self.sources)),
-            tuple(headed(self.path.name, warning) for warning in self._warnings()),
-            self.scale * max((o.sagitta for o in self.sources), default=0.0),
-            tuple(faults),
-            tuple(
-                Outline(
-                    self.scale * o.points[:, :2], o.source.layer, o.closed, self.layer(o).support is not None
-                )
-                for o in self.outlines
-                if o.is_near(self.scale) and len(o.points) > 1
-            ),
-            self.cracks,
+        blocks = tuple(map(self.block, self.sources))
+        warnings = tuple(headed(self.path.name, warning) for warning in self._warnings())
+        sagitta = self.scale * max((o.sagitta for o in self.sources), default=0.0)
+        outlines = tuple(
+            Outline(self.scale * o.points[:, :2], o.source.layer, o.closed, self.layer(o).support is not None)
+            for o in self.outlines
+            if o.is_near(self.scale) and len(o.points) > 1
         )
+        return Drawing(blocks, warnings, sagitta, tuple(faults), outlines, self.cracks)
 
     def _layer_faults(self) -> Iterator[Fault]:
         """Name the layers of the project that the drawing does not have or does not show."""

@@ -267,10 +267,8 @@ def placed_entities(document: Document, path: Path) -> list[Placed]:
                     "in model space, those of INSERTs as often as they are inserted; leave out what is no block"
                 )
             if not gone and _is_undecided(block, states):
-                raise refused(
-                    f'which parts of the dynamic block "{visible(block.name)}" its visibility state shows cannot be '
-                    "told; explode it"
-                )
+                text = f'which parts of the dynamic block "{visible(block.name)}" its visibility state shows'
+                raise refused(f"{text} cannot be told; explode it")
             for single in entity.multi_insert() if entity.mcount > 1 else [entity]:
                 inner = single.matrix44() * to_model
                 try:

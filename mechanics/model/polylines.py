@@ -90,15 +90,11 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
     allowed = None if sagitta is None else sagitta / max(scale * stretch, 1e-99)
     counts, worst = _divisions(vertices, closed, allowed) if bulges.any() else (np.ones(len(vertices)), 0.0)
     if counts.max() > MOST_CHORDS:
-        return broken(
-            f"has an arc of {counts.max():.3g} chords, at most {MOST_CHORDS}, with sagitta_m = {sagitta:g}; "
-            "write a larger one"
-        )
+        text = f"has an arc of {counts.max():.3g} chords, at most {MOST_CHORDS}, with sagitta_m = {sagitta:g}"
+        return broken(f"{text}; write a larger one")
     if counts.sum() > MOST_VERTICES:
-        return broken(
-            f"has {counts.sum():.6g} vertices with its arcs, at most {MOST_VERTICES}; "
-            "simplify it, or freeze its layer if it is no block"
-        )
+        text = f"has {counts.sum():.6g} vertices with its arcs, at most {MOST_VERTICES}"
+        return broken(f"{text}; simplify it, or freeze its layer if it is no block")
     points = _chords(vertices, counts.astype(np.intp)) @ to_model[:3, :3] + to_model[3, :3]
     same = SAME_POINT * float(np.ptp(points, axis=0).max())
     closed = closed or (len(points) > 2 and bool(np.linalg.norm(points[0] - points[-1]) <= same))
@@ -220,9 +216,8 @@ def redraw(outline: PlacedOutline, points: Array) -> None:
     own = (points - to_model[3, :3]) @ np.linalg.inv(to_model[:3, :3])
     if isinstance(entity, LWPolyline):
         kept = entity.get_points("seb")[: len(own)]
-        entity.set_points(
-            [(x, y, *rest) for (x, y, _), rest in zip(own.tolist(), kept, strict=True)], "xyseb"
-        )
+        moved = [(x, y, *rest) for (x, y, _), rest in zip(own.tolist(), kept, strict=True)]
+        entity.set_points(moved, "xyseb")
     else:
         on_it = [v for v in entity.vertices if not v.dxf.flags & SPLINE_FRAME]
         for vertex, place in zip(on_it, own.tolist(), strict=False):

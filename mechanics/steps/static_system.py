@@ -13,8 +13,7 @@ from mechanics.kernels.dynamics.motion import GONE
 from mechanics.kernels.joint import LEAST, H, U
 from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.model.contacts import Contacts, end_gaps
-from mechanics.model.proximity import near
+from mechanics.model.contacts import Contacts, end_gaps, near
 from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index

@@ -26,7 +26,7 @@ LINES = {
     "assessment/workflow": 922,
     "mechanics": 966,
     "mechanics/kernels": 3642,
-    "mechanics/model": 3086,
+    "mechanics/model": 3055,
     "mechanics/procedures": 3331,
     "mechanics/records": 1049,
     "mechanics/solvers": 1071,
