@@ -70,16 +70,18 @@ def _component(support: str, name: str) -> Message:
     return message("the rotation of the support {name}", name=support)
 
 
-def findings(found: parts.Identification) -> list[Message]:
-    """Return what is not determined, what contradicts, and which hypotheses are not told from each other."""
-    return [
-        *(
-            headed(message("identification, {hypothesis}", hypothesis=each.hypothesis), text)
-            for each in found.hypotheses
-            for text in _of_hypothesis(each)
-        ),
-        *_alike(found),
-    ]
+def findings(found: parts.Identification) -> Iterator[Message]:
+    """Yield what is not determined, what contradicts, and which hypotheses are not told from each other."""
+    for each in found.hypotheses:
+        title = message("identification, {hypothesis}", hypothesis=each.hypothesis)
+        yield from (headed(title, text) for text in _of_hypothesis(each))
+    best = None if found.best is None else found.hypotheses[found.best]
+    for each in found.hypotheses:
+        if best is not None and each is not best and not each.distinguished:
+            yield message(
+                "identification: the measurements do not tell one hypothesis ({first}) from another ({second}): their "
+                "AIC differ by less than 2", first=best.hypothesis, second=each.hypothesis,
+            )  # fmt: skip
 
 
 def not_followed(unknowns: fitting.Unknowns, reasons: Sequence[Message]) -> list[Message]:
@@ -88,10 +90,8 @@ def not_followed(unknowns: fitting.Unknowns, reasons: Sequence[Message]) -> list
         return []
     text = message(
         "{count} movements that were tried could not be followed to their end, for another reason than a collapse; a "
-        "better fit may lie there; the first: {reason}",
-        count=len(reasons),
-        reason=reasons[0],
-    )
+        "better fit may lie there; the first: {reason}", count=len(reasons), reason=reasons[0],
+    )  # fmt: skip
     return [headed(message("identification, {hypothesis}", hypothesis=unknowns.title), text)]
 
 
@@ -103,10 +103,8 @@ def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
     if each.probability is not None and each.probability < UNLIKELY:
         yield message(
             "the movement does not explain the measurements: a χ² of {square:.3g} or more has a probability of "
-            "{probability:.2g}",
-            square=each.chi_squared,
-            probability=each.probability,
-        )
+            "{probability:.2g}", square=each.chi_squared, probability=each.probability,
+        )  # fmt: skip
     if each.distinguished:
         return
     if each.degrees_of_freedom == 0:
@@ -125,29 +123,11 @@ def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
         if row.measurement in each.contradicting:
             yield message(
                 "the measurement {name} contradicts the rest: predicted {predicted:.3g} {unit}, measured "
-                "{measured:.3g} ± {sigma:.3g} {unit}",
-                name=row.measurement,
-                predicted=row.predicted,
-                measured=row.measured,
-                sigma=row.sigma,
-                unit=row.unit,
-            )
+                "{measured:.3g} ± {sigma:.3g} {unit}", name=row.measurement, predicted=row.predicted,
+                measured=row.measured, sigma=row.sigma, unit=row.unit,
+            )  # fmt: skip
     if each.at_collapse:
         yield message("the fit would improve beyond what the structure survives")
-
-
-def _alike(found: parts.Identification) -> Iterator[Message]:
-    if found.best is None:
-        return
-    best = found.hypotheses[found.best]
-    for each in found.hypotheses:
-        if each is not best and not each.distinguished:
-            yield message(
-                "identification: the measurements do not tell one hypothesis ({first}) from another ({second}): their "
-                "AIC differ by less than 2",
-                first=best.hypothesis,
-                second=each.hypothesis,
-            )
 
 
 ROUNDING = 1e-8  # of a block's size: a movement that is none
@@ -237,42 +217,33 @@ class MovementSearch:
         """Return the best fit of a hypothesis; None where no movement could be followed."""
         directions = unknowns.directions()
         length = FARTHEST * self.largest
-        paths = self._followed(unknowns, [length * each for each in directions], COARSE, "search")
+        paths = self.followed(unknowns, [length * each for each in directions], COARSE, "search")
         starts: list[tuple[float, Array]] = []
         for direction, path in zip(directions, paths, strict=True):
             if len(path.share):
                 share, square = fitting.best_length(path.share, self.residual(path.shown))
                 starts.append((square, share * length * direction))
         starts.sort(key=lambda each: each[0])
-        fits = [fit for _, start in starts[:STARTS] if (fit := self._refined(unknowns, start)) is not None]
+        fits, predict = [], self.predict(unknowns)
+        for _, start in starts[:STARTS]:
+            [residual] = predict([start])
+            if residual is not None:
+                fits.append(fitting.refined(unknowns, start, residual, predict))
         return min(fits, key=lambda fit: fit.chi_squared, default=None)
 
-    def at(self, unknowns: fitting.Unknowns, u: Array) -> Followed:
-        """Return the path to values u (n,), m, of the unknowns."""
-        [found] = self._followed(unknowns, [u], FINE, "best movement")
-        return found
+    def predict(self, unknowns: fitting.Unknowns) -> fitting.Predict:
+        """Return what predicts the residuals at values of the unknowns."""
 
-    def over_kinks(
-        self, unknowns: fitting.Unknowns, fit: fitting.Fit, error: Array
-    ) -> tuple[Mask, fitting.Fit]:
-        """Return where the prediction has a kink within a standard error, and the fit with the slopes beyond."""
-        return fitting.over_kinks(unknowns, fit, error, self._predict(unknowns))
-
-    def _refined(self, unknowns: fitting.Unknowns, start: Array) -> fitting.Fit | None:
-        predict = self._predict(unknowns)
-        [residual] = predict([start])
-        return None if residual is None else fitting.refined(unknowns, start, residual, predict)
-
-    def _predict(self, unknowns: fitting.Unknowns) -> fitting.Predict:
-        def predict(values: Sequence[Array]) -> list[Array | None]:
-            paths = self._followed(unknowns, values, FINE, "fit")
+        def residuals(values: Sequence[Array]) -> list[Array | None]:
+            paths = self.followed(unknowns, values, FINE, "fit")
             return [None if path.configuration is None else self.residual(path.shown[-1]) for path in paths]
 
-        return predict
+        return residuals
 
-    def _followed(
+    def followed(
         self, unknowns: fitting.Unknowns, values: Sequence[Array], increments: int, what: str
     ) -> list[Followed]:
+        """Return the path to each of the values (n,), m, of the unknowns; what they leave goes to the study."""
         tasks = [(self.model, unknowns.movements(u), increments, self.sliding, self.gauges) for u in values]
         titles = [f"{unknowns.title}, path {number}" for number in range(1, len(tasks) + 1)]
         found = self.workers.each(
@@ -347,20 +318,19 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
             probability=None, aic=None, distinguished=True, undetermined=[], kinked=[], contradicting=[],
             at_collapse=False, fit=[], configuration=None,
         )  # fmt: skip
-    kinked, around = search.over_kinks(unknowns, fit, fitting.sureness(fit, search.largest).error)
+    kinked, around = fitting.over_kinks(
+        unknowns, fit, fitting.sureness(fit, search.largest).error, search.predict(unknowns)
+    )
     sure = fitting.sureness(around, search.largest)
-    rows = [
-        as_part(
-            parts.Fitted,
-            each,
-            measurement=each.name,
-            predicted=each.value + residual * each.sigma,
-            measured=each.value,
-            residual=residual * each.sigma,
-            residual_in_sigma=residual,
-        )
-        for each, residual in zip(project.measurement, fit.residual.tolist(), strict=True)
-    ]
+    [best] = search.followed(unknowns, [fit.u], FINE, "best movement")
+    rows = []
+    for each, off in zip(project.measurement, fit.residual.tolist(), strict=True):
+        shown = {
+            "measured": each.value,
+            "predicted": each.value + off * each.sigma,
+            "residual": off * each.sigma,
+        }
+        rows.append(as_part(parts.Fitted, each, measurement=each.name, residual_in_sigma=off, **shown))
     return parts.Explanation(
         hypothesis=unknowns.title,
         unknowns=n,
@@ -375,7 +345,7 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
         contradicting=[row.measurement for row in rows if abs(row.residual_in_sigma) > CONTRADICTS],
         at_collapse=fit.stopped,
         fit=rows,
-        configuration=search.at(unknowns, fit.u).configuration,
+        configuration=best.configuration,
     )
 
 

@@ -275,9 +275,7 @@ def without_effect(project: Project) -> set[str]:
     if loads or project.tie:
         return set()
     strengths = [part.compressive_strength_kN_m2 for part in project.parts.values()]
-    crushes = any(
-        isfinite(strength or inf) for strength in (project.material.compressive_strength_kN_m2, *strengths)
-    )
+    crushes = any(isfinite(each or inf) for each in (project.material.compressive_strength_kN_m2, *strengths))
     rigid = project.pushover is not None and project.pushover.contacts == ("rigid",) and not crushes
     return {"depth", "unit_weight"} if rigid else {"depth"}
 
@@ -311,20 +309,13 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
     def scaled(table: ProjectTable) -> ProjectTable:
         values = {name: getattr(table, name, None) for name in KEYS[key]}
         return table.model_copy(
-            update={name: factor * value for name, value in values.items() if value is not None}
+            update={name: factor * each for name, each in values.items() if each is not None}
         )
 
-    return project.model_copy(
-        update={
-            "geometry": scaled(project.geometry),
-            "material": scaled(project.material),
-            "layers": {name: scaled(layer) for name, layer in project.layers.items()},
-            "region": tuple(map(scaled, project.region)),
-            "strengthening": tuple(
-                each.model_copy(
-                    update={"layers": {name: scaled(layer) for name, layer in each.layers.items()}}
-                )
-                for each in project.strengthening
-            ),
-        }
-    )
+    def layered(layers: Mapping[str, ProjectTable]) -> dict[str, ProjectTable]:
+        return {name: scaled(layer) for name, layer in layers.items()}
+
+    made = (each.model_copy(update={"layers": layered(each.layers)}) for each in project.strengthening)
+    changed: dict[str, Any] = {"geometry": scaled(project.geometry), "material": scaled(project.material)}
+    changed |= {"layers": layered(project.layers), "region": tuple(map(scaled, project.region))}
+    return project.model_copy(update=changed | {"strengthening": tuple(made)})
