@@ -3,7 +3,9 @@
 Gauss–Newton with central differences and bounds (Nocedal and Wright, Numerical Optimization, 2006, ch. 10); damped
 steps (Levenberg–Marquardt) are tried beside the full one, as each is a path of its own and paths run side by side.
 Predictions jump and have kinks where hinges move to other joints: a difference across a jump is the jump over its step,
-and no slope. Standard errors rest on slopes that two steps on one side of the fit agree on, and on those beyond kinks.
+and no slope. So values at a distance along each axis are tried too, nearer where none is better (pattern search: Kolda,
+Lewis and Torczon, SIAM Review 45, 2003). Standard errors rest on slopes that two steps on one side of the fit agree on,
+and on those beyond kinks.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -107,17 +109,16 @@ Predict = Callable[[Sequence[Array]], Sequence[Array | None]]
 class FitTolerances:
     """Tolerances of the fit.
 
-    `difference`: of finite differences, as a share of the length of the movement; `least` (m): of them, and of steps;
-    `step`: of the movement, below which it counts as found; `iterations`: at most; `dampings`: of the trial steps,
-    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect;
-    `gain`: of χ², or of `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive
-    steps, by which they may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
+    As shares of the movement: `difference`, of finite differences, at least `least` (m); `reach`, the first distance of
+    the pattern search, which ends at that of the differences. `dampings`: of the trial steps, relative to the largest
+    curvature; `singular`: of the largest singular value, below which a direction has no effect; `gain`: of χ², or of
+    `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive steps, by which they
+    may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
     """
 
     difference: float = 0.01
     least: float = 1e-6
-    step: float = 1e-5
-    iterations: int = 20
+    reach: float = 0.25
     dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
     singular: float = 1e-6
     gain: float = 1e-6
@@ -163,31 +164,27 @@ def best_length(share: Array, residual: Array) -> tuple[float, float]:
 
 def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict) -> Fit:
     """Return the fit near the values `start` (n,), m, whose residuals over σ (m,) are given."""
-    u, stopped = start, False
-    jacobian = _jacobian(unknowns, u, residual, predict)
-    for _ in range(FIT.iterations):
-        trials = [
-            unknowns.bounded(u + _step(unknowns, u, residual, jacobian, damping)) for damping in FIT.dampings
-        ]
+    u, stopped, radius = start, False, FIT.reach * float(np.linalg.norm(start))
+    newton, sides = _newton(unknowns, u, residual, predict), np.concatenate([np.eye(len(u)), -np.eye(len(u))])
+    while radius > _difference(u):
+        trials = [unknowns.bounded(u + step) for step in [*newton, *radius * sides]]
         found = predict(trials)
-        stopped = any(each is None for each in found)
-        better = [
-            (float(each @ each), number)
-            for number, each in enumerate(found)
-            if each is not None and each @ each < residual @ residual
-        ]
-        if not better:
-            break
-        square, number = min(better)
-        length = float(np.linalg.norm(trials[number] - u))
-        gained = float(residual @ residual) - square
-        residual = np.asarray(found[number])
-        u = trials[number]
-        jacobian = _jacobian(unknowns, u, residual, predict)
-        short = length < max(FIT.step * float(np.linalg.norm(u)), FIT.least)
-        if short or gained < FIT.gain * max(square, FIT.exact):
-            break
+        if newton:
+            stopped = any(each is None for each in found[: len(newton)])
+        squares = [np.inf if each is None else float(each @ each) for each in found]
+        best = int(np.argmin(squares))
+        if float(residual @ residual) - squares[best] < FIT.gain * max(squares[best], FIT.exact):
+            newton, radius = [], 0.5 * radius  # nothing better so far away
+            continue
+        u, residual = trials[best], np.asarray(found[best])
+        newton = _newton(unknowns, u, residual, predict)
     return Fit(u, residual, _slopes(unknowns, u, residual, predict), stopped)
+
+
+def _newton(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> list[Array]:
+    """Return the steps (n,) of Gauss and Newton, undamped and damped."""
+    jacobian = _jacobian(unknowns, u, residual, predict)
+    return [_step(unknowns, u, residual, jacobian, damping) for damping in FIT.dampings]
 
 
 def _jacobian(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> Array:

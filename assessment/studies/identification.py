@@ -105,6 +105,8 @@ def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
             "the movement does not explain the measurements: a χ² of {square:.3g} or more has a probability of "
             "{probability:.2g}", square=each.chi_squared, probability=each.probability,
         )  # fmt: skip
+        if len(each.movement) > 1:
+            yield message("its supports move together, in proportion; by turns they may leave other cracks")
     if each.distinguished:
         return
     if each.degrees_of_freedom == 0:
