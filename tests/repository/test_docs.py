@@ -27,11 +27,8 @@ from tools.gallery import carried_out, scripts
 
 DOCS = ROOT / "docs"
 GUIDES = [
-    DOCS / "tutorial.md",
-    DOCS / "avvio_rapido.md",
-    *sorted(DOCS.glob("howto/*.md")),
-    ROOT / "README.md",
-]
+    DOCS / "tutorial.md", DOCS / "avvio_rapido.md", *sorted(DOCS.glob("howto/*.md")), ROOT / "README.md",
+]  # fmt: skip
 NAMES = [path.relative_to(ROOT).as_posix() for path in GUIDES]
 
 

@@ -37,12 +37,9 @@ def drawn(name: str | Path, stiffness: float = 1.0, strength: float = float("inf
             compressive_strength=strength,
         )
         return Layer(
-            stone,
-            own.get("depth_m", geometry["depth_m"]),
-            own.get("support"),
-            own.get("vertical_load_kN", 0.0),
-            own.get("load_has_mass", True),
-        )
+            stone, own.get("depth_m", geometry["depth_m"]), own.get("support"),
+            own.get("vertical_load_kN", 0.0), own.get("load_has_mass", True),
+        )  # fmt: skip
 
     layers = {key: layer(own) for key, own in project.get("layers", {}).items()}
     drawing = read_drawing(FOLDER / name / geometry["drawing"], geometry["unit"], layer({}), layers)

@@ -152,12 +152,9 @@ def _geometry() -> dict[str, Any]:
         for i, face in enumerate(faces)
     ]  # fmt: skip
     return {
-        "blocks": blocks,
-        "controls": [{"name": "C1", "point_m": [0.0, 1.236], "block": 3}],
-        "joints": joints,
-        "joint_tolerance_m": 1e-4,
-        "gravity_m_s2": G,
-    }
+        "blocks": blocks, "controls": [{"name": "C1", "point_m": [0.0, 1.236], "block": 3}], "joints": joints,
+        "joint_tolerance_m": 1e-4, "gravity_m_s2": G,
+    }  # fmt: skip
 
 
 def _configuration(movement: float) -> list[list[float]]:

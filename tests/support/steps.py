@@ -49,12 +49,9 @@ def euler_step(
     load = model.dead_load - acceleration * GRAVITY * model.mass * (1.0, 0.0, 0.0)
     size = max(GRAVITY * step**2, step * float(abs(state.velocities[:, :2]).max()))
     problem = StepProblem(
-        system,
-        replace(state, shear=None),
-        load + model.mass / step * state.velocities,
-        size,
+        system, replace(state, shear=None), load + model.mass / step * state.velocities, size,
         mass=model.mass / step**2,
-    )
+    )  # fmt: skip
     return posed(problem)
 
 

@@ -33,12 +33,9 @@ def settled(until: float = 0.0, coarser: float = 1.0):
     """
     model, (movement,) = drawn("triumphal_arch"), tables("triumphal_arch")["settlements"]
     moved = pushdown(
-        model,
-        movement["support"],
-        movement["displacement_m"],
-        increment=coarser * movement["increment_m"],
+        model, movement["support"], movement["displacement_m"], increment=coarser * movement["increment_m"],
         sliding="associative",
-    )
+    )  # fmt: skip
     increment = coarser * tables("triumphal_arch")["pushover"]["increment_m"]
     curve = pushover(model, control(), "+x", "rigid", increment, moved.final, until, sliding="associative")
     return float(curve.multiplier.max()), float(curve.displacement[-1])

@@ -197,12 +197,9 @@ def test_a_pier_that_moves_away_unseats_the_beam():
 
 def movement(name: str, support: str, x: float, z: float, *more: str) -> str:
     keys = [
-        f'name = "{name}"',
-        f'support = "{support}"',
-        f"displacement_m = [{x}, {z}]",
-        "increment_m = 0.002",
+        f'name = "{name}"', f'support = "{support}"', f"displacement_m = [{x}, {z}]", "increment_m = 0.002",
         *more,
-    ]
+    ]  # fmt: skip
     return "[[settlements]]\n" + "\n".join(keys) + "\n"
 
 

@@ -111,13 +111,10 @@ def largest_ratio(levels):
 
 
 @given(
-    low=st.floats(0.05, 2.0),
-    width=st.floats(0.06, 0.3),
-    gap=st.floats(0.0, 0.2),
-    near=st.one_of(st.none(), st.floats(0.02, 3.0)),
-    ratio=st.sampled_from([1.02, 1.05]),
+    low=st.floats(0.05, 2.0), width=st.floats(0.06, 0.3), gap=st.floats(0.0, 0.2),
+    near=st.one_of(st.none(), st.floats(0.02, 3.0)), ratio=st.sampled_from([1.02, 1.05]),
     members=st.sampled_from([1, 5]),
-)
+)  # fmt: skip
 def test_a_band_no_more_than_thirty_percent_below_any_collapse_that_is_met_is_found(
     low, width, gap, near, ratio, members
 ):

@@ -124,14 +124,11 @@ def test_another_host_is_refused_token_or_not(served, host):
 @pytest.mark.parametrize(
     "headers",
     [
-        {"Origin": "http://evil.example"},
-        {"Origin": "null"},
-        {"Origin": "http://127.0.0.1:1"},
-        {"Origin": "https://127.0.0.1:{port}"},
-        {"Sec_Fetch_Site": "cross-site"},
+        {"Origin": "http://evil.example"}, {"Origin": "null"}, {"Origin": "http://127.0.0.1:1"},
+        {"Origin": "https://127.0.0.1:{port}"}, {"Sec_Fetch_Site": "cross-site"},
         {"Sec_Fetch_Site": "same-site"},
     ],
-)
+)  # fmt: skip
 def test_another_page_is_refused_even_with_token_and_cookie(served, headers):
     headers = {key: value.format(port=served.port) for key, value in headers.items()}
     assert served.enter(**headers).status == 403

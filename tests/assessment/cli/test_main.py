@@ -28,12 +28,9 @@ def test_a_run_writes_everything_and_says_where(project, capsys, drawn):
     assert err == ""  # silent: no terminal
     found = {path.name for path in (project / "output").iterdir() if path.name not in {FOLDER, JOURNAL}}
     assert found == {
-        "tables",
-        "figures",
-        "judgement.md",
-        "results.json",
+        "tables", "figures", "judgement.md", "results.json",
         *(f"report.{kind}" for kind in ("html", "pdf", "docx")),
-    }
+    }  # fmt: skip
     assert {p.suffix for p in (project / "output" / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     assert {p.suffix for p in (project / "output" / "tables").iterdir()} == {".csv"}
     assert (project / "output" / "figures" / "model.svg").is_file()

@@ -210,11 +210,8 @@ def test_every_fault_is_listed_once_and_marked(tmp_path, capsys):
     assert last == f"drawing with the faults marked: {tmp_path / 'output' / 'model.svg'}"
     assert all(re.match(r"error: geometry\.dxf: fault \d: block \d+ \(layer ", line) for line in told)
     assert [("twice" in line, "encloses" in line, "overlap by" in line) for line in told] == [
-        (True, False, False),
-        (False, True, False),
-        (False, False, True),
-        (False, False, True),
-    ]
+        (True, False, False), (False, True, False), (False, False, True), (False, False, True),
+    ]  # fmt: skip
     assert numbers(picture) == {"1", "2", "3", "4"}
     for key in ("drawn more than once: 1", "frame around other blocks: 1", "overlap: 2"):
         assert key in picture

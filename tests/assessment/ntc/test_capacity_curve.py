@@ -135,13 +135,10 @@ def test_bilinear_has_the_area_of_the_curve():
 
 
 @given(
-    model=st.sampled_from(["trilinear", "bilinear", "none"]),
-    alpha_0=st.floats(0.02, 0.5),
-    d_0=st.floats(0.02, 2.0),
-    share=st.floats(0.1, 0.99),
-    stiff=st.floats(0.002, 0.05),
+    model=st.sampled_from(["trilinear", "bilinear", "none"]), alpha_0=st.floats(0.02, 0.5),
+    d_0=st.floats(0.02, 2.0), share=st.floats(0.1, 0.99), stiff=st.floats(0.002, 0.05),
     scale=st.floats(0.1, 10.0),
-)
+)  # fmt: skip
 def test_fits_scale_with_the_drawing_and_stay_under_the_rigid_branch(
     model, alpha_0, d_0, share, stiff, scale
 ):

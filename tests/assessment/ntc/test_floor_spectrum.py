@@ -43,12 +43,9 @@ def capacity(alpha_0, d_0, model="none", e_star=0.75, gamma_star=0.66):
 @st.composite
 def grounds(draw):
     return ElasticSpectrum(
-        draw(st.floats(0.03, 0.5)),
-        draw(st.floats(2.2, 3.0)),
-        draw(st.floats(0.2, 0.6)),
-        draw(st.sampled_from("ABCDE")),
-        draw(st.sampled_from(["T1", "T4"])),
-    )
+        draw(st.floats(0.03, 0.5)), draw(st.floats(2.2, 3.0)), draw(st.floats(0.2, 0.6)),
+        draw(st.sampled_from("ABCDE")), draw(st.sampled_from(["T1", "T4"])),
+    )  # fmt: skip
 
 
 @given(

@@ -52,11 +52,8 @@ def test_classes_of_is_v(zeta, expected):
 def test_unknown_return_periods_leave_their_indices_out():
     found = heritage_and_risk_indices(0.1, 0.2, 0.5, "II")
     assert (found.I_S, found.acceptable_nominal_life_years, found.PAM, found.risk_class) == (
-        None,
-        None,
-        None,
-        None,
-    )
+        None, None, None, None,
+    )  # fmt: skip
 
 
 def test_a_capacity_lost_at_once_costs_no_more_than_all():
@@ -67,12 +64,9 @@ def test_a_capacity_lost_at_once_costs_no_more_than_all():
 def test_thresholds_of_interventions():
     """§8.4.2: 0.1 more in class II and the rest of class III; 0.6 in class IV and for schools of class III."""
     assert required_zeta(0.35, "II") == {
-        "repair": None,
-        "improvement": pytest.approx(0.45),
-        "improvement_school": None,
-        "retrofit_use": 0.8,
+        "repair": None, "improvement": pytest.approx(0.45), "improvement_school": None, "retrofit_use": 0.8,
         "retrofit": 1.0,
-    }
+    }  # fmt: skip
     assert required_zeta(0.35, "IV")["improvement"] == 0.6
     assert required_zeta(0.55, "IV")["improvement"] == 0.6  # not 0.1 more
     assert required_zeta(0.7, "IV")["improvement"] == 0.7
@@ -90,11 +84,8 @@ def test_an_intervention_is_attained_from_the_state_before():
     assert required["improvement"] == pytest.approx(0.399)
     assert all(attained(1.01, required).values())
     assert attained(0.45, required) == {
-        "improvement": True,
-        "improvement_school": False,
-        "retrofit_use": False,
-        "retrofit": False,
-    }
+        "improvement": True, "improvement_school": False, "retrofit_use": False, "retrofit": False,
+    }  # fmt: skip
 
 
 def test_confidence_factor_by_hand():

@@ -81,12 +81,9 @@ def test_displacement_at_long_periods():
 
 
 @given(
-    ag=st.floats(0.02, 0.5),
-    F0=st.floats(2.2, 3.0),
-    Tc_star=st.floats(0.15, 0.6),
-    soil=st.sampled_from("ABCDE"),
-    damping=st.floats(0.02, 0.3),
-)
+    ag=st.floats(0.02, 0.5), F0=st.floats(2.2, 3.0), Tc_star=st.floats(0.15, 0.6),
+    soil=st.sampled_from("ABCDE"), damping=st.floats(0.02, 0.3),
+)  # fmt: skip
 def test_branches_join_and_displacement_grows(ag, F0, Tc_star, soil, damping):
     spectrum = ElasticSpectrum(ag, F0, Tc_star, soil, damping=damping)
     for joint in (spectrum.T_B, spectrum.T_C, spectrum.T_D):

@@ -179,13 +179,10 @@ def test_an_existing_project_is_not_overwritten(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("folder", "template"),
     [
-        ("rocking_block", "block"),
-        ("buttressed_arch", "buttressed-arch"),
-        ("triumphal_arch", "triumphal-arch"),
-        ("arch_campaign", None),
-        ("tuff_panel", None),
+        ("rocking_block", "block"), ("buttressed_arch", "buttressed-arch"),
+        ("triumphal_arch", "triumphal-arch"), ("arch_campaign", None), ("tuff_panel", None),
     ],
-)
+)  # fmt: skip
 def test_example_project_is_sound(folder: str, template: str | None) -> None:
     """The worked examples load; those made from a template are its defaults, with analyses beside them."""
     project = load_project(PROJECTS / folder)

@@ -104,11 +104,8 @@ def test_every_number_has_bounds():
 
     look(json_schema(), "")
     assert unbounded == {
-        "friction",
-        "tangential_stiffness_kN_m3",
-        "compressive_strength_kN_m2",
-        "yield_force_kN",
-    }
+        "friction", "tangential_stiffness_kN_m3", "compressive_strength_kN_m2", "yield_force_kN",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(

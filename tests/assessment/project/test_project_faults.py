@@ -71,6 +71,7 @@ nominal_life_years = 50 | nominal_life_years = 0 | assessment.site.nominal_life_
 # texts
 name = "C2" | name = "" | control[2].name | not empty
 name = "C2" | name = "C2 " | control[2].name | blanks at its ends
+support = "right"\n[layers.ROOF] | support = "a\tb"\n[layers.ROOF] | layers.BASE_RIGHT.support | control
 # files
 "geometry.dxf" | "geometri.dxf" | geometry.drawing | did you mean "geometry.dxf"?
 "records/aqv_ns.acc" | "records/aqv_n.acc" | history[1].record | mean "records/aqv_ns.acc"?
@@ -91,6 +92,7 @@ max_scale = 5.0 | states = ["orginal"] | incremental.states[1] | "original"
 [0.020, -0.020] | [1e-7, 0]\nsteps = 2 | settlements[1].displacement_m | in steps, 5e-08 m (or rad)
 increment_m = 0.001\nto | increment_m = 0.05\nto | settlements[1].increment_m | write 0.02 or less
 increment_m = 0.001\nto | increment_m = 1e-7\nto | settlements[1].increment_m | 200000 increments
+rotation_rad = 0.0\n | increment_rad = 1e-7\nrotation_rad = 0.1\n | settlements[1].increment_rad | 1000000 increments
 scale = 1.0 | scale = 0 | history[1].scale | 0 leaves no motion
 [15.0, 22.0] | [22.0, 15.0] | history[1].window_s | 0 ≤ first < last
 max_scale = 5.0 | window_s = [-1, 5] | incremental.window_s | 0 ≤ first < last
@@ -105,33 +107,22 @@ latitude = 42.35 |  | assessment.site.latitude | go together
 spectrum = "ntc" | spectrum = "record"\nmethod = "nearest" | assessment.method | "demand-shape" or "grid"
 """.splitlines()
 
-WRONG = [  # old text, new text, key, what the message must hold
+# old text, new text, key, what the message must hold
+WRONG = [
     *(tuple(field.strip().replace("\\n", "\n") for field in line.split("|")) for line in TOLD if "|" in line),
     (
-        "friction = 0.6",
-        "tangential_stiffness_kN_m3 = 1e300",
-        "material.tangential_stiffness_kN_m3",
+        "friction = 0.6", "tangential_stiffness_kN_m3 = 1e300", "material.tangential_stiffness_kN_m3",
         "1e+300 is more than 1e+11; write inf for a joint that is rigid in shear",
     ),
     (
-        "= 1.2e5",
-        f"= {'[' * 90}{']' * 90}",
-        "material.normal_stiffness_kN_m3",
+        "= 1.2e5", f"= {'[' * 90}{']' * 90}", "material.normal_stiffness_kN_m3",
         '[[["…"]]] is wrong; write a number',
     ),
     ("= 1.2e5", f"= 0x{'f' * 5000}", "material.normal_stiffness_kN_m3", "some 6021 digits"),
-    (
-        'support = "right"\n[layers.ROOF]',
-        'support = "a\\tb"\n[layers.ROOF]',
-        "layers.BASE_RIGHT.support",
-        "control",
-    ),
     ("[layers.ROOF]", '[layers."ROOF\\n"]', 'layers."ROOF\\n"', "control characters"),
     (BEFORE_REPORT, MECHANISM, "mechanism[1]", "no block is chosen"),
     (
-        BEFORE_REPORT,
-        MECHANISM + "region_m = [[0, 0], [1, 1]]\n",
-        "mechanism[1].region_m",
+        BEFORE_REPORT, MECHANISM + "region_m = [[0, 0], [1, 1]]\n", "mechanism[1].region_m",
         "write one flat list: [x1, z1, x2, z2, …]",
     ),
     (BEFORE_REPORT, MECHANISM + "blocks = [1]\nrotation = 0\n", "mechanism[1].rotation", "does not move"),
@@ -145,19 +136,11 @@ WRONG = [  # old text, new text, key, what the message must hold
     ),
     (BEFORE_REPORT, FLOOR.replace("7.0", "12.0"), "assessment.floor.height_m", "above building_height_m"),
     (
-        BEFORE_REPORT,
-        FLOOR + "higher_periods_s = [0.1]\n",
-        "assessment.floor.higher_participations",
+        BEFORE_REPORT, FLOOR + "higher_periods_s = [0.1]\n", "assessment.floor.higher_participations",
         "one γ_k",
     ),
-    (
-        "rotation_rad = 0.0\n",
-        "increment_rad = 1e-7\nrotation_rad = 0.1\n",
-        "settlements[1].increment_rad",
-        "1000000 increments",
-    ),
     ('soil = "B"', f'soil = "B"\nSLV = {HAZARD}', "assessment.site", "keep one of the two"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("old", "new", "key", "said"), WRONG, ids=[f"{w[2]}: {w[3]}" for w in WRONG])
@@ -241,15 +224,12 @@ def test_tables_that_need_each_other(folder, text, key, said):
 @pytest.mark.parametrize(
     ("text", "place"),
     [
-        ("title = Arch\n", "line 1, column 9"),
-        ('title = "A"\n[geometry]\ndepth_m = 0,10\n', "line 3"),
-        ('title = "A"\ntitle = "B"', "line 2, column"),
-        ('title = "A', "line 1, column 11"),
-        ("[geometry]\n[geometry]\n", "line 2, column"),
-        (f"title = {'1' * 5000}", "line 1"),
+        ("title = Arch\n", "line 1, column 9"), ('title = "A"\n[geometry]\ndepth_m = 0,10\n', "line 3"),
+        ('title = "A"\ntitle = "B"', "line 2, column"), ('title = "A', "line 1, column 11"),
+        ("[geometry]\n[geometry]\n", "line 2, column"), (f"title = {'1' * 5000}", "line 1"),
         ('title = "C:\\quiet"', "line 1, column"),
     ],
-)
+)  # fmt: skip
 def test_syntax_errors_are_placed(folder, text, place):
     said = message(folder, text)
     assert said.startswith(f"project.toml: {place}") and "\n" not in said

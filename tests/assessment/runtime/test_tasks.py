@@ -82,12 +82,9 @@ def test_what_was_not_used_for_longest_goes_first(tmp_path):
 
 def test_results_keep_every_bit():
     state = State(
-        np.array([[0.1, 1 / 3, 1e-300]]),
-        np.zeros((1, 3)),
-        np.zeros(0),
-        np.array([[3.0, 7.0, 0.1]]),
+        np.array([[0.1, 1 / 3, 1e-300]]), np.zeros((1, 3)), np.zeros(0), np.array([[3.0, 7.0, 0.1]]),
         np.array([True, False]),
-    )
+    )  # fmt: skip
     odd = message("{text}", text="w «é»\r\n")
     row = made(QualityRow, {"solves": 3, "worst_complementarity": 1 / 7})
     part = Found(

@@ -54,14 +54,11 @@ class Levels:
         self.scans, self.combinations = Scans(None, None), []
         self.before, self.after = (
             SimpleNamespace(
-                settlement="s",
-                share=share,
-                movement_m=0.02 * share,
-                static_capacity=0.5 - 0.1 * share,
+                settlement="s", share=share, movement_m=0.02 * share, static_capacity=0.5 - 0.1 * share,
                 d_0_m=None,
             )
             for share in (0.0, 1.0)
-        )
+        )  # fmt: skip
         for state, levels in ((self.before, before), (self.after, after)):
             for record, level in levels.items():
                 shaking = SimpleNamespace(start=None, motion=SimpleNamespace(name=record))

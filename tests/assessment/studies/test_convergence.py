@@ -48,12 +48,9 @@ def results_of(project) -> dict:
 
 
 @given(
-    exact=st.floats(-10.0, 10.0),
-    factor=st.floats(1e-3, 10.0),
-    sign=st.sampled_from([-1.0, 1.0]),
-    order=st.floats(0.35, 4.0),
-    levels=st.integers(3, 6),
-)
+    exact=st.floats(-10.0, 10.0), factor=st.floats(1e-3, 10.0), sign=st.sampled_from([-1.0, 1.0]),
+    order=st.floats(0.35, 4.0), levels=st.integers(3, 6),
+)  # fmt: skip
 def test_the_estimate_bounds_the_error_of_any_order_that_shows(exact, factor, sign, order, levels):
     """v_k = v + C 2^(−pk): the safety up to first order, more above."""
     values = [exact + sign * factor * 2.0 ** (-order * k) for k in range(levels)]

@@ -31,12 +31,9 @@ from tests.support.wording import in_italian
 
 TRUTH = (0.012, -0.008, 0.004)
 PLACES = [
-    ("crown", "crack", CROWN),
-    ("left haunch", "crack", LEFT),
-    ("right pier", "lean", PIER),
-    ("span", "span", SPRINGING),
-    ("foot", "foot", (0.27, 0.10)),
-]
+    ("crown", "crack", CROWN), ("left haunch", "crack", LEFT), ("right pier", "lean", PIER),
+    ("span", "span", SPRINGING), ("foot", "foot", (0.27, 0.10)),
+]  # fmt: skip
 RIGHT_MOVES = '[{ destro = ["x", "z", "rotation"] }]'
 UPRIGHT, DOES_NOT_TURN = (0.012, -0.008, 0.0), '[{ destro = ["x", "z"] }]'
 

@@ -79,11 +79,8 @@ def test_a_sweep_follows_the_closed_form(project):
     assert found["quantity"] == "alpha_0" and found["limit_state"] is None
     points = found["points"]
     assert [p["share"] for p in points if p["state"] == "turned" and p["direction"] == "+x"] == [
-        0.25,
-        0.5,
-        0.75,
-        1,
-    ]
+        0.25, 0.5, 0.75, 1,
+    ]  # fmt: skip
     for point in points:
         turn = {"original": 0.0, "turned": 0.04, "turned back": -0.02}[point["state"]] * point["share"]
         lean = turn if point["direction"] == "+x" else -turn

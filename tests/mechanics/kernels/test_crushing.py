@@ -67,12 +67,9 @@ def test_forces_are_those_of_fibres_that_yield(half, k, turn, over, before):
 
 @settings(max_examples=30)
 @given(
-    half=halves,
-    k=stiffnesses,
-    turn=turns,
-    over=st.floats(0.05, 5.0),
+    half=halves, k=stiffnesses, turn=turns, over=st.floats(0.05, 5.0),
     lines=st.lists(st.floats(-4.0, 4.0), min_size=6, max_size=6),
-)
+)  # fmt: skip
 def test_forces_beside_any_three_lines(half, k, turn, over, lines):
     fibres, left = Fibres(half, k), np.array([*lines, 0.0, 0.0]) * YIELDS / k
     for first, second in left.reshape(4, 2):
@@ -123,12 +120,9 @@ def test_ends_and_middle_keep_the_lines_of_their_deepest_pressings():
 
 @settings(max_examples=30)
 @given(
-    half=halves,
-    k=stiffnesses,
-    eccentricity=st.floats(-0.9, 0.9),
-    used=st.floats(0.05, 0.97),
+    half=halves, k=stiffnesses, eccentricity=st.floats(-0.9, 0.9), used=st.floats(0.05, 0.97),
     before=pressings,
-)
+)  # fmt: skip
 def test_gaps_are_those_that_the_forces_need(half, k, eccentricity, used, before):
     """At a share of the force that the strength allows at this eccentricity, N(1 − |e|/h) ≤ …"""
     left = NONE.copy()

@@ -46,14 +46,11 @@ def test_layers_give_role_and_material(tmp_path):
 
 @settings(max_examples=15)
 @given(
-    radii=st.lists(st.floats(1.0, 10.0), min_size=3, max_size=9),
-    unit=st.sampled_from(["mm", "cm", "m"]),
+    radii=st.lists(st.floats(1.0, 10.0), min_size=3, max_size=9), unit=st.sampled_from(["mm", "cm", "m"]),
     scale=st.tuples(*[st.floats(0.2, 4.0).flatmap(lambda s: st.sampled_from([s, -s]))] * 2),
-    rotation=st.floats(-180.0, 180.0),
-    at=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
-    flipped=st.booleans(),
-    grid=st.tuples(st.integers(1, 2), st.integers(1, 3)),
-)
+    rotation=st.floats(-180.0, 180.0), at=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
+    flipped=st.booleans(), grid=st.tuples(st.integers(1, 2), st.integers(1, 3)),
+)  # fmt: skip
 def test_inserts_put_blocks_where_they_belong(
     tmp_path_factory, radii, unit, scale, rotation, at, flipped, grid
 ):

@@ -113,11 +113,8 @@ def test_a_corner_alone_carries_nothing():
 
 def test_what_a_gap_keeps_in_the_air_is_told_with_the_gap_and_the_tolerance_that_closes_it():
     blocks = [
-        BASE,
-        rectangle(0, 0, 1, 1, "A1"),
-        rectangle(0, 1.0026, 1, 2, "A2"),
-        rectangle(0, 2, 1, 3, "A3"),
-    ]
+        BASE, rectangle(0, 0, 1, 1, "A1"), rectangle(0, 1.0026, 1, 2, "A2"), rectangle(0, 2, 1, 3, "A3"),
+    ]  # fmt: skip
     gap, remedy = error(blocks).splitlines()
     assert "handle A2) face each other at (0.5, 1.0013) m across 0.0026 m" in gap
     assert gap.endswith("no joint, and block 2 and 1 more hang in the air; draw them so that they touch")

@@ -57,12 +57,9 @@ def test_where_sliding_has_lifted_blocks_the_forces_act_at_the_corners_that_touc
     """The tuff panel, whose joints slide in the settlement and lift by it; midway of the gaps α is 5e-5 off."""
     model, movement = drawn("tuff_panel"), tables("tuff_panel")["settlements"][0]
     moved = pushdown(
-        model,
-        movement["support"],
-        movement["displacement_m"],
-        increment=movement["increment_m"],
+        model, movement["support"], movement["displacement_m"], increment=movement["increment_m"],
         sliding="associative",
-    )
+    )  # fmt: skip
     control = tables("tuff_panel")["control"][0]["point_m"]
     path = pushover(model, control, "+x", "rigid", 0.002, moved.final, 0.95, sliding="associative")
     at = path.states[path.peak]

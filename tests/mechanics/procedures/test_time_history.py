@@ -340,17 +340,14 @@ def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: I
     ("change", "message"),
     [
         ({"acceleration": np.zeros(1)}, "acceleration"),
-        ({"acceleration": np.array([0.0, np.nan])}, "acceleration"),
-        ({"time_step": 0.0}, "time_step"),
-        ({"integrator": "explicit"}, "integrator"),
-        ({"contacts": "soft"}, "contacts"),
+        ({"acceleration": np.array([0.0, np.nan])}, "acceleration"), ({"time_step": 0.0}, "time_step"),
+        ({"integrator": "explicit"}, "integrator"), ({"contacts": "soft"}, "contacts"),
         ({"damping_ratio": 0.05}, "damping_ratio"),
         ({"restitution": 0.5, "integrator": "implicit-euler"}, "restitution"),
-        ({"ultimate": 0.1}, "ultimate"),
-        ({"vertical_acceleration": np.zeros(3)}, "vertical_acceleration"),
+        ({"ultimate": 0.1}, "ultimate"), ({"vertical_acceleration": np.zeros(3)}, "vertical_acceleration"),
         ({"control": (50.0, 50.0)}, "control"),
     ],
-)
+)  # fmt: skip
 def test_bad_arguments_are_named(change: dict[str, object], message: str) -> None:
     arguments = {"acceleration": np.zeros(10), "time_step": STEP} | change
     with pytest.raises(ValueError, match=message):

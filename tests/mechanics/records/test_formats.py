@@ -30,11 +30,8 @@ def esm(values=VALUES, unit="cm/s^2", sensor_depth=True, **changes):
     header = {f"KEY_{n}": "" for n in range(50)}
     header |= {"EVENT_NAME": "", "EVENT_TIME": "01:32:39"} | ({"SENSOR_DEPTH_M": ""} if sensor_depth else {})
     header |= {
-        "SAMPLING_INTERVAL_S": STEP,
-        "NDATA": len(values),
-        "UNITS": unit,
-        "BASELINE_CORRECTION": "a: b",
-    }
+        "SAMPLING_INTERVAL_S": STEP, "NDATA": len(values), "UNITS": unit, "BASELINE_CORRECTION": "a: b",
+    }  # fmt: skip
     header |= {f"USER{n}": "" for n in range(1, 6)} | changes
     lines = [f"{key}: {value}" for key, value in header.items() if value is not None]
     return "\n".join(lines + [f"{size * v:.9f}" for v in values]) + "\n"

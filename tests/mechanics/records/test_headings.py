@@ -55,13 +55,10 @@ def test_accelerations_without_a_unit_are_in_g(label):
 @pytest.mark.parametrize(
     ("label", "quantity"),
     [
-        ("velocity (cm per s)", "velocity"),
-        ("velocità", "velocity"),
-        ("Displacement (cm)", "displacement"),
-        ("index", "count"),
-        ("", "count"),
+        ("velocity (cm per s)", "velocity"), ("velocità", "velocity"), ("Displacement (cm)", "displacement"),
+        ("index", "count"), ("", "count"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_acceleration_is_told(label, quantity):
     assert column(label).quantity == quantity
 

@@ -65,12 +65,9 @@ TABLES = (
 CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
 COLUMN = {"limit": "limit_state"}
 WORDS_OF: dict[str, Callable[[Any], str]] = {
-    "state": WORDS.state,
-    "direction": direction_name,
-    "limit": lambda check: check_name(check, WORDS),
-    "mechanism": str,
-    "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
-}
+    "state": WORDS.state, "direction": direction_name, "limit": lambda check: check_name(check, WORDS),
+    "mechanism": str, "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
+}  # fmt: skip
 show, ratio = WORDS.show, WORDS.ratio
 ratio_of = WORDS.ratio
 

@@ -57,11 +57,8 @@ def results_with_studies(language: str = "it") -> dict:
 def test_the_tornado_takes_the_weaker_direction_and_the_widest_swing_first():
     rows = {(row["state"], row["property"]): row for row in tornado(typed(results_with_studies())).rows}
     assert [name for state, name in rows if state == SETTLED] == [
-        "unit_weight",
-        "stiffness",
-        "friction",
-        "depth",
-    ]
+        "unit_weight", "stiffness", "friction", "depth",
+    ]  # fmt: skip
     row = rows[SETTLED, "stiffness"]
     assert (row["low_factor"], row["high_factor"]) == (0.5, 2.0)
     assert row["a_g_low_g"] == pytest.approx(0.42) and row["a_g_high_g"] == pytest.approx(0.72)
