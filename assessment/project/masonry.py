@@ -107,11 +107,11 @@ def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block
         if (bond := tables[k].bond) is None or k in gone:
             continue
         margin = TOUCHING * float(np.ptp(blocks[k].polygon))
-        inside = [
-            j
-            for j in shapely.STRtree(shapes).query(shapes[k], predicate="intersects").tolist()
-            if j != k and shapes[k].buffer(margin).contains(shapes[j])
-        ]
+        near, around = (
+            shapely.STRtree(shapes).query(shapes[k], predicate="intersects"),
+            shapes[k].buffer(margin),
+        )
+        inside = [j for j in near.tolist() if j != k and around.contains(shapes[j])]
         openings = [j for j in inside if layer_key(blocks[j].layer) == layer_key(blocks[k].layer)]
         gone |= {k, *openings}
         own = any(each.name == within[k] and each.bond for each in project.region)
@@ -220,9 +220,8 @@ def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp
         if not 0 <= number < len(model.blocks):
             raise ProjectError(f"{key}.blocks: no block {number}; write 0 to {len(model.blocks) - 1}")
         if not model.movable[number]:
-            raise ProjectError(
-                f"{key}.blocks: block {number} is a support, which a mechanism leaves where it is; leave it out"
-            )
+            text = f"block {number} is a support, which a mechanism leaves where it is; leave it out"
+            raise ProjectError(f"{key}.blocks: {text}")
     chosen = np.zeros(len(model.blocks), dtype=bool)
     if entry.layers or entry.region_m:
         chosen |= model.movable

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations
@@ -85,10 +84,7 @@ def described(record: Record) -> str:
 
 def _read(path: Path, time_step: float | None) -> Record:
     """Read a record, or return it as it was read before of the same file."""
-    changed = 0
-    with suppress(OSError):
-        changed = path.stat().st_mtime_ns
-    return _read_once(path, time_step, changed)
+    return _read_once(path, time_step, path.stat().st_mtime_ns if path.exists() else 0)
 
 
 _read_once = lru_cache(maxsize=64)(lambda path, time_step, changed: read_record(path, time_step))
@@ -189,13 +185,15 @@ def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
         text = ""
         a, b = one.original, other.original
         if one.name == other.name:
-            text = f'two records are called "{one.name}"'
-            text += "; rename a file, tables tell them apart by their names"
+            text = (
+                f'two records are called "{one.name}"; rename a file, tables tell them apart by their names'
+            )
         elif a.acceleration.size == b.acceleration.size and a.time_step == b.time_step:
             x, y = (each.acceleration / each.pga for each in (a, b))
             if min(np.abs(x - y).max(), np.abs(x + y).max()) < SAME:
-                text = f"{one.name} and {other.name} are the same motion"
-                text += "; keep one, or both count as two records"
+                text = (
+                    f"{one.name} and {other.name} are the same motion; keep one, or both count as two records"
+                )
         if text:
             raise ProjectError(f"{project.source}: campaign.records: {text}")
 

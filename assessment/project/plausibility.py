@@ -85,13 +85,10 @@ def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> lis
         for name, ground in grounds.items()
         if isinstance(ground, ElasticSpectrum)
     } or {name: (each.ag_g, each.F0, each.Tc_star_s) for name, each in site.typed.items()}
-    values = {
-        name: (
-            "assessment.site.grid" if site.grid else f"assessment.site.{name}",
-            Hazard(*each, return_period(name, site.nominal_life_years, site.use_class)),
-        )
-        for name, each in numbers.items()
-    }
+    values = {}
+    for name, each in numbers.items():
+        hazard = Hazard(*each, return_period(name, site.nominal_life_years, site.use_class))
+        values[name] = "assessment.site.grid" if site.grid else f"assessment.site.{name}", hazard
     found = [*_place(site.latitude, site.longitude), *_hazards(values)]
     return [headed(project.source, headed(key, text)) for key, text in found]
 
@@ -126,10 +123,9 @@ def _materials(project: Project) -> Iterator[Told]:
             hint = message("stone on stone has 0.4 to 0.8; write inf where joints do not slide")
             if ANGLES[0] <= friction < ANGLES[1]:
                 tangent = f"{math.tan(math.radians(friction)):.2g}"
-                text = message(
+                hint = message(
                     "write {meant} if an angle of {angle:g}° was meant", meant=tangent, angle=friction
                 )
-                hint = text
             yield f"{table}.friction", message(
                 "{friction:g} is the tangent of {angle:.3g}°; {hint}",
                 friction=friction, angle=math.degrees(math.atan(friction)), hint=hint,

@@ -112,9 +112,8 @@ def _phrase(path: kinds.KeyPath, detail: Mapping[str, Any]) -> str:
         return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
     expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
     if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
-        expected += (
-            f", with a decimal point and without quotes: {shortened(f'{comma[1]}.{comma[2]}', kinds.SHOWN)}"
-        )
+        meant = shortened(f"{comma[1]}.{comma[2]}", kinds.SHOWN)
+        expected += f", with a decimal point and without quotes: {meant}"
     return expected
 
 
@@ -255,14 +254,11 @@ def _repeated(tables: Any, path: kinds.KeyPath) -> Iterator[kinds.Problem]:
     if isinstance(tables, dict):
         for name in tables:
             if (other := earlier.setdefault(layer_key(name), name)) != name:
-                yield kinds.Problem(
-                    (*path, name), f'the layer of "{other}" again, spelt otherwise; keep one table'
-                )
+                text = f'the layer of "{other}" again, spelt otherwise; keep one table'
+                yield kinds.Problem((*path, name), text)
         return
-    for index, name in enumerate(each.name for each in tables):
-        if name in earlier:
-            yield kinds.Problem(
-                (*path, index, "name"), f'"{name}" is the name of an earlier entry; write another'
-            )
-        if name is not None:
-            earlier[name] = name
+    names = [each.name for each in tables]
+    for index, name in enumerate(names):
+        if name is not None and name in names[:index]:
+            text = f'"{name}" is the name of an earlier entry; write another'
+            yield kinds.Problem((*path, index, "name"), text)

@@ -142,9 +142,8 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
                 file.read(MOST_BYTES + 1) if 0 < size <= MOST_BYTES else b""
             )  # what has no size may have no end
     except OSError as error:
-        raise RecordError(
-            f"{visible(str(path))}: cannot be read: {error.strerror}; check the name of the record"
-        ) from error
+        unread = f"cannot be read: {error.strerror}; check the name of the record"
+        raise RecordError(f"{visible(str(path))}: {unread}") from error
     if size > MOST_BYTES:
         raise RecordError(
             f"{visible(str(path))}: more than {MOST_BYTES} bytes; give one record, of one component"
@@ -199,10 +198,8 @@ def _esm(text: RecordText, _: float | None) -> Samples:
     if end is None:
         end = next((n for n, line in enumerate(text.head) if _is_number(line)), None)
     if end is None:
-        raise text.error(
-            None,
-            "the header does not end with a USER5 line, and no value follows; get the file again from its source",
-        )
+        lost = "the header does not end with a USER5 line, and no value follows"
+        raise text.error(None, f"{lost}; get the file again from its source")
     header = Header.of(text, end)
     kind, line = header.entries.get("DATA_TYPE", ("", 0))
     if kind.upper() not in ("", "ACCELERATION"):

@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1141,
     "assessment/cli": 675,
     "assessment/ntc": 2176,
-    "assessment/project": 4618,
+    "assessment/project": 4592,
     "assessment/report": 5957,
     "assessment/results": 3233,
     "assessment/runtime": 1480,
@@ -28,7 +28,7 @@ LINES = {
     "mechanics/kernels": 3642,
     "mechanics/model": 3055,
     "mechanics/procedures": 3331,
-    "mechanics/records": 1049,
+    "mechanics/records": 1046,
     "mechanics/solvers": 1071,
     "mechanics/steps": 1827,
 }

@@ -60,11 +60,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     meant = [
         o for o in sheet.outlines if o.source.handle in sheet.wrong and _is_meant(o) and o.is_near(scale)
     ]
-    layers = [
-        *(block.layer for block in drawn.blocks),
-        *(outline.source.layer for outline in meant),
-        *(layer for layer, _ in enclosed),
-    ]
+    layers = [block.layer for block in drawn.blocks] + [outline.source.layer for outline in meant]
+    layers += [layer for layer, _ in enclosed]
     faulty = [*(outline.points[:, :2] for outline in meant), *(line for _, line in enclosed)]
     rings = np.array([
         *(shapely.Polygon(scale * block.polygon) for block in drawn.blocks),
@@ -85,14 +82,15 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         {"name": f"cedimento {name}", "support": name, "displacement_m": [0.0, -0.01], "to_collapse": True}
         for name in names[1:][-1:]
     ]
+    bonds, left_out = (
+        {name: {"bond": dict(BOND)} for name in walls},
+        {name: {"ignore": True} for name in ignored},
+    )
     content: dict[str, Any] = {
         "title": path.stem.strip() or "project",
         "geometry": {"drawing": path.name, "unit": unit, "depth_m": 1.0},
         "material": {"unit_weight_kN_m3": 18.0, "friction": 0.6},
-        "layers": tables
-        | {key: {} for key in unclosed}
-        | {name: {"bond": dict(BOND)} for name in walls}
-        | {name: {"ignore": True} for name in ignored},
+        "layers": tables | {key: {} for key in unclosed} | bonds | left_out,
         "region": regions,
         "settlements": moved,
         "pushover": {"contacts": ["rigid"], "increment_m": float(f"{1e-3 * height:.1g}")},
@@ -170,10 +168,10 @@ def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], 
 def _no_masonry(sheet: Sheet, layers: list[str], masonry: Mask) -> tuple[list[str], list[str]]:
     """Return the layers, sorted, that are to be ignored, and those that show nothing but outlines with faults."""
     holding = {layer_key(layer) for layer, is_one in zip(layers, masonry, strict=True) if is_one}
-    faulty = set[str]()
-    for outline in sheet.outlines:
-        if outline.source.handle in sheet.wrong and _is_meant(outline):
-            faulty.add(layer_key(outline.source.layer))
+    wrong = (
+        outline for outline in sheet.outlines if outline.source.handle in sheet.wrong and _is_meant(outline)
+    )
+    faulty = {layer_key(outline.source.layer) for outline in wrong}
     drawn = (each.layer for each in sheet.placed if not each.hidden and each.entity.dxftype() in DRAWN)
     shown = {layer_key(layer): layer for layer in drawn}
     told = {key: shown[key] for key in shown.keys() - holding}

@@ -113,10 +113,9 @@ def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: 
 
 def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array]:
     """Return courses of blocks (4, 2) m between the levels (k,) m, every second one shifted by half a block."""
+    rows = enumerate(pairwise(levels))
     return [
-        block
-        for k, (z0, z1) in enumerate(pairwise(levels))
-        for block in course(x0, x1, z0, z1, blocks=blocks, shifted=k % 2 == 1)
+        block for k, (z0, z1) in rows for block in course(x0, x1, z0, z1, blocks=blocks, shifted=k % 2 == 1)
     ]
 
 
@@ -196,14 +195,10 @@ ASSESSMENT = {
     "model": "trilinear",
     "spectrum": "ntc",
     "site": {  # L'Aquila
-        "latitude": 42.35,
-        "longitude": 13.40,
-        "soil": "B",
-        "topography": "T1",
-        "nominal_life_years": 50,
+        "latitude": 42.35, "longitude": 13.40, "soil": "B", "topography": "T1", "nominal_life_years": 50,
         "use_class": "II",
     },
-}
+}  # fmt: skip
 TWO_SUPPORTS = {"BASE_SINISTRA": {"support": "sinistro"}, "BASE_DESTRA": {"support": "destro"}}
 
 

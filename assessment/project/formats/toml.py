@@ -188,9 +188,8 @@ def _syntax(text: str, message: str) -> str:
 
 def _is_tables(value: Any) -> bool:
     """Whether the value is a table or a list of tables, which stand after the plain values."""
-    return isinstance(value, Mapping) or (
-        isinstance(value, list | tuple) and bool(value) and all(isinstance(each, Mapping) for each in value)
-    )
+    listed = isinstance(value, list | tuple) and bool(value)
+    return isinstance(value, Mapping) or (listed and all(isinstance(each, Mapping) for each in value))
 
 
 def _key(key: str) -> str:

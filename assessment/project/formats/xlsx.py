@@ -323,11 +323,8 @@ def _path(table: schema.KeyPath, key: str) -> schema.KeyPath:
 
 def _listed(path: schema.KeyPath) -> bool:
     """Whether the value at a path is a list of entries by name, which are no tables."""
-    members = [
-        get_args(kind)[0]
-        for kind in schema.alternatives(schema.annotation_at(path))
-        if get_origin(kind) is tuple
-    ]
+    kinds = schema.alternatives(schema.annotation_at(path))
+    members = [get_args(kind)[0] for kind in kinds if get_origin(kind) is tuple]
     return any(get_origin(kind) is dict for member in members for kind in schema.alternatives(member))
 
 
@@ -464,12 +461,10 @@ def _cell(value: Any) -> Any:
     if isinstance(value, list | tuple):
         if any(isinstance(each, list | tuple) for each in value):  # pairs
             value = [number for pair in value for number in pair]
-        return "; ".join(
-            '"' + each.replace('"', '""') + '"'
-            if isinstance(each, str) and set(each) & set(';"')
-            else str(each)
-            for each in value
+        quoted = (
+            '"' + text.replace('"', '""') + '"' if set(text) & set(';"') else text for text in map(str, value)
         )
+        return "; ".join(quoted)
     if isinstance(value, bool):
         return YES[0] if value else NO[0]
     if isinstance(value, float) and (math.isinf(value) or float(f"{value:.16g}") != value):
