@@ -108,13 +108,11 @@ def _assessed(
         raise CapacityError(other_mechanism(virtual_work, alpha))
     asked = project.pushover is not None and "elastic" in project.pushover.contacts
     if elastic is None and assessment.model != "none" and asked:
-        raise CapacityError(
-            message(
-                "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
-                '{model} curve needs it; mend that, or set model = "none" (rigid branch alone)',
-                model=assessment.model,
-            )
-        )
+        missing = message(
+            "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
+            '{model} curve needs it; mend that, or set model = "none" (rigid branch alone)', model=assessment.model,
+        )  # fmt: skip
+        raise CapacityError(missing)
     curve = project, model, direction, curves, demands
     own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
     other = None
@@ -125,11 +123,8 @@ def _assessed(
     notes = list(dict.fromkeys(note for check in checks.values() for note in check.notes))
     given, loss = assessment.local_displacement_limit_m, rigid.local_loss
     if loss is not None and given is not None and given > loss.displacement_m:
-        beyond = message(
-            "local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
-            given=given,
-            reason=loss_sentence(loss),
-        )
+        beyond = message("local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
+                         given=given, reason=loss_sentence(loss))  # fmt: skip
         notes.insert(0, beyond)
 
     fit, moving = capacity.fit, own.law.mechanism
@@ -270,9 +265,8 @@ def _vertical(
     None with loads without mass or joints that crush: strength is then not proportional to the weights.
     """
     ground = ground_of(demands["SLV"]) if linear is not None else None
-    proportional = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks) and all(
-        np.isinf(block.material.compressive_strength) for block in model.blocks
-    )
+    massive = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks)
+    proportional = massive and not model.crushes
     if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
         return None
     demand = known(linear.demand_a_star_g)
@@ -339,14 +333,10 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     if loss is None or method.local_limits:
         return method
     first, second = loss.blocks
+    reason = message("pushover, the faces of blocks {first} and {second} slide off each other", first=first,
+                     second=second)  # fmt: skip
     return replace(
-        method,
-        local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m),
-        local_reason=message(
-            "pushover, the faces of blocks {first} and {second} slide off each other",
-            first=first,
-            second=second,
-        ),
+        method, local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m), local_reason=reason
     )
 
 

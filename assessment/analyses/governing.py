@@ -201,10 +201,8 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
                 for check, part in value.capacity.checks.items()
             }
             capacity[direction] = value.capacity.with_checks(ranged)
-        notes = [
-            towards(direction, each) for each in (*_refusals(checked, len(runs)), *checked[number].warnings)
-        ]
-        found.warnings.extend(message("{state}: {text}", state=name, text=note) for note in notes)
+        for note in (*_refusals(checked, len(runs)), *checked[number].warnings):
+            found.warnings.append(message("{state}: {text}", state=name, text=towards(direction, note)))
     if len(runs) > 1:
         found.warnings.extend(headed(message("{state}", state=name), note) for note in _told_of(runs))
     made = state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
@@ -236,11 +234,11 @@ def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> P
         return chosen
     found: dict[Behaviour, RigidPush | ElasticPush] = {}
     for behaviour, curve in chosen.by_contacts.items():
-        numbered = [
-            (k, each.by_contacts[behaviour]) for k, each in enumerate(runs) if behaviour in each.by_contacts
-        ]
-        others = [each.curve for k, each in numbered if k != number]
-        found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, [each for _, each in numbered])
+        by_run = {
+            k: each.by_contacts[behaviour] for k, each in enumerate(runs) if behaviour in each.by_contacts
+        }
+        others = [each.curve for k, each in by_run.items() if k != number]
+        found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, list(by_run.values()))
     return chosen.replace(**found)
 
 
@@ -276,12 +274,10 @@ def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message
                 "{highest:.3g}: blocks slide or move by themselves there, and e*, Γ* are not those of a mechanism",
                 least=min(work), most=max(work), lowest=min(alpha), highest=max(alpha),
             )  # fmt: skip
-        if runs == 1:
-            yield refused(reason)
-        else:
-            yield message(
-                "no capacity in {count} of {runs} runs: {reason}", count=len(same), runs=runs, reason=reason
-            )
+        of_many = message(
+            "no capacity in {count} of {runs} runs: {reason}", count=len(same), runs=runs, reason=reason
+        )
+        yield refused(reason) if runs == 1 else of_many
 
 
 def _told_of(runs: Sequence[Run]) -> Iterator[Message]:

@@ -349,20 +349,14 @@ def together(title: Message, members: Sequence[time_history.FoundHistory]) -> ti
             band=Band(low_m=np.min(curves, axis=0).tolist(), high_m=np.max(curves, axis=0).tolist())
         )
         if fallen:
-            text = message(
-                "{fallen} of {count} records within 1 % of the one given end in collapse, which counts",
-                fallen=fallen,
-                count=len(finished),
-            )
+            text = message("{fallen} of {count} records within 1 % of the one given end in collapse, which counts",
+                           fallen=fallen, count=len(finished))  # fmt: skip
         else:
             text = message(
                 "under {count} records within 1 % of the one given the peak is from {low:.4g} to {high:.4g} m, "
-                "median {middle:.4g} m; the largest counts",
-                count=len(finished),
-                low=known(low),
-                high=known(high),
+                "median {middle:.4g} m; the largest counts", count=len(finished), low=known(low), high=known(high),
                 middle=known(middle),
-            )
+            )  # fmt: skip
         warnings.append(headed(title, text))
     quality = [joined(worst.state, rows[0].stage, rows)]
     return time_history.FoundHistory(value, warnings, _failures(members), quality, state=worst.state)

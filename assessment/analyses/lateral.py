@@ -130,10 +130,9 @@ def _way_of_blocks(path: procedures.Pushover, mechanism: static.Mechanism) -> li
     weighed = path.model.lateral_load(path.direction)[:, 0] * np.array(mechanism.displacements)[:, 0]
     x = np.array([state.positions[:, 0] for state in path.states])
     gone = sense(path.direction) * ((x - x[path.formed]) @ weighed) / float(weighed.sum())
-    gone[: path.formed] = mechanism.gamma_star * (
-        path.displacement[: path.formed] - path.displacement[path.formed]
-    )
-    way: list[float] = (mechanism.gamma_star * path.displacement[path.formed] + gone).tolist()
+    formed = path.displacement[path.formed]
+    gone[: path.formed] = mechanism.gamma_star * (path.displacement[: path.formed] - formed)
+    way: list[float] = (mechanism.gamma_star * formed + gone).tolist()
     return way
 
 
@@ -170,6 +169,7 @@ FRICTION: dict[Sliding, Message] = {
 AGREE = 1e-6  # relative difference of the multipliers of two solvers from which there is a warning
 LEAST = 1e-2  # a multiplier below which differences are relative to this: solvers know α to 1e-9, not its digits at 0
 CHOSEN = {"it": "scelto {direction}", "en": "chosen {direction}"}  # name of a control point
+NO_ANSWER = (mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError)
 MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises where blocks meet others
 
 
@@ -208,11 +208,7 @@ def push(
         began, found, image = time.perf_counter(), Found[Pushed](), None
         title = pushover_title(name, direction, behaviour)
         # where the control point of the first direction does not move, that of the other has its own curve
-        if (
-            followed is not None
-            and followed[0] == controls[0]
-            and (mirror := procedures.Mirror.of(model, behaviour))
-        ):
+        if followed and followed[0] == controls[0] and (mirror := procedures.Mirror.of(model, behaviour)):
             image = mirror.pushover(followed[1])
         if image is not None:
             followed = control, image
@@ -255,12 +251,7 @@ def _path(
             return control, follow(control.point_m)
         except mechanics.ControlError:
             path = follow()
-    except (
-        mechanics.UnstableError,
-        mechanics.ConvergenceError,
-        mechanics.NoEquilibriumError,
-        mechanics.ControlError,
-    ) as error:
+    except (*NO_ANSWER, mechanics.ControlError) as error:
         found.failures.append(headed(title, error.message))
         return None
     x, z = path.control.tolist()
@@ -333,7 +324,7 @@ def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State)
     """
     found = Found(1.0)
     for direction in get_args(Direction):
-        with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
+        with suppress(*NO_ANSWER):
             moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
             rests = mechanics.limit_analysis(model, direction, start, "associative").alpha
             found.value = max(known(found.value), rests / max(moves, LEAST))
@@ -402,7 +393,7 @@ def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, 
         begun = model.initial.positions
         # that of the highest corner where nothing moves
         moved = begun + np.where(model.movable[:, None], (1.0, 0.0, 0.0), 0.0)
-        with suppress(mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError):
+        with suppress(*NO_ANSWER):
             limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism
         (x, z), block = procedures.farthest_corner(model, begun, moved, direction)

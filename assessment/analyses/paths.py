@@ -48,9 +48,8 @@ def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
         return []
     text = message(
         "Coulomb's law was not solved at {count} of {points} points: what slides lifts there; try a smaller increment",
-        count=path.lifting,
-        points=len(path.states),
-    )
+        count=path.lifting, points=len(path.states),
+    )  # fmt: skip
     return [headed(title, text)]
 
 
@@ -68,13 +67,13 @@ def pressed_in(model: mechanics.Assembly) -> list[Message]:
     held = unpressed(model).tolist()
     if not held:
         return []
+    some = ", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else "")
     return [
         message(
             "stands only if pressed in: nothing presses the faces that hold these blocks: {blocks}; rigid joints "
-            "may hold them by friction, elastic ones let them fall",
-            blocks=", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else ""),
+            "may hold them by friction, elastic ones let them fall", blocks=some,
         )
-    ]
+    ]  # fmt: skip
 
 
 def turns_on_rounding(path: Pushdown | Pushover) -> bool:
@@ -100,17 +99,11 @@ def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> lis
             stretches[-1][1] = max(held, stretches[-1][1])
         else:
             stretches.append([left, held])
-    return [
-        headed(
-            title,
-            message(
-                "between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again",
-                start=left,
-                end=held,
-            ),
-        )
-        for left, held in stretches
-    ]
+    told = (
+        message("between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again",
+                start=left, end=held) for left, held in stretches
+    )  # fmt: skip
+    return [headed(title, text) for text in told]
 
 
 def configuration(model: mechanics.Assembly, state: mechanics.State) -> list[list[float]]:
@@ -205,11 +198,8 @@ def settle(
         moved = _pushdown_path(path, whole, behaviour, control)
         found.value = Settled(moved, reached)
         if settlement.to_collapse and path.ultimate is None:
-            none = message(
-                "no ultimate movement up to {reached:.3g} m ({reason})",
-                reached=float(path.movement[-1]),
-                reason=path.end,
-            )
+            none = message("no ultimate movement up to {reached:.3g} m ({reason})", reached=float(path.movement[-1]),
+                           reason=path.end)  # fmt: skip
             found.warnings.append(headed(title, none))
         found.warnings += crossings(title, path.crossed, increment) + lifts(title, path)
         found.scatters = turns_on_rounding(path)
