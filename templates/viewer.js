@@ -45,8 +45,7 @@
 
   const jointAt = (index) => {
     // What joint `index` does in this frame, as the results have it; no forces where they are not known.
-    const { unit } = path.frames.joints, at = unit.length * (frame * pairs.length + index);
-    const of = (k) => { const n = joints[at + k]; return n === -32768 ? NaN : n === 32767 ? Infinity : n * unit[k]; };
+    const at = 15 * (frame * pairs.length + index), of = (k) => joints[at + k];
     const ends = [[of(0), of(1)], [of(2), of(3)]], opening = [of(11), of(12)], slip = of(13);
     const shown = ends.map((end) => magnified(end, index));
     if (Number.isNaN(of(14))) return { ends: shown, opening, slip };
@@ -187,7 +186,7 @@
     path = data.paths[index];
     configuration = floats(path.frames.configuration);
     pairs = path.frames.pairs;
-    joints = new Int16Array(Uint8Array.from(atob(path.frames.joints.values), (c) => c.charCodeAt(0)).buffer);
+    joints = floats(path.frames.joints);
     slider.max = path.frames.x.length - 1;
     frame = 0;
     offer(index);

@@ -65,7 +65,7 @@ def check(options: argparse.Namespace) -> int:
 
     With `--repair` first write a repaired drawing beside the project's, list every change, and check that one.
     """
-    from assessment.cli.summary import model_summary, warning_lines
+    from assessment.cli.summary import warning_lines
     from assessment.project.model import with_repaired_drawing
     from assessment.project.motions import described
     from assessment.project.project import load_project
@@ -73,6 +73,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.figures.drawing import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.language import Words
+    from assessment.report.terminal import model_summary
     from assessment.workflow.checking import checked, expected_line
     from mechanics.faults import FaultyDrawingError
 

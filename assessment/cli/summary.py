@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from assessment.report.chapters.judgement import findings
-from assessment.report.chapters.synthesis import synthesis_grid
-from assessment.report.language import Words, plain_text
+from assessment.report.terminal import told
 from assessment.results.schema import Results, plain
-from assessment.results.summary import best_of, fits, movement_text, settlement_lines, undetermined
+from assessment.results.summary import best_of, undetermined
 from assessment.results.table import quoted_limit_state
 
 if TYPE_CHECKING:
     from assessment.runtime.tasks import Outcome
-
-
-def model_summary(results: Results) -> str:
-    """Return a summary of the model, a few lines."""
-    model = results.model
-    ties = f", ties {len(model.ties)}" if model.ties else ""
-    stands = "yes" if model.self_weight_stable else "NO"
-    return (
-        f"{results.title}\n"
-        f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, "
-        f"unknowns {model.unknowns}{ties}\n"
-        f"  weight {model.weight_kN:.4g} kN; stands under its own weight: {stands}"
-    )
 
 
 def warning_lines(warnings: Iterable[str]) -> list[str]:
@@ -38,20 +23,14 @@ def warning_lines(warnings: Iterable[str]) -> list[str]:
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return a summary of the run: what was found, a table by state and direction, then the warnings."""
-    results, words = outcome.results, Words.of("en")
-    lines = [*map(plain_text, findings(results, words)), "", model_summary(results)]
-    if grid := synthesis_grid(results, words):
-        texts = [[plain_text(cell) for cell in row] for row in (grid.head, *grid.rows)]
-        widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-        lines += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in texts]
-    lines += _identified(results)
+    lines = [outcome.told or told(outcome.results)]
     if outcome.taken:
         lines.append(
             f"taken over from earlier runs: {outcome.taken} of {outcome.taken + outcome.computed} analyses, "
             "inputs unchanged (--fresh computes them again)"
         )
     lines.append(f"results: {folder}")
-    return "\n".join([*lines, *warning_lines(_warnings(results, warnings))])
+    return "\n".join([*lines, *warning_lines(_warnings(outcome.results, warnings))])
 
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
@@ -99,19 +78,6 @@ def _ultimates(results: Results) -> list[dict[str, Any]]:
         for name, state in results.states.items()
         for behaviour, path in state.pushdown.items()
     ]
-
-
-def _identified(results: Results) -> Iterator[str]:
-    """Yield the movement that explains what was measured best, as the project file has it too."""
-    identified = results.identification
-    if identified and (best := best_of(identified)):
-        moved = "; ".join(map(movement_text, best.movement))
-        freedom = best.degrees_of_freedom
-        yield f"best movement: {moved} (χ² {best.chi_squared:.3g}, {freedom} degrees of freedom)"
-        if identified.settlements and not fits(best):
-            yield "  # does not fit the measurements: not to be used"
-        for ready in identified.settlements:
-            yield from (f"  {line}" for line in settlement_lines(ready))
 
 
 def _warnings(results: Results, others: Iterable[str]) -> list[str]:

@@ -23,10 +23,9 @@ Face = tuple[str, str, int]
 def faces() -> str:
     """Return the @font-face rules of all faces with the addresses of their files."""
     return "".join(
-        f'@font-face{{font-family:"{family}";font-style:{style};font-weight:{weight};'
+        f'@font-face{{font-family:"{face[0]}";font-style:{face[1]};font-weight:{face[2]};'
         f'src:url("{file(face).as_uri()}") format("truetype")}}'
         for face in FACES
-        for family, style, weight in [face]
     )
 
 

@@ -17,7 +17,6 @@ from assessment.results.frames import ties_of
 from assessment.results.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
 from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension
 
-VALUES = 15  # of a joint at a frame
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
 
@@ -136,9 +135,8 @@ def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
 def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
     """Where the blocks are and what the joints do at each frame: forces NaN where they are not known.
 
-    Of each joint `VALUES` numbers: both ends and the point of the resultant (m), N and T (kN), eccentricity and contact
-    length (m), pressure (kN/m²), openings at the ends and slip (m), and the place of its condition in CONDITIONS:
-    integers, of which −32768 is NaN, 32767 infinite.
+    Of each joint 15 numbers: both ends and the point of the resultant (m), N and T (kN), eccentricity and contact
+    length (m), pressure (kN/m²), openings at the ends and slip (m), and the place of its condition in CONDITIONS.
     """
     faces = faces_of(results, kept.met)
     count = len(faces.depth)
@@ -155,15 +153,10 @@ def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
             forces, condition = [np.full(count, np.nan)] * 5, np.full(count, np.nan)
         places = [states.ends.reshape(-1, 4), states.point]
         rows.append(np.column_stack([*places, *forces, states.opening, states.slip, condition]))
-    # as base64: positions in 32-bit floats, joints in 16-bit integers with the unit of each column
-    values = np.array(rows).reshape(len(rows), count, VALUES)
-    finite = np.where(np.isfinite(values), values, 0.0)
-    unit = np.maximum(abs(finite).max(axis=(0, 1), initial=0.0), 1e-12) / 32000.0
-    whole = np.where(np.isnan(values), -32768, np.where(np.isinf(values), 32767, np.round(finite / unit)))
     return {
-        "configuration": _coded(kept.configuration, "<f4"),
+        "configuration": _coded(kept.configuration),
         "pairs": [joint.blocks for joint in [*results.geometry.joints, *kept.met]],
-        "joints": {"unit": _short(unit), "values": _coded(whole, "<i2")},
+        "joints": _coded(rows),
     }
 
 
@@ -190,9 +183,9 @@ def _short(values: Sequence[float]) -> list[float]:
     return [float(f"{value:.6g}") for value in values]
 
 
-def _coded(values: Any, kind: str) -> str:
-    """Return numbers as base64 of a little-endian kind."""
-    return base64.b64encode(np.asarray(values, dtype=float).astype(kind).tobytes()).decode()
+def _coded(values: Any) -> str:
+    """Return numbers as base64 of 32-bit floats, little-endian."""
+    return base64.b64encode(np.asarray(values, dtype="<f4").tobytes()).decode()
 
 
 def _shown(name: str, values: Sequence[float]) -> list[float]:

@@ -45,10 +45,7 @@ def processes(jobs: int) -> int:
 
 
 class Pool:
-    """Computes functions in a number of processes, started when first needed; 0: at once in this one.
-
-    `held`: what each process is given once.
-    """
+    """Computes functions in processes that start when needed, each given `held` once; none: at once in this one."""
 
     def __init__(self, processes: int, held: Any = None) -> None:
         self.held = held

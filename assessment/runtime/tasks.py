@@ -108,12 +108,13 @@ class _Stage:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The `results` of a run, whether it is `complete`, and how many analyses were `computed` and `taken` over."""
+    """Results of a run, whether complete, counts of analyses computed and taken over, and what an earlier run told."""
 
     results: Results
     complete: bool
     computed: int
     taken: int
+    told: str = ""
 
 
 @dataclass

@@ -254,9 +254,8 @@ def expected(read: Checked) -> dict[str, float]:
         found["history"] = found.get("history", 0.0) + own
     if search := project.incremental:
         samples = sum(each.record.time.size for each in motions.incremental)
-        runs = (
-            4 * states(search) * SEARCH[search.contacts]
-        )  # of both signs, and as long again at half the step
+        # of both signs, and as long again at half the step
+        runs = 4 * states(search) * SEARCH[search.contacts]
         found["incremental"] = runs * samples * step[search.contacts]
     if study := project.campaign:
         moved = len(study.settlements or project.settlements)

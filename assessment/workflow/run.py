@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 PLACES = """results.json figures/*.svg figures/*.png figures/*.dxf tables/*.csv judgement.md report.html report.pdf
 report.docx attachments/*.png attachments/*.jpg"""  # of the files of a run; all else in the folder is the user's
 ENTRY = "last"  # of the record, in the store
-HAVE_IT = "add it, or name a stage that it has"
 
 
 def key_of(project: Project) -> str:
@@ -43,19 +42,20 @@ def key_of(project: Project) -> str:
 
 @dataclass(frozen=True)
 class LastRun:
-    """What a run left: its key, the digests of its files, warnings, and whether its analyses were completed."""
+    """What a run left: its key, the digests of its files, warnings, what the terminal tells, whether it is complete."""
 
     key: str
     files: Mapping[str, str]
     complete: bool
     analyses: int
     warnings: list[str]
+    told: str
 
     def outcome(self, folder: Path) -> Outcome:
         """Return the outcome stored in the folder; none of its analyses is computed again."""
         from assessment.results.file import read_results  # late: see run.py
 
-        return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses)
+        return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses, self.told)
 
     def stands(self, folder: Path, key: str, report: bool) -> bool:
         """Return whether a run with this key, with its `report` or without, would leave the folder as it is."""
@@ -77,8 +77,10 @@ def recall(folder: Path) -> LastRun | None:
 
 def remember(folder: Path, outcome: Outcome, key: str, warnings: list[str]) -> None:
     """Store the record of a run in its output folder, for the next run."""
+    from assessment.report.terminal import told  # late: see run.py
+
     number = outcome.computed + outcome.taken
-    left = LastRun(key, _digests(folder), outcome.complete, number, warnings)
+    left = LastRun(key, _digests(folder), outcome.complete, number, warnings, told(outcome.results))
     Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
 
 
@@ -104,8 +106,7 @@ def write(
     from mechanics.messages import message
 
     folder.mkdir(parents=True, exist_ok=True)
-    opinion = folder / NAME
-    before = _version(opinion)
+    before = _version(opinion := folder / NAME)
     gone = _files(folder) if (folder / "results.json").exists() else []
     with tempfile.TemporaryDirectory(prefix=disk.SCRATCH, dir=folder, ignore_cleanup_errors=True) as scratch:
         new = Path(scratch)
@@ -177,7 +178,8 @@ def select(project: Project, only: Iterable[str] | None) -> Project:
         if name not in STAGES:
             raise ProjectError(f"--only: {name}: no such stage; {nearest(name, STAGES)}")
     if not any(getattr(project, STAGES[name]) for name in wanted):
-        raise ProjectError(f"--only: {wanted[0]}: the project has no [{STAGES[wanted[0]]}]; {HAVE_IT}")
+        missing = f"--only: {wanted[0]}: the project has no [{STAGES[wanted[0]]}]"
+        raise ProjectError(f"{missing}; add it, or name a stage that it has")
     if "sensitivity" in wanted and "assessment" not in wanted:
         wanted.append("assessment")
     if "campaign" in wanted and project.campaign:  # which sets the static check beside
@@ -274,8 +276,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             raise ValueError(text) from error
         # else the record stays: the results are not those of the run it is of
         if last is not None and not edited:
-            key = (
-                last.key if last.key == key_of(project) else ""
-            )  # that of no run, which would print the page again
+            # that of no run where the page would be printed again
+            key = last.key if last.key == key_of(project) else ""
             remember(folder, Outcome(results, last.complete, 0, last.analyses), key, warnings)
     return warnings

@@ -45,7 +45,22 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
     """Yield the calculation of the governing check, in full annexes of everything: action, curve, checks, indices."""
     least = results.summary.governing
     if results.echo.report.get("annexes") == "full":
-        yield from _whole(results, words)
+        action = {limit: demand.trace or [] for limit, demand in (results.spectra or {}).items()}
+        spectra = {limit: _column(steps, []) for limit, steps in action.items() if steps}
+        yield from _tables(spectra, words("caption.trace_spectrum"), words)
+        directions = {
+            words.at(name, direction): dict(capacity_tables.traces(capacity))
+            for name, direction, capacity in capacities(results)
+        }
+        yield from _parts(directions, action, "capacity_curve", "trace", words)
+        found = determined_indices(results)
+        indices = {words.state(name): _column(each.trace, []) for name, each in found.items()}
+        yield from _tables(indices, words("caption.trace_indices"), words)
+        if results.knowledge and (known := results.knowledge.trace):
+            whole = {words.plain("value.whole_structure"): _column(known, [])}
+            yield from _tables(whole, words("caption.knowledge"), words)
+        chosen = {given.name: dict(capacity_tables.traces(given)) for given in results.mechanisms or []}
+        yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
     elif least is not None:
         place = (least.state, least.direction)
         row = next(row for row in results.summary.rows if (row.state, row.direction) == place)
@@ -54,30 +69,10 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
         shown = [step for step in before if not step.paragraph.startswith(BETWEEN_NODES)]
         spectrum = {least.limit_state: _column(shown, [])} if shown else {}
         yield from _tables(spectrum, words("caption.trace_spectrum"), words, 4)
-        found = dict(capacity_tables.traces(results.states[least.state].capacity[least.direction]))
-        own = {part: found[part] for part in (SHARED, row.checks[least.limit_state].check) if part in found}
+        steps = dict(capacity_tables.traces(results.states[least.state].capacity[least.direction]))
+        own = {part: steps[part] for part in (SHARED, row.checks[least.limit_state].check) if part in steps}
         action = {least.limit_state: before, SHARED: before}
         yield from _parts({words.at(*place): own}, action, "capacity_curve", "trace", words, 4)
-
-
-def _whole(results: Results, words: Words) -> Iterator[Grid]:
-    """Yield the seismic action, then every part of the checks of states and directions and of chosen mechanisms."""
-    action = {limit: demand.trace or [] for limit, demand in (results.spectra or {}).items()}
-    spectra = {limit: _column(steps, []) for limit, steps in action.items() if steps}
-    yield from _tables(spectra, words("caption.trace_spectrum"), words)
-    directions = {
-        words.at(name, direction): dict(capacity_tables.traces(capacity))
-        for name, direction, capacity in capacities(results)
-    }
-    yield from _parts(directions, action, "capacity_curve", "trace", words)
-    found = determined_indices(results)
-    indices = {words.state(name): _column(each.trace, []) for name, each in found.items()}
-    yield from _tables(indices, words("caption.trace_indices"), words)
-    if results.knowledge and (known := results.knowledge.trace):
-        whole = {words.plain("value.whole_structure"): _column(known, [])}
-        yield from _tables(whole, words("caption.knowledge"), words)
-    chosen = {given.name: dict(capacity_tables.traces(given)) for given in results.mechanisms or []}
-    yield from _parts(chosen, action, "virtual_work", "trace_chosen", words)
 
 
 def _parts(

@@ -248,6 +248,7 @@ def all_warnings(results: Results) -> list[str]:
 NAME = "judgement.md"
 MOST_BYTES = 1_000_000  # of the file: five hundred pages
 MARK = re.compile(r"<!-- draft ([0-9a-f]{16})")
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAGS = dict.fromkeys(("h1", "h2", "h4", "h5", "h6"), "h3") | {"strong": "b", "em": "i"}  # those of the report
 
 
@@ -311,7 +312,7 @@ def to_html(markdown: str) -> Markup:
     from markdown_it import MarkdownIt
 
     parser = MarkdownIt("zero").enable(["heading", "list", "emphasis", "escape", "newline"])
-    tokens = parser.parse(without_comments(markdown))
+    tokens = parser.parse(COMMENT.sub("", markdown))
     for block in tokens:
         for token in (block, *(block.children or ())):
             token.tag = TAGS.get(token.tag, token.tag)
@@ -320,12 +321,3 @@ def to_html(markdown: str) -> Markup:
 
 def _digest(body: str) -> str:
     return hashlib.sha256(body.strip().encode()).hexdigest()[:16]
-
-
-def without_comments(text: str) -> str:
-    """Return a text without its <!-- comments -->; one that is not closed stays."""
-    kept, begin = [], 0
-    while (opened := text.find("<!--", begin)) >= 0 and (closed := text.find("-->", opened + 4)) >= 0:
-        kept.append(text[begin:opened])
-        begin = closed + 3
-    return "".join(kept) + text[begin:]

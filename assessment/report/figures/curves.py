@@ -26,7 +26,7 @@ ONSET, END, YIELD = MARKS
 def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
     """Draw both reactions of the moved support over the movement; applied and ultimate movement marked."""
     content, mm = results.states[state], scale("movement_m")
-    figure, panels = chart(words, columns=2, height_mm=54.0)
+    figure, panels = chart(words, 2, height_mm=54.0)
     for axes, component in zip(panels, ("x", "z"), strict=True):
         for contacts, path in content.pushdown.items():
             force = path.reaction_x_kN if component == "x" else path.reaction_z_kN
@@ -78,7 +78,7 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
     if any(push.members for each in every for push in each.by_contacts.values()):
         handles.append(key(words.plain("figure.ensemble"), color="0.65", linewidth=0.4))
     columns, mm = 2 if yields else 1, scale("displacement_m")
-    figure, panels = chart(words, columns=columns, rows=len(directions), height_mm=58.0)
+    figure, panels = chart(words, columns * len(directions), columns, height_mm=58.0)
     for at, axes in enumerate(panels):
         direction = directions[at // columns]
         for name, pushover in states[direction].items():
@@ -134,11 +134,11 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
     Spectra have the damping of the limit state and are scaled to the a_g demanded and to the a_g borne; the
     latter meets the line of period T of the limit state at d*. The curve with elastic joints is grey.
     """
-    columns, mm, demand = min(2, len(views)), scale("d_star_m"), "outside"
-    figure, panels = chart(words, columns, -(-len(views) // columns), height_mm=60.0)
+    mm, demand = scale("d_star_m"), "outside"
+    figure, panels = chart(words, len(views), height_mm=60.0)
     spectrum = (results.spectra or {}).get(limit)
     frames = _frames(results, views, limit)
-    for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=False):
+    for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=True):
         capacity = results.states[name].capacity[direction]
         point = capacity.checks[limit]
         axes.set(xlim=(0.0, mm * reach), ylim=(0.0, top), title=words.at(name, direction))
@@ -159,8 +159,6 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
                     demand = "spectrum"
         if point.d_star_m is not None:
             _limit_point(axes, point, limit)
-    for axes in panels[len(views) :]:
-        axes.set_axis_off()
     reference = words.plain(f"value.on_{reference_of(results)}")
     elastic = any(elastic_capacity(results, *view) for view in views)
     borne = words.plain("figure.borne_spectrum", limit=limit, reference=reference)
@@ -179,7 +177,7 @@ def one_scale(results: Results, views: Views, limit: str) -> bool:
 
 def draw_demand(results: Results, words: Words) -> Figure:
     """Draw S_e (g) and S_De (mm) of each limit state over the period, 5 % damping."""
-    figure, panels = chart(words, columns=2, height_mm=48.0)
+    figure, panels = chart(words, 2, height_mm=48.0)
     for axes, name in zip(panels, ("S_e_g", "S_De_m"), strict=True):
         for dashes, (limit, spectrum) in zip(DASHES, known(results.spectra).items(), strict=False):
             T = np.asarray(spectrum.T_s, dtype=float)
@@ -293,7 +291,7 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     """Draw per state a bar for each property from its low to its high factor, the widest on top."""
     of_state = {state: [bar for bar in bars(results) if bar.state == state][::-1] for state in states}
     tallest = max(map(len, of_state.values()))
-    figure, panels = chart(words, rows=len(states), height_mm=22.0 + 9.0 * tallest)
+    figure, panels = chart(words, len(states), 1, height_mm=22.0 + 9.0 * tallest)
     shown = [capacity for own in of_state.values() for bar in own for capacity in bar.capacities()]
     for axes, (state, own) in zip(panels, of_state.items(), strict=True):
         base = known(own[0].a_g_base_g)

@@ -15,14 +15,13 @@ from assessment.report.figures.drawing import draw_model
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.language import slug, words_of
 from assessment.report.tables.cracks import cracks_of, surveyed
+from assessment.report.tables.rows import capacities
 from assessment.report.tables.structure import printed
 from assessment.results.joint_states import situations
 from assessment.results.schema import Results, known
 from assessment.results.summary import governing_view, worst_settled
 from assessment.runtime.pool import Pool, result_of
 
-Draw = Callable[..., Figure]
-Show = Callable[..., None]
 T = TypeVar("T")
 PANELS = 4  # in one figure
 
@@ -73,12 +72,12 @@ def _write_drawing(results: Results, path: Path) -> None:
 
 def pictures(results: Results) -> list[Picture]:
     """List the figures that the results allow: nothing is drawn of what was not computed."""
-    found: list[Picture] = []
+    made: list[Picture] = []
 
     def show(
         name: str,
         section: str,
-        draw: Draw,
+        draw: Callable[..., Figure],
         /,
         *what: Any,
         caption: str = "",
@@ -86,18 +85,13 @@ def pictures(results: Results) -> list[Picture]:
         **fields: object,
     ) -> None:
         """Add the picture of what a function draws of the results; its caption is named as the picture by default."""
-        found.append(
+        made.append(
             Picture(
                 name, section, partial(draw, results, words_of(results), *what), caption or name, fields, full
             )
         )
 
-    for part in (_structure, _static, _studies, _dynamic, _campaign):
-        part(results, show)
-    return found
-
-
-def _structure(results: Results, show: Show) -> None:
+    # the structure and its movements
     worst, governing = worst_settled(results), governing_view(results)
     if worst or governing:
         show("synthesis", "synthesis", deformed.draw_synthesis, worst, governing, caption="synthesis_drawing")
@@ -112,11 +106,9 @@ def _structure(results: Results, show: Show) -> None:
         if state.pushdown:
             told(f"pushdown_{stem}", "movement", curves.draw_pushdown, name, caption="pushdown")
         if state.settlement and (cracks_of(results, name) or surveyed(results, name)):
-            shown = name, printed(results)
-            told(f"cracks_{stem}", "cracks", deformed.draw_cracks, *shown, caption="cracks_drawing")
-
-
-def _static(results: Results, show: Show) -> None:
+            drawn = name, printed(results)
+            told(f"cracks_{stem}", "cracks", deformed.draw_cracks, *drawn, caption="cracks_drawing")
+    # pushes, mechanisms, checks
     there = list(situations(results))
     resting = [each for each in there if each.direction is None]
     activated = [each for each in there if each.direction is not None]
@@ -136,28 +128,22 @@ def _static(results: Results, show: Show) -> None:
         show(name, "joints", deformed.draw_overturned, views, caption="overturned", full=True)
     for number, given in enumerate(results.mechanisms or [], 1):
         if not given.refused:
-            fields = {"state": given.state, "name": given.name}
-            stem = f"chosen_mechanism_{number}"
-            show(stem, "mechanisms", deformed.draw_chosen, given, caption="chosen_mechanism", **fields)
+            told = partial(show, caption="chosen_mechanism", state=given.state, name=given.name)
+            told(f"chosen_mechanism_{number}", "mechanisms", deformed.draw_chosen, given)
     for limit in ("SLV", "SLC"):
-        every = [(name, way) for name, state in results.states.items() for way in sorted(state.capacity)]
-        found = {view: results.states[view[0]].capacity[view[1]] for view in every}
+        found = {(name, way): each for name, way, each in capacities(results)}
         able = [view for view, each in found.items() if each.curve.d_star_m and limit in each.checks]
         for name, views in _portions(f"spectra_{limit}", able):
             caption = "spectra" if curves.one_scale(results, views, limit) else "spectra_own"
             full = limit == "SLC"
             show(name, "checks", curves.draw_spectra, views, limit, caption=caption, full=full, limit=limit)
-
-
-def _studies(results: Results, show: Show) -> None:
+    # studies
     if results.scenarios:
         show("scenarios", "scenarios", draw_scenarios, caption="scenarios_curves")
     for name, states in _portions("tornado", varied(results)):
-        limit = known(results.sensitivity).limit_state
-        show(name, "sensitivity", draw_tornado, states, caption="tornado_bars", limit=limit)
-
-
-def _dynamic(results: Results, show: Show) -> None:
+        told = partial(show, limit=known(results.sensitivity).limit_state)
+        told(name, "sensitivity", draw_tornado, states, caption="tornado_bars")
+    # motions
     for number, motion in enumerate(results.motions or []):
         told = partial(show, record=motion.name, pga=motion.pga_g)
         told(f"record_{number + 1}", "history", motions.draw_motion, number, caption="motion")
@@ -166,15 +152,12 @@ def _dynamic(results: Results, show: Show) -> None:
         for name in moving:
             stem = f"shapes_{number + 1}_{slug(results, name)}"
             told(stem, "history", motions.draw_shapes, name, number, caption="shapes", full=True, state=name)
-    found = {name: state.incremental.records or [] for name, state in results.states.items()}
-    searched = [name for name, records in found.items() if any(record.points for record in records)]
+    scanned = {name: state.incremental.records or [] for name, state in results.states.items()}
+    searched = [name for name, records in scanned.items() if any(record.points for record in records)]
     for name, states in _portions("incremental", searched):
         show(name, "incremental", motions.draw_incremental, states, caption="incremental_curves")
     if motions.fragile(results):
         show("fragility", "incremental", motions.draw_fragility)
-
-
-def _campaign(results: Results, show: Show) -> None:
     if results.campaign:
         show("campaign_loss", "campaign", motions.draw_campaign_loss, caption="campaign_losses")
     for number, name in enumerate(motions.moved(results)):
@@ -184,6 +167,7 @@ def _campaign(results: Results, show: Show) -> None:
             told(stem, "campaign", motions.draw_campaign_fragility, name, caption="campaign_fragility_curves")
         stem = _numbered("campaign_curves", number)
         told(stem, "campaign", motions.draw_campaign_curves, name, caption="campaign_curves", full=True)
+    return made
 
 
 def _portions(stem: str, shown: Sequence[T]) -> Iterator[tuple[str, Sequence[T]]]:

@@ -58,7 +58,7 @@ def fragile_shares(results: Results, settlement: str) -> list[dynamic.CampaignFr
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
     motion = known(results.motions)[index]
-    figure, panels = chart(words, columns=2, height_mm=48.0)
+    figure, panels = chart(words, 2, height_mm=48.0)
     panels[0].plot(motion.time_s, motion.acceleration_g, color="0.0", linewidth=0.5)
     panels[0].set(xlabel=label("time_s", words), ylabel=label("acceleration_g", words))
     panels[0].set_xlim(*motion.window_s)
@@ -216,7 +216,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
     if any(seen.resurrections_g for _, _, seen, _ in curves):
         mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
         handles.append(key(words.plain("figure.resurrection"), **mark))
-    figure, axes_of = _grid(words, len(panels))
+    figure, axes_of = chart(words, len(panels))
     for axes, panel in zip(axes_of, panels, strict=True):
         for record, sign, seen, points in panel.curves:
             _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
@@ -254,15 +254,6 @@ def _curve(
         axes.annotate("", (edge, collapse), below[-1], arrowprops=arrow)
 
 
-def _grid(words: Words, count: int) -> tuple[Figure, list[Axes]]:
-    """Return a figure of so many panels, two in a row; a place that is left over is empty."""
-    columns = min(2, count)
-    figure, panels = chart(words, columns, -(-count // columns), height_mm=66.0)
-    for axes in panels[count:]:
-        axes.set_axis_off()
-    return figure, panels[:count]
-
-
 class FragilityCurve(NamedTuple):
     """A fragility to draw: name, lognormal distribution (g), bounds, levels and shares of what was seen to collapse."""
 
@@ -296,7 +287,7 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
     """Draw probabilities of collapse over the measure, curves with their 95 % bounds; circles: what was seen."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
-    figure, (axes,) = chart(words)
+    figure, (axes,) = chart(words, height_mm=75.0)
     top = max(fit.median * np.exp(max(2.0 * fit.dispersion, STEEP)) for fit in fits)
     low = min(fit.median * np.exp(-3.0 * fit.dispersion) for fit in fits)
     low = min([low, *(level for fit in fits for level in fit.seen[0])])
@@ -336,7 +327,7 @@ def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
     """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 95 % bounds, static beside."""
     names, campaign = moved(results), known(results.campaign)
-    figure, panels = _grid(words, len(names))
+    figure, panels = chart(words, len(names))
     losses = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
     drawn = [loss for loss in losses if loss is not None]
     least, most = min([0.0, *drawn]), max([0.01, *drawn])

@@ -170,14 +170,18 @@ def sheet(
 
 
 def chart(
-    words: Words, columns: int = 1, rows: int = 1, height_mm: float = 75.0
+    words: Words, count: int = 1, columns: int = 2, height_mm: float = 66.0
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of the column's width with `rows` × `columns` axes, each so high with its words."""
+    """Return a figure of so many axes, each so high with its words, side by side in the column's width."""
+    columns = min(columns, count)
+    rows = -(-count // columns)
     figure = Figure(figsize=(WIDTH_MM * MM, rows * height_mm * MM), layout="constrained")
     panels: list[Axes] = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
     for axes in panels:
         comma_ticks(axes, words)
-    return figure, panels
+    for axes in panels[count:]:
+        axes.set_axis_off()
+    return figure, panels[:count]
 
 
 def legend(figure: Figure, handles: Sequence[Artist], columns: int = LEGEND, **style: Any) -> None:

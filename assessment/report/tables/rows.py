@@ -18,10 +18,7 @@ TABLES: dict[str, Made] = {}
 
 
 def table(name: str, columns: str | type) -> Callable[[Callable[[Results], Found]], Made]:
-    """Enter a table of these columns, or of those of a class; one with ? is left out where no row has it.
-
-    The function yields the rows, as `Found` has them.
-    """
+    """Enter a table of these columns, or of those of a class; one with ? is left out where no row has it."""
     told = columns.split() if isinstance(columns, str) else columns_of(columns)
     named = [column.lstrip("?") for column in told]
 

@@ -44,7 +44,7 @@ def test_letters_that_the_console_lacks_are_spelt_out(project, encoding):
     done = start("run", project, "--no-report", encoding=encoding)
     assert (done.returncode, done.stderr) == (0, b"")
     out = done.stdout.decode(encoding)
-    assert "alpha0" in out
+    assert "alpha_0" in out
     assert ("Tuff, -5 mum ... Xi, citta" if encoding == "ascii" else "Tuff, -5 µm … Xi, città") in out
 
 
