@@ -13,26 +13,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Following, Material, State, limit_analysis, pushover, time_history
-from tests.support.structures import rectangle
+from mechanics import Assembly, State, limit_analysis, pushover, time_history
+from tests.support.leaning_block import B, H, leaning
 
-B, H, GAP, WALL, FRICTION = 0.30, 1.20, 0.36, 0.01, 0.3
+WALL, FRICTION = 0.01, 0.3
 
 
 @cache
-def leaning(before: float) -> tuple[Assembly, State]:
-    """The block whose foot ends so far (m) before its corner, and its state on the wall after its foot has tilted."""
-    stone, smooth = Material(20.0, FRICTION), Material(20.0, WALL)
-    model = Assembly(
-        [
-            Block(rectangle(-0.5, -0.3, B - before, 0.0), 1.0, stone, support="foot"),
-            Block(rectangle(B + GAP, -0.3, B + GAP + 0.4, 2.0), 1.0, smooth, support="wall"),
-            Block(rectangle(0.0, 0.0, B, H), 1.0, stone),
-        ]
-    )
-    follow = Following(model, support="foot")
-    follow.to((0.0, 0.0), rotation=-0.26)
-    return model, follow.to((0.0, 0.0), rotation=0.0)
+def on_its_edge(before: float) -> tuple[Assembly, State]:
+    return leaning(FRICTION, WALL, before)
 
 
 def by_statics(model: Assembly, state: State, before: float) -> float:
@@ -58,19 +47,19 @@ def by_statics(model: Assembly, state: State, before: float) -> float:
 
 @pytest.mark.parametrize(("before", "near"), [(0.02, 1e-3), (0.0005, 0.05)])
 def test_what_slides_off_a_near_corner_slides_along_the_face_that_bears(before, near):
-    model, state = leaning(before)
+    model, state = on_its_edge(before)
     exact = by_statics(model, state, before)
     assert limit_analysis(model, "+x", state=state).alpha == pytest.approx(exact, rel=near)
 
 
 def test_a_curve_begins_there():
-    model, state = leaning(0.0005)
+    model, state = on_its_edge(0.0005)
     curve = pushover(model, direction="+x", state=state, increment=0.05, until=0.99)
     assert curve.alpha_onset == pytest.approx(by_statics(model, state, 0.0005), rel=0.05)
 
 
 def test_a_motion_under_a_load_that_is_held_slides_there_too():
-    model, state = leaning(0.0005)
+    model, state = on_its_edge(0.0005)
     time = np.arange(0.0, 6.0, 0.005)
     motion = time_history(model, -0.1 * np.clip(time / 4.0, 0.0, 1.0), 0.005, contacts="rigid", state=state)
     assert np.linalg.norm(motion.positions[-1, 2, :2] - motion.positions[0, 2, :2]) > 2e-3

@@ -19,6 +19,7 @@ from assessment.workflow.run import write
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
+from tests.support.wording import squeezed
 
 
 def strings(language):
@@ -50,10 +51,6 @@ def report(tmp_path_factory):
 def read(html):
     """A page as it is read: blanks that hold a number and its unit together are blanks."""
     return html.replace(NO_BREAK, " ")
-
-
-def squeezed(text):
-    return re.sub(r"\s+", "", text)
 
 
 def test_both_languages_have_the_same_keys_and_fields():

@@ -1,7 +1,5 @@
 """report.docx: the chapters, tables and figures of the page, in named styles; opened again, and by LibreOffice."""
 
-import re
-
 import pytest
 from docx import Document
 from docx.oxml.ns import qn
@@ -14,6 +12,7 @@ from assessment.runtime.pool import Pool, result_of
 from tests.support.pictured import draw_sections
 from tests.support.results_example import results_example
 from tests.support.typed import typed
+from tests.support.wording import squeezed
 
 
 @pytest.fixture(scope="module")
@@ -31,10 +30,6 @@ def made(tmp_path_factory):
     write_page(typed(results), folder)
     write_docx(typed(results), folder)
     return results, folder
-
-
-def squeezed(text):
-    return re.sub(r"\s+", "", text)
 
 
 def test_the_document_says_what_the_page_says(made):

@@ -16,6 +16,7 @@ from assessment.results.summary import governing_view
 from assessment.runtime.pool import Pool
 from tests.support.analysed import analysed
 from tests.support.typed import typed
+from tests.support.wording import squeezed
 from tests.validation.test_printed_table import CASES
 
 
@@ -34,10 +35,6 @@ def products(tmp_path_factory):
 def text(products):
     page = (products / "report.html").read_text(encoding="utf-8")
     return squeezed(Markup(re.sub(r"<(style|script).*?</\1>", "", page, flags=re.S)).striptags())
-
-
-def squeezed(words):
-    return re.sub(r"\s+", "", words)
 
 
 def printed(rows, columns, words, significant=3):
