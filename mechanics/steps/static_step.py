@@ -249,8 +249,7 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
     The compressions of elastic joints in a row add up: blocks may then move by as many times the step.
     """
     model, size = problem.system.model, problem.size
-    motion = abs(positions - problem.start.positions)
-    moved = float((motion * (1.0, 1.0, model.size)).max())
+    moved = model.farthest(problem.start.positions, positions)
     times = STEP.fall if problem.system.rigid else max(STEP.fall, model.joints_in_a_row)
     if moved > times * size:
         raise NoEquilibriumError(

@@ -306,3 +306,17 @@ def test_where_the_first_mechanism_is_local_the_curve_is_of_what_goes_farthest()
     for direction in ("+x", "-x"):
         path = pushover(model, direction=direction, increment=0.002, state=state)
         assert path.displacement.max() > 0.01 and path.multiplier.max() > 0.1
+
+
+@pytest.mark.parametrize("width", [0.1, 0.05, 0.02])
+def test_a_pinnacle_on_a_block_of_up_to_four_thousand_times_its_weight_turns_over(width):
+    """α = tan(atan(b/h) − θ) until its corner is above its toe: the corner behind has then moved by b."""
+    stone = Material(18.0, 0.6)
+    blocks = [
+        Block(rectangle(-2, -0.3, 2, 0), 1.0, stone, support="base"),
+        Block(rectangle(-1.5, 0, 1.5, 3), 1.0, stone),
+    ]
+    pinnacle = Block(rectangle(-0.5 * width, 3, 0.5 * width, 3 + 5 * width), 1.0, stone)
+    curve = pushover(Assembly([*blocks, pinnacle]), increment=0.001)
+    assert curve.alpha_0 == pytest.approx(0.2, rel=1e-6) and curve.reached_zero
+    assert curve.displacement[-1] == pytest.approx(width, rel=2e-3)
