@@ -223,12 +223,8 @@ def _findings(found: dynamic.Campaign) -> Iterator[Message]:
             "records: {count}; NTC 2018 §7.3.5 asks for at least {least}", count=records, least=ENOUGH
         )
     if equal := sum(row.same_as is not None for row in found.combinations):
-        yield message(
-            "{equal} of {count} combinations are the same as another one, or its mirror image, "
-            "and were computed once",
-            equal=equal,
-            count=count,
-        )
+        yield message("{equal} of {count} combinations are the same as another one, or its mirror image, "
+                      "and were computed once", equal=equal, count=count)  # fmt: skip
     for row in found.fragility:
         for text in doubts(row, found.method == "stripes"):
             yield headed(moved_title(row.settlement, row.share), text)
@@ -247,30 +243,22 @@ def _findings(found: dynamic.Campaign) -> Iterator[Message]:
     if found.spectrum and not found.spectrum.within:
         yield message(
             "the mean spectrum of the records deviates from that of the site by {low:.0%} to {high:.0%}; "
-            "{usual_low:.0%} to {usual_high:.0%} is usual",
-            low=found.spectrum.lowest_deviation,
-            high=found.spectrum.highest_deviation,
-            usual_low=sets.LOW,
-            usual_high=sets.HIGH,
-        )
+            "{usual_low:.0%} to {usual_high:.0%} is usual", low=found.spectrum.lowest_deviation,
+            high=found.spectrum.highest_deviation, usual_low=sets.LOW, usual_high=sets.HIGH,
+        )  # fmt: skip
 
 
 def doubts(row: dynamic.CampaignFragility, stripes: bool) -> Iterator[Message]:
     """Yield what to know of a fragility: combinations left open, lower bounds, no median, stripes without scatter."""
     if row.failed:
-        yield message(
-            "{failed} of {count} combinations could not be completed; "
-            "median, dispersion and loss are those of the others",
-            failed=row.failed,
-            count=row.combinations,
-        )
+        yield message("{failed} of {count} combinations could not be completed; median, dispersion and loss are those "
+                      "of the others", failed=row.failed, count=row.combinations)  # fmt: skip
     if row.withstood:
         yield message(
             "{withstood} of {count} combinations do not collapse up to the largest level tried and count as lower "
-            "bounds; raise max_scale, or levels_g, to find their collapse",
-            withstood=row.withstood,
+            "bounds; raise max_scale, or levels_g, to find their collapse", withstood=row.withstood,
             count=row.combinations,
-        )
+        )  # fmt: skip
     if row.median_g is None and row.failed < row.combinations:
         yield message(
             "no median of collapse is found; some levels have to be withstood, and others not, and more "

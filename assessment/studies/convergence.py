@@ -212,11 +212,9 @@ def not_met(levels: Levels, tolerance: float) -> list[Message]:
         message(
             "estimated discretisation error of {missed} with increments 1/{times} of those given, "
             "tolerance {tolerance:.2g} %; start from smaller increments",
-            missed=linked(levels.missed(tolerance)),
-            times=times,
-            tolerance=100.0 * tolerance,
+            missed=linked(levels.missed(tolerance)), times=times, tolerance=100.0 * tolerance,
         )
-    ]
+    ]  # fmt: skip
 
 
 def measure(

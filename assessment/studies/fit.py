@@ -40,15 +40,11 @@ class Unknowns:
     @property
     def title(self) -> Message:
         """The hypothesis in words: "right: x, z, rotation"."""
+        words = {
+            each: [WORDS[name] for other, name in self.components if other == each] for each in self.supports
+        }
         return linked(
-            [
-                message(
-                    "{name}: {components}",
-                    name=support,
-                    components=[WORDS[name] for other, name in self.components if other == support],
-                )
-                for support in self.supports
-            ]
+            [message("{name}: {components}", name=each, components=own) for each, own in words.items()]
         )
 
     @property
@@ -73,14 +69,8 @@ class Unknowns:
     def movements(self, u: Array) -> tuple[SupportMovement, ...]:
         """Return the movement of each support at values u (n,), m; of none, 0 has no sign."""
         value = {each: float(v) + 0.0 for each, v in zip(self.components, u / self.size, strict=True)}
-        return tuple(
-            SupportMovement(
-                support,
-                (value.get((support, "x"), 0.0), value.get((support, "z"), 0.0)),
-                value.get((support, "rotation"), 0.0),
-            )
-            for support in self.supports
-        )
+        by_support = {each: [value.get((each, name), 0.0) for name in COMPONENTS] for each in self.supports}
+        return tuple(SupportMovement(each, (x, z), turn) for each, (x, z, turn) in by_support.items())
 
     def directions(self) -> list[Array]:
         """Return unit vectors (n,): every sign of one unknown alone and of several together, within the bounds."""

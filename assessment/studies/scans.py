@@ -242,12 +242,9 @@ class Scans:
         none = not any(levels) and not failed  # no step finds a collapse
         met = none or (moved is not None and moved <= tolerance and not failed)
         row = ConvergenceRow(
-            state=asked.shaking.state,
-            record=asked.record,
-            halvings=len(found) - 1,
-            met=met,
+            state=asked.shaking.state, record=asked.record, halvings=len(found) - 1, met=met,
             levels={"pga_collapse_g": levels},
-        )
+        )  # fmt: skip
         if moved is not None and (last := levels[-1]) is not None:
             error = moved + 1.0 - math.exp(-observed_in(found[-1]).spacing)
             row = row.replace(pga_collapse_error_g=error * last, relative_error=error)
@@ -260,10 +257,8 @@ class Scans:
         else:
             text = message(
                 "the level at collapse moves by {moved:.0%} where the time step is halved to {step:g} s; "
-                "take a smaller time_step_s",
-                moved=moved,
-                step=found[-1].time_step,
-            )
+                "take a smaller time_step_s", moved=moved, step=found[-1].time_step,
+            )  # fmt: skip
         study.warnings.append(headed(asked.title, text))
         return row
 
@@ -274,25 +269,18 @@ def _doubts(asked: Asked, found: Scan) -> Iterator[Message]:
     if found.reason is not None or found.stripes:
         return
     if seen.lowest is None:
-        yield message(
-            "no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find one",
-            safe=seen.safe,
-            scale=asked.reach.max_scale,
-        )
+        yield message("no collapse up to a PGA of {safe:.3g} g at the surface, max_scale = {scale:g}; raise it to find "
+                      "one", safe=seen.safe, scale=asked.reach.max_scale)  # fmt: skip
     elif seen.stands:
         yield message(
             "collapse at a PGA of {pga:.3g} g at the surface, but stands at {levels:.3g} g; "
-            "{counts:.3g} g counts, of 16 % of the levels around",
-            pga=seen.lowest,
-            levels=list(seen.stands),
+            "{counts:.3g} g counts, of 16 % of the levels around", pga=seen.lowest, levels=list(seen.stands),
             counts=seen.capacity or seen.lowest,
-        )
+        )  # fmt: skip
     factor = abs(motion.scale) * (seen.lowest or seen.safe) / motion.pga
     if factor > SCALED:
-        yield message(
-            "the record is scaled by {factor:.2g}; earthquakes so strong have other durations and spectra",
-            factor=factor,
-        )
+        yield message("the record is scaled by {factor:.2g}; earthquakes so strong have other durations and spectra",
+                      factor=factor)  # fmt: skip
 
 
 def reach_of(project: Project) -> Reach:

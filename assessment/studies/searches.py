@@ -131,9 +131,8 @@ def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -
 
 def _shares(known: Sequence[Asked], scans: Scans) -> Array:
     """Return the shares (n, k) of motions that collapse at each level of the stripes."""
-    return np.array(
-        [[point.members_collapsed / point.members for point in scans.of(each).points] for each in known]
-    )
+    points = (scans.of(each).points for each in known)
+    return np.array([[point.members_collapsed / point.members for point in own] for own in points])
 
 
 def standard_of(rows: Sequence[dynamic.CampaignCombination]) -> fragility.Standard:
@@ -194,9 +193,7 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
     weights = (np.ones((1, len(names))) if samples is None else samples).astype(int)
     random = np.random.default_rng(RESAMPLED)
     noise = random.standard_normal((fragility.SAMPLES, len(names))) * errors + changes
-    medians = [
-        float(np.median(np.repeat(values, weights[k % len(weights)]))) for k, values in enumerate(noise)
-    ]
+    medians = [float(np.median(np.repeat(each, weights[k % len(weights)]))) for k, each in enumerate(noise)]
     low, high = (_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest"))
     unmoved = all(one is other for one, other in pairs)
     return dynamic.Loss(
@@ -256,9 +253,8 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
     drawn, found = inputs.starts[ORIGINAL, table.contacts][0], Searched()
     tasks = [("", task, 1.0, None) for task in inputs.tasks(table, motions, own_setting(table))]
     asked = asked_for(tasks, tuple(DIRECTIONS), reach_of(project), mirror_image(project, drawn, table))
-    scans.settle(
-        "incremental", asked, len(DIRECTIONS) if accuracy_of(project).tolerance is None else 0, found
-    )
+    first = len(DIRECTIONS) if accuracy_of(project).tolerance is None else 0
+    scans.settle("incremental", asked, first, found)
     found.errors = scans.refine(asked, found)
     measures = Measures.of(project, motions)
     by_state: dict[str, list[Asked]] = {}

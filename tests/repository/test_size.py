@@ -22,7 +22,7 @@ LINES = {
     "assessment/report": 5957,
     "assessment/results": 3233,
     "assessment/runtime": 1478,
-    "assessment/studies": 2315,
+    "assessment/studies": 2274,
     "assessment/workflow": 922,
     "mechanics": 966,
     "mechanics/kernels": 3642,
