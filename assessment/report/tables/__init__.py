@@ -1,9 +1,10 @@
-"""The tables of the report and of the CSV files: one CSV each."""
+"""The tables of the report and of the CSV files: one CSV each, and the fragilities as NRML."""
 
 from pathlib import Path
 from typing import Any
 
 from assessment.report.tables import capacity, cracks, dynamic, mechanisms, structure, studies  # noqa: F401 - entered
+from assessment.report.tables.nrml import fragility_model
 from assessment.report.tables.rows import TABLES
 from assessment.results.schema import Results
 from assessment.results.table import Table
@@ -13,11 +14,14 @@ RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spread
 
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder.
+    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
 
     A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
     """
     import pandas as pd  # late: the report needs the rows only
+
+    if model := fragility_model(results):
+        write_atomically(folder / "fragility.xml", model)
 
     for each in tables(results):
         if each.rows:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from assessment.report.document import render_html
 from assessment.report.figures.motions import draw_campaign_curves
 from assessment.report.language import words_of
 from assessment.report.tables.dynamic import static_dynamic
+from assessment.report.tables.nrml import fragility_model
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -187,3 +189,22 @@ def test_static_check_incremental_analysis_and_campaign_stand_on_one_reference()
     assert all("capacity_loss" not in row for row in rows if row["state"] == "original")
     sentences = " ".join(lead(typed(results), words_of(typed(results))))
     assert "non è distinguibile" in sentences
+
+
+def test_fragilities_are_a_fragility_model_of_mean_and_standard_deviation():
+    """OpenQuake takes those of the measure: they give median and β back."""
+    results = typed(results_with_campaign("en"))
+    found = ElementTree.fromstring(fragility_model(results)).findall(".//{*}fragilityFunction")
+    rows = [row for row in results.campaign.fragility if row.median_g and row.beta]
+    assert len(found) >= len(rows) > 0
+    for function, row in zip(found[-len(rows) :], rows, strict=True):
+        params = function.find("{*}params")
+        mean, deviation = float(params.get("mean")), float(params.get("stddev"))
+        beta = math.sqrt(math.log1p((deviation / mean) ** 2))
+        assert beta == pytest.approx(row.beta, rel=1e-4)
+        assert mean * math.exp(-0.5 * beta**2) == pytest.approx(row.median_g, rel=1e-4)
+        assert function.find("{*}imls").get("imt") == "PGA"
+
+
+def test_without_fragilities_there_is_no_fragility_model():
+    assert fragility_model(typed(results_example())) is None
