@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 642,
     "assessment/ntc": 2176,
     "assessment/project": 4592,
-    "assessment/report": 5957,
+    "assessment/report": 6012,
     "assessment/results": 3233,
     "assessment/runtime": 1478,
     "assessment/studies": 2274,
