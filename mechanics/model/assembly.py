@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 LIGHTEST = (
-    1e-6  # of the mean block's weight: equilibrium is solved to 1e-8 of it, and would not see a lighter block
+    1e-6  # of the mean block's weight times size: equilibrium to 1e-8 of it would not see less overturn
 )
 PART = 0.01  # of the largest displacement of a block: one that takes part in a mechanism
 FAR = 10.0  # of the drawing's size: beyond it coordinates lose more than one digit to their distance from the origin
@@ -111,14 +111,11 @@ class Assembly:
             object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
         require_positive(self, tolerance="positive, in m")
         require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
-        weights = np.where(self.movable, [abs(b.weight) for b in self.blocks], np.inf)
-        lightest = int(np.argmin(weights))
-        share = float(weights[lightest]) / float(np.mean(weights[self.movable]))
-        told = f"block {lightest} weighs {share:.2g} of the mean block"
-        least = (
-            f"at least {LIGHTEST:g} of it (less is lost in the accuracy of equilibrium): leave the block out"
-        )
-        require(share >= LIGHTEST, "blocks", told, least)
+        moments = np.where(self.movable, [abs(b.weight) * np.sqrt(b.area) for b in self.blocks], np.inf)
+        lightest, mean = int(np.argmin(moments)), self.weight / float(self.movable.sum()) * self.size
+        told = f"weight times size of block {lightest} is {moments[lightest] / mean:.2g} of the mean block's"
+        least = f"at least {LIGHTEST:g} (less is lost in the accuracy of equilibrium): leave the block out"
+        require(moments[lightest] >= LIGHTEST * mean, "blocks", told, least)
         require(isinstance(self.ties, Iterable), "ties", self.ties, "a sequence of Tie")
         object.__setattr__(self, "ties", tuple(self.ties))
         wrong = next((each for each in self.ties if not isinstance(each, Tie)), None)

@@ -60,7 +60,8 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     decided.
     """
     system, model = problem.system, problem.system.model
-    residuals = STEP.residuals(system.behaviour)
+    *rough, final = STEP.residuals(system.behaviour)
+    residuals = (*(each for each in rough if each <= system.lightest), final)
     stages = residuals + (residuals[-1],) * STEP.rounds
     now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
     for stage, residual in enumerate(stages):

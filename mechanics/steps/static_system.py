@@ -16,7 +16,7 @@ from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import Contacts, end_gaps, near
 from mechanics.solvers.elimination import BANDED, CHEAPER, Elimination
 from mechanics.steps.tolerances import STEP
-from mechanics.types import Array, Index
+from mechanics.types import GRAVITY, Array, Index
 
 Sliding = Literal["coulomb", "associative"]
 
@@ -139,6 +139,11 @@ class StaticSystem:
     def weight(self) -> float:
         """Scale of the forces, kN: the mean weight of the movable blocks."""
         return self.model.weight / float(self.model.movable.sum())
+
+    @cached_property
+    def lightest(self) -> float:
+        """Weight of the lightest movable block, of `weight`: larger residuals are no approximation for it."""
+        return float(self.model.mass[self.model.movable, 0].min()) * GRAVITY / self.weight
 
     @property
     def no_overlap(self) -> float:

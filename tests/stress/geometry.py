@@ -162,7 +162,7 @@ def cases() -> Iterator[Case]:
         yield Case("1 µm beside 10 m", f"needle of {width:g} m", partial(needle, width))
     for width in (1e-6, 1e-4):
         name = f"needle of {width:g} m"
-        yield Case("1 µm beside 10 m", name, partial(needle, width), bad_input="block 2 weighs")
+        yield Case("1 µm beside 10 m", name, partial(needle, width), bad_input="weight times size of block 2")
     for width in (1e-6, 1e-4, 1e-2, 1.0):
         yield Case("1 µm beside 10 m", f"ledge of {width:g} m", partial(ledge, width, 1e-8))
     yield Case(
