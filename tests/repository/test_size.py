@@ -30,7 +30,7 @@ LINES = {
     "mechanics/procedures": 3331,
     "mechanics/records": 1046,
     "mechanics/solvers": 1071,
-    "mechanics/steps": 1827,
+    "mechanics/steps": 1828,
 }
 
 

@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 import mechanics
 from assessment.analyses import capacity
 from assessment.cli.main import main
 from assessment.ntc.curve_fit import CapacityError
 from assessment.project.catalogue.new_project import write_drawing
-from assessment.results.schema.part import plain
+from assessment.results.schema.dynamic import Course
 from assessment.workflow import run as output
 from assessment.workflow import stages as workflow
 from mechanics import ConvergenceError, pushover
@@ -82,14 +83,10 @@ def test_files_that_are_not_ours_stay(project, tmp_path):
         assert (out / name).read_text(encoding="utf-8") == "mine"
 
 
-def test_what_is_no_number_is_null():
-    """Lists of nothing but finite floats are left as they are; all else is looked through."""
-    finite = [0.5, -1e300]
-    results = {"a": finite, "b": (1, np.float64(0.5), np.inf), "c": [[0.5, np.nan], [np.int64(2), None, "x"]]}
-    clean = plain(results)
-    assert clean == {"a": [0.5, -1e300], "b": [1, 0.5, None], "c": [[0.5, None], [2, None, "x"]]}
-    assert type(clean["c"][1][0]) is int and type(clean["b"][1]) is float
-    assert clean["a"] is finite
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_what_is_no_number_is_no_result(number):
+    with pytest.raises(ValidationError, match="finite number"):
+        Course(time_s=[0.0, 1.0], displacement_m=[0.0, number])
 
 
 def test_a_structure_that_cannot_stand(project, capsys):
