@@ -310,7 +310,7 @@ def test_where_the_first_mechanism_is_local_the_curve_is_of_what_goes_farthest()
 
 @pytest.mark.parametrize("width", [0.1, 0.05, 0.02])
 def test_a_pinnacle_on_a_block_of_up_to_four_thousand_times_its_weight_turns_over(width):
-    """α = tan(atan(b/h) − θ) until its centre is above its toe: the corner above that has then moved by h sin(atan(b/h))."""
+    """α = tan(atan(b/h) − θ) until its centre is above its toe: the corner there has moved by h sin(atan(b/h))."""
     stone = Material(18.0, 0.6)
     blocks = [
         Block(rectangle(-2, -0.3, 2, 0), 1.0, stone, support="base"),
