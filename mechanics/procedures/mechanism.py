@@ -13,7 +13,6 @@ from mechanics.types import Array, Index
 
 NOTICEABLE = 0.02  # of the largest rotation, or displacement, of a block: a relative one that counts
 CARRYING = 2e-3  # of the weight: a joint that carries less is no part of the load path
-EQUAL = 0.01  # of the largest way: corners go equally far, whatever a drawing is rounded to
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ def farthest_corner(model: Assembly, begun: Array, moved: Array, direction: Dire
         found.append(np.column_stack([sense * way, points, np.full(len(points), k)]))
     way, x, z, owner = np.vstack(found).T
     far = way / max(float(abs(way).max()), 1e-300)
-    order = np.lexsort((-sense * x, -z, -np.where(far > 1.0 - EQUAL, 1.0, far)))
+    order = np.lexsort((-sense * x, -z, -np.where(far > 1.0 - NOTICEABLE, 1.0, far)))
     of = (k for k in order if model.block_at((x[k], z[k])) == owner[k])
     best = next(of, order[0])
     point = np.array([x[best], z[best]])
