@@ -22,7 +22,7 @@ from assessment.workflow import run as output
 from assessment.workflow import stages as workflow
 from mechanics import ConvergenceError, pushover
 from mechanics.messages import message
-from mechanics.procedures.pushover import PushoverTolerances
+from mechanics.procedures.push_path import PushoverTolerances
 from tests.support.block_project import ASSESSMENT, PROJECT, contents, edit, read_results, run
 from tests.support.structures import rectangle
 
@@ -174,7 +174,7 @@ def test_a_direction_without_capacity_is_incomplete_and_its_state_has_no_index(p
 
 
 def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkeypatch):
-    procedure = importlib.import_module("mechanics.procedures.pushover")
+    procedure = importlib.import_module("mechanics.procedures.push_path")
     step, count = procedure.reach, iter(range(1000))
 
     def fails_later(*arguments):

@@ -14,7 +14,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushover, time_history
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
-from mechanics.procedures.pushover import PushoverTolerances
+from mechanics.procedures.push_path import PushoverTolerances
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables

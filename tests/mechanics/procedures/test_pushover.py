@@ -12,7 +12,7 @@ from assessment.benchmark.structures import assembly, template
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 from mechanics.procedures import Mirror, farthest_corner, limit_in, static_theorem
 from mechanics.procedures.peaks import may_peak
-from mechanics.procedures.pushover import PUSHOVER
+from mechanics.procedures.push_path import PUSHOVER
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import small_wall
 from tests.support.structures import in_frame, rectangle, running_bond

@@ -1,0 +1,371 @@
+"""The path of a push: equilibria under lateral loads, from its onset to α = 0 or to collapse (paper, §4, eqs 4, 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnstableError
+from mechanics.messages import Message, message
+from mechanics.model.assembly import Direction, State
+from mechanics.procedures.limit_analysis import limit_in
+from mechanics.procedures.path_start import START, PathStart, elastic_start, mechanism_start
+from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
+from mechanics.procedures.step_control import reach
+from mechanics.steps.rest import motion_to_rest
+from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_system import StaticSystem
+from mechanics.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class PushoverTolerances:
+    """Tolerances of a capacity curve.
+
+    `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
+    `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
+    largest multiplier: `zero`, a multiplier that counts as zero (located to as much of a step: else it jumps); `flat`,
+    a change that does not count; `closing`, to which the peak behind a joint that closes is located. `wedged`:
+    multiplier beyond which the load only wedges the blocks, times that of limit analysis where this is above 1;
+    `points`: most points of a curve.
+    """
+
+    still: float = 1e-3
+    largest: float = 2.0
+    zero: float = 1e-6
+    flat: float = 1e-3
+    closing: float = 2e-4
+    wedged: float = 10.0
+    points: int = 5000
+
+
+PUSHOVER = PushoverTolerances()
+RISE = 0.15  # of the time of a curve, about, until its multiplier is largest
+
+
+@dataclass(frozen=True, eq=False)
+class PushInput:
+    """Input of a push: the `control` point (2,) m, the direction, the step (`increment`, m) and where it ends."""
+
+    control: Array
+    direction: Direction
+    increment: float
+    until: float
+    tolerances: PushoverTolerances
+
+
+@dataclass(frozen=True, eq=False)
+class PushPoint:
+    """A point of a curve: an equilibrium, the displacement (m) of the control point, whether blocks `jumped` to it."""
+
+    step: Equilibrium
+    displacement: float
+    jumped: bool = False
+
+
+class PushPath:
+    """A capacity curve as far as it has been followed; `end`: why it ends, None while it goes on.
+
+    `points`: the first one is the start; `reached`, `lost`: see Pushover; `endless`: whether it leans or only slides.
+    """
+
+    def __init__(self, push: PushInput, system: StaticSystem, state: State | None) -> None:
+        self.push, self.system, self.model, self.drawn = push, system, system.model, state is None
+        self.tolerances = push.tolerances
+        self.block = self.model.block_at(push.control)
+        self.lateral = self.model.lateral_load(push.direction)
+        self.first = self._start(state)
+        self.points = [PushPoint(self.first.step, 0.0)]
+        # the next step is predicted from the displacements of blocks and control point per unit work in the last one
+        self.rate = self.first.rate
+        self.control_rate = self._control_rate()
+        self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
+        self.end: Message | None = None
+        self.reached, self.lost, self.endless = False, False, False
+
+    @property
+    def last(self) -> State:
+        """The last state."""
+        return self.points[-1].step.state
+
+    @property
+    def alpha(self) -> float:
+        """The last multiplier."""
+        return self.points[-1].step.alpha
+
+    @property
+    def far(self) -> float:
+        """The last displacement (m) of the control point."""
+        return self.points[-1].displacement
+
+    @property
+    def multiplier(self) -> Array:
+        """The multipliers (k,) of the points."""
+        return np.array([point.step.alpha for point in self.points])
+
+    @property
+    def displacement(self) -> Array:
+        """The displacements (k,) m of the control point."""
+        return np.array([point.displacement for point in self.points])
+
+    @property
+    def largest(self) -> float:
+        """The largest multiplier."""
+        return max(point.step.alpha for point in self.points)
+
+    @property
+    def crossed(self) -> list[tuple[float, float]]:
+        """Displacements (m) between which blocks have jumped."""
+        return [(one.displacement, two.displacement) for one, two in pairwise(self.points) if two.jumped]
+
+    def _start(self, state: State | None) -> PathStart:
+        """Return the start of a curve from a state (None: as drawn)."""
+        start = mechanism_start if self.system.rigid else elastic_start
+        return start(self.model, self.push.direction, state, self.push.increment, self.system.sliding)
+
+    def _control_rate(self) -> float:
+        """Return the displacement of the control point per unit work (m/kNm) at the last point."""
+        little = 1e-6 * self.model.size / float(abs(self.rate[:, :2]).max())
+        return (self.along(self.last.positions + little * self.rate) - self.far) / little
+
+    def along(self, positions: Array) -> float:
+        """Return the displacement (m) of the control point along the push, at positions (b, 3)."""
+        now, begun = (
+            self.model.point_displacement(self.push.control, self.block, at)[0]
+            for at in (positions, self.points[0].step.state.positions)
+        )
+        return float(now - begun) if self.push.direction == "+x" else float(begun - now)
+
+    def advance(self, length: float, shortest: bool) -> bool:
+        """Add the next point, about a length (m) further on; return whether the blocks have jumped.
+
+        `shortest`: whether no shorter step is tried after this one. Where an elastic curve ends, go on if the structure
+        snaps through. Raises RunawayError where a part or the structure falls, NoEquilibriumError or ConvergenceError
+        where no point is found.
+        """
+        before = len(self.points)
+        self._next(length, shortest)
+        spent = self.endless or (self.reached and self._overturns())
+        if self.end and not self.system.rigid and not spent and len(self.points) < self.tolerances.points:
+            self._snap_through()
+        return any(point.jumped for point in self.points[before:])
+
+    def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
+        """End the curve at its last point, beyond which the shortest step has failed."""
+        self.end, self.lost = error.message, isinstance(error, RunawayError)
+        if self.system.rigid and not self.lost:
+            try:
+                limit_in(self.model, self.push.direction, self.last, self.system.sliding)
+            except NoEquilibriumError:
+                self._lean()
+            except ConvergenceError:
+                pass
+
+    def _lean(self) -> None:
+        """End the curve where α begins to rise without bound: the load presses the blocks on what does not move."""
+        self.end = message(
+            "the structure leans on what the push does not move: beyond, the multiplier has no bound"
+        )
+        self.endless, alpha = True, self.multiplier
+        falls = np.flatnonzero(np.diff(alpha) <= 0.0)
+        self.points = self.points[: int(falls[-1]) + 2 if falls.size else 1]
+
+    def _next(self, length: float, shortest: bool) -> None:
+        """Add the next point, or the last one before α = 0; the errors are those of `advance`."""
+        fastest = float(abs(self.rate[:, :2]).max())
+        work = length / max(self.control_rate, fastest / self.tolerances.largest)
+        step, jumped = self._step(work, fastest, shortest)
+        if step.alpha > self.tolerances.wedged * max(self.first.limit, 1.0):
+            self._lean()
+            return
+        now = self.along(step.state.positions)
+        if jumped and now <= max((then for then, _ in self.crossed), default=-np.inf):
+            raise RunawayError(message("the structure falls back to where it has jumped before"))
+        if jumped and self.system.rigid and self._go_on_from(step):
+            return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
+        if step.alpha >= 0.0:
+            self._append(work, step, jumped)
+            return
+        nearest = self._down_to_zero(work, fastest, step, shortest)
+        if nearest is not None:
+            self._append(*nearest)
+        self.end = None
+        zero = self.alpha <= self.tolerances.zero * self.largest
+        held = None if zero and self._overturns() else self._held_again(step)
+        if held is not None and self._go_on_from(held):
+            return
+        self.reached, self.lost = zero, not zero
+        if not zero:
+            self.end = message("the structure falls: beyond, it stands only where a push holds it back")
+        elif held is None:
+            self.end = message("α = 0")
+        else:
+            self.end = message("α = 0, and no push moves the structure where it rests again")
+
+    def _step(self, work: float, fastest: float, shortest: bool) -> tuple[Equilibrium, bool]:
+        """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
+        here, size = self.points[-1].step, work * fastest
+        problem = StepProblem(here.system, here.state, self.model.dead_load, size, self.lateral, work)
+        return reach(problem, here.state.positions + work * self.rate, here, shortest)
+
+    def _down_to_zero(
+        self, work: float, fastest: float, beyond: Equilibrium, shortest: bool
+    ) -> tuple[float, Equilibrium, bool] | None:
+        """Return the step to α = 0 on the way to an equilibrium beyond it (false position, Illinois rule).
+
+        The result has the arguments of `_append`. If the multiplier jumps below zero it is the last step found before
+        the jump, or None; None too from a point at α = 0, as elastic joints go on from where they rest again.
+        """
+        if self.alpha <= 0.0:
+            return None
+        low, high = (0.0, self.alpha), (work, beyond.alpha)
+        tolerance, least = self.tolerances.zero * self.largest, self.tolerances.zero * work
+        last: tuple[float, Equilibrium, bool] | None = None
+        while high[0] - low[0] >= least:
+            chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
+            try:
+                step, jumped = self._step(chord, fastest, shortest)
+            except (NoEquilibriumError, ConvergenceError):
+                if not shortest:  # what lies beyond may be another branch: this one is followed to its end
+                    raise
+                break
+            if step.alpha >= -tolerance:
+                last = (chord, step, jumped)
+            if abs(step.alpha) <= tolerance:
+                break
+            if step.alpha < 0.0:
+                low, high = (low[0], 0.5 * low[1]), (chord, step.alpha)
+            else:
+                low, high = (chord, step.alpha), (high[0], 0.5 * high[1])
+        return last
+
+    def _overturns(self) -> bool:
+        """Return whether the structure falls at α = 0, wherever it comes to rest: as drawn, if the control point moves.
+
+        What falls without it may be a loose block, which lets elastic joints go back; in a settled state a hinge of the
+        settlement may close.
+        """
+        return self.drawn and self.takes_part_by(self.far)
+
+    def takes_part_by(self, displacement: float) -> bool:
+        """Return whether the control point takes part in what has moved if that is its displacement (m)."""
+        moved = float(abs(self.last.positions - self.points[0].step.state.positions)[:, :2].max())
+        return displacement >= self.tolerances.still * moved
+
+    def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
+        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
+        return self._rest(0.0, beyond.state, self.far - self.push.increment)
+
+    def _snap_through(self) -> None:
+        """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
+
+        Beyond a peak a load that stays moves the structure on, to a fall or, as an arch that snaps through, to a rest.
+        """
+        held = self._rest(self.largest, self.last, self.far)
+        if held is not None:
+            self.end, self.reached, self.lost = None, False, False
+            self._append(1.0, replace(held, alpha=self.largest), jumped=True)
+
+    def _rest(self, alpha: float, start: State, farthest_back: float) -> Equilibrium | None:
+        """Return the rest, under a held multiplier, of what is released in a state.
+
+        None if there is none, or not beyond a displacement (m) of the control point.
+        """
+        size = max(self.push.increment, 1e-3 * self.model.size)
+        load = self.model.dead_load + alpha * self.lateral
+        problem = StepProblem(self.points[-1].step.system, start, load, size)
+        try:
+            rested = motion_to_rest(problem, start.positions)
+        except (NoEquilibriumError, ConvergenceError):
+            return None
+        return rested if self.along(rested.state.positions) > farthest_back else None
+
+    def _go_on_from(self, held: Equilibrium) -> bool:
+        """Add the onset of a new push where the structure rests again; return False if no push moves it there."""
+        try:
+            start = self._start(held.state)
+        except (UnstableError, NoEquilibriumError, ConvergenceError):
+            return False
+        if start.step.alpha < 0.0:  # it stands only where a push holds it back
+            return False
+        self._append(1.0, replace(start.step, solves=held.solves), jumped=True)
+        self.rate = start.rate
+        self.control_rate = self._control_rate()
+        return True
+
+    def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
+        """Add a point, the rate of the next step, and why the curve ends if it does."""
+        then, before = self.far, self.last.positions
+        self.points.append(PushPoint(step, self.along(step.state.positions), jumped))
+        now, alpha, largest = self.far, step.alpha, self.largest
+        if not jumped:
+            self.rate, self.control_rate = (step.state.positions - before) / work, (now - then) / work
+        if abs(alpha - self.plateau[1]) > self.tolerances.flat * largest:
+            self.plateau = (now, alpha)
+        if now - self.plateau[0] > self.model.size:
+            self.endless = True
+            self.end = message(
+                "the structure slides: α stays {alpha:.4g} over {distance:.3g} m, and nothing ends that",
+                alpha=alpha,
+                distance=self.model.size,
+            )
+        elif now > 0.5 * self.push.increment and alpha <= self.push.until * largest:
+            self.end = message("α has come down to {until:g} of its peak", until=self.push.until)
+        elif len(self.points) == self.tolerances.points:
+            self.end = message(
+                "a curve has {count} points at most; write a larger {key}",
+                count=self.tolerances.points,
+                key="increment_m",
+            )
+
+    @property
+    def share(self) -> float:
+        """Share that is done, about: of the rise, then of the way from the peak down, or of the slide that ends it."""
+        now, alpha, largest = self.far, self.alpha, self.largest
+        fallen = (1.0 - alpha / largest) / (1.0 - self.push.until) if largest > 0.0 else 0.0
+        down = max(fallen, (now - self.plateau[0]) / self.model.size)
+        if largest <= self.first.step.alpha:
+            return down
+        risen = 0.5 * RISE * (1.0 + largest / max(self.first.limit, largest))
+        return risen + (1.0 - risen) * min(down, 1.0)
+
+    def locate_peak(self) -> None:
+        """Add the points just behind joints that close, in the steps in which α may be largest."""
+        best = self.largest
+        tolerance = self.tolerances.closing * best
+        added: dict[int, Equilibrium] = {}
+        for most, point in may_peak(self.multiplier, self.displacement, self.tolerances.flat * best):
+            before, end = self.points[point - 1].step, self.points[point].step
+            if self.points[point].jumped or most < best or not closes(before.state, end):
+                continue
+            part = tolerance / max(most - end.alpha, tolerance)
+            step = behind_closing(self.lateral, before, end, part)
+            if step is not None and step.alpha > best:
+                added[point], best = step, step.alpha
+        for point in sorted(added, reverse=True):
+            self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
+
+    @property
+    def is_hidden_by_rounding(self) -> bool:
+        """Whether an elastic curve ends as it rises, and joints are compressed by hardly more than rounding."""
+        return self.model.rounding > START.resolved and self.alpha >= self.largest
+
+    def end_where_it_falls(self) -> None:
+        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls."""
+        moves = np.diff([point.step.state.positions for point in self.points], axis=0)
+        jumps = np.array([point.jumped for point in self.points[1:]])
+        alpha, flat, zero = self.multiplier, self.tolerances.flat, self.tolerances.zero
+        last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
+        if last < len(alpha) - 1:
+            self.reached = bool(alpha[last] <= zero * alpha.max())
+            self.lost = not self.reached
+            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=held)
+            self.points = self.points[: last + 1]
+
+
+def peak_of(multiplier: Array) -> int:
+    """Return the index of the largest multiplier (k,), the first of those that differ by rounding alone."""
+    largest = float(multiplier.max())
+    return int(np.argmax(multiplier >= largest - PUSHOVER.zero * abs(largest)))
