@@ -158,9 +158,8 @@ def cases() -> Iterator[Case]:
         name = f"{width:g} × {height:g} m"
         yield Case("slender and flat", name, partial(slender, width, height))
         yield Case("slender and flat", f"{name} at rest in time", partial(slender_in_motion, width, height))
-    for width in (1e-2, 1.0):
-        yield Case("1 µm beside 10 m", f"needle of {width:g} m", partial(needle, width))
-    for width in (1e-6, 1e-4):
+    yield Case("1 µm beside 10 m", "needle of 1 m", partial(needle, 1.0))
+    for width in (1e-6, 1e-4, 1e-2):
         name = f"needle of {width:g} m"
         yield Case("1 µm beside 10 m", name, partial(needle, width), bad_input="weight times size of block 2")
     for width in (1e-6, 1e-4, 1e-2, 1.0):
