@@ -5,7 +5,7 @@ import numpy as np
 from assessment.benchmark.structures import rectangle, running_bond
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover, time_history
 from mechanics.model.assembly import Behaviour
-from mechanics.procedures.time_history import Integrator
+from mechanics.procedures.motion_start import Integrator
 
 SHAKING = np.array([0.0, 0.1, 0.1, 0.0])  # g
 INTEGRATORS: dict[Behaviour, tuple[Integrator, ...]] = {

@@ -14,7 +14,7 @@ from assessment.benchmark.structures import assembly, block_on_base, control, ru
 from assessment.project.catalogue.new_project import RECORD
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, read_record, time_history
 from mechanics.model.assembly import Behaviour
-from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
+from mechanics.procedures.motion_start import HISTORY, HistoryTolerances, Integrator
 from mechanics.types import Array
 
 Wave = Callable[[Array], Array]  # base accelerations (k,) in g at times (k,) s

@@ -7,6 +7,7 @@ from mechanics.procedures.energy import may_fall
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import farthest_corner, hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
+from mechanics.procedures.motion_start import HISTORY, SEARCH
 from mechanics.procedures.path_start import settled
 from mechanics.procedures.pushdown import (
     Pushdown,
@@ -18,7 +19,7 @@ from mechanics.procedures.pushdown import (
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
 from mechanics.procedures.step_control import PATH
-from mechanics.procedures.time_history import HISTORY, SEARCH, unfinished
+from mechanics.procedures.time_history import unfinished
 
 __all__ = [
     "HISTORY",

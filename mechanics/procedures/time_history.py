@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.errors import (
     ConvergenceError,
-    NoEquilibriumError,
-    UnstableError,
     array_of,
     is_number,
     require,
@@ -19,80 +17,34 @@ from mechanics.errors import (
 from mechanics.kernels.dynamics.motion import TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.model.contacts import end_gaps
 from mechanics.pictures import draw_curve, film
 from mechanics.procedures.collapse import ControlPoint, collapse, far, passing_through
-from mechanics.procedures.elastic_periods import contact_period, first_frequency
 from mechanics.procedures.energy import Energy, may_fall
 from mechanics.procedures.model_check import departure_in_motion
+from mechanics.procedures.motion_start import (
+    HISTORY,
+    HistoryTolerances,
+    Integrator,
+    base_acceleration,
+    begun_motion,
+    check_arguments,
+    chosen_halving,
+    chosen_integrator,
+)
 from mechanics.progress import tell
-from mechanics.steps.contact_values import carried, with_springs
+from mechanics.steps.contact_values import with_springs
 from mechanics.steps.dynamic_system import (
     DynamicSystem,
-    Halving,
     Motion,
     Recorded,
 )
-from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
-from mechanics.steps.rest import come_down, way
-from mechanics.steps.static_system import Sliding, static_system
-from mechanics.steps.tolerances import REST
+from mechanics.steps.static_system import Sliding
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
-
-Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
-
-
-@dataclass(frozen=True, slots=True)
-class HistoryTolerances:
-    """Tolerances of a time history.
-
-    Halving of steps. `few`: most movable blocks for which every impact is located; `located`, second order with rigid
-    joints: steps down to 1/1024 at impacts; `resolved`, Moreau and Jean: down to 1/64 where impacts take energy;
-    `closing`, second order with elastic joints. Elastic joints by either rule: at most `contacts` times, until half the
-    period of the stiffest contact has `steps_a_contact` steps. `unsolved`, implicit Euler: only steps that are not
-    solved are halved.
-
-    `accepted`: residual of a program, per weight and span; `skips`: whether rest is skipped; `chunk`: steps after which
-    collapse is looked for; `checked`: steps of which one is checked against the model.
-
-    Warnings. `balanced`: imbalance, as a share of the energy turned over, that needs none; `lifting`: share of the
-    programs that are solved by the associative law which needs none; `slides`: error of slides that needs none, where
-    friction takes more than the share `rubs` of the energy; `nothing`: energy, as a share of the weight lifted by a
-    block's size, below which nothing moves; `rests`, rigid, and `trembles`, elastic joints: speed, of √(g·size), below
-    which a block rests, the largest in the last `lately` s; `spent`: share of the potential energy from which the
-    structure has come back, with less of which it does not fall.
-    """
-
-    few: int = 3
-    located: Halving = Halving(10, 1e-4, of_moment=True)
-    resolved: Halving = Halving(6, 4e-3, unsure=1e-4)
-    closing: Halving = Halving(10, 2.5e-4, unsure=1e-4)
-    contacts: int = 10
-    steps_a_contact: int = 8
-    unsolved: Halving = Halving(0, np.inf)
-    accepted: float = 1e-7
-    skips: bool = True
-    chunk: int = 200
-    checked: int = 100
-    balanced: float = 1e-4
-    lifting: float = 1e-3
-    slides: float = 0.02
-    rubs: float = 0.05
-    nothing: float = 1e-6
-    rests: float = 1e-5
-    trembles: float = 1e-2
-    lately: float = 0.5
-    spent: float = 0.5
-
-
-HISTORY = HistoryTolerances()
-# of motions that are asked only whether they collapse: 11.7 → 9.2 iterations a program of the triumphal arch
-SEARCH = HistoryTolerances(resolved=Halving(6, 4e-3, unsure=1e-2))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -229,12 +181,12 @@ def time_history(
     """
     # thirteen arguments: the public function of the package, called with keywords
     Assembly.check(model)
-    base = _base(acceleration, vertical_acceleration, time_step)
-    _check(model, contacts, integrator, damping_ratio, restitution)
+    base = base_acceleration(acceleration, vertical_acceleration, time_step)
+    check_arguments(model, contacts, integrator, damping_ratio, restitution)
     point = _control_point(model, control, ultimate)
-    used, chosen = _chosen(model, contacts, integrator, tolerances.few)
-    halving, resolved = _halving(model, contacts, used, time_step, tolerances)
-    system, start, motion, undecided = _begun(
+    used, chosen = chosen_integrator(model, contacts, integrator, tolerances.few)
+    halving, resolved = chosen_halving(model, contacts, used, time_step, tolerances)
+    system, start, motion, undecided = begun_motion(
         model, contacts, sliding, model.starting(state), used, halving, damping_ratio, restitution, tolerances
     )
 
@@ -306,141 +258,6 @@ def _until_collapse(
     return part, None
 
 
-def _check(
-    model: Assembly, contacts: Behaviour, integrator: Integrator, damping_ratio: float, restitution: float
-) -> None:
-    """Raise ArgumentError for contacts that cannot move so, and what the contacts do not have of the others."""
-    require(contacts == "elastic" or not model.crushes, "contacts", contacts,
-            '"elastic" where joints have a compressive_strength: rigid ones forget what was crushed')  # fmt: skip
-    names = ("auto", "moreau-jean", "second-order", "implicit-euler")
-    require(integrator in names, "integrator", integrator, ", ".join(f'"{name}"' for name in names))
-    require(
-        is_number(damping_ratio) and 0.0 <= damping_ratio < 1.0,
-        "damping_ratio",
-        damping_ratio,
-        "from 0 to less than 1",
-    )
-    require(damping_ratio == 0.0 or contacts == "elastic", "damping_ratio", damping_ratio,
-            "0 with rigid contacts, which have no stiffness to be proportional to")  # fmt: skip
-    require(is_number(restitution) and 0.0 <= restitution <= 1.0, "restitution", restitution, "from 0 to 1")
-    require(restitution == 0.0 or (contacts == "rigid" and integrator != "implicit-euler"), "restitution", restitution,
-            "0 except with rigid contacts and an integrator of second order")  # fmt: skip
-
-
-def _chosen(model: Assembly, contacts: Behaviour, integrator: Integrator, few: int) -> tuple[Integrator, str]:
-    """Return the integrator that is used, and why; `few`: see HistoryTolerances."""
-    if integrator != "auto":
-        return integrator, "as asked for"
-    if contacts == "elastic":
-        return "second-order", "elastic joints: steps are halved where closing joints take energy"
-    movable = int(model.movable.sum())
-    if movable <= few:
-        return "second-order", f"{movable} movable blocks: every impact is located"
-    return "moreau-jean", f"{movable} movable blocks: many impacts, resolved where they take energy"
-
-
-def _begun(
-    model: Assembly,
-    contacts: Behaviour,
-    sliding: Sliding,
-    state: State,
-    integrator: Integrator,
-    halving: Halving,
-    damping_ratio: float,
-    restitution: float,
-    tolerances: HistoryTolerances,
-) -> tuple[DynamicSystem, State, Motion, Message | None]:
-    """Return the system, the state in which the motion begins, the motion, and a warning about that state."""
-    # nine arguments: the system and the beginning, as time_history has them
-    start, forces, undecided = _settled(model, contacts, sliding, state)
-    statics = static_system(model, contacts, sliding).around(start.positions, 0.0)
-    gaps = np.zeros(len(statics.contacts))
-    if contacts == "rigid":
-        # dilatant sliding leaves gaps in joints that carry: loose blocks must not fall through them
-        gap = end_gaps(statics.places(start.positions, start)).min(axis=1).clip(0.0)
-        gaps = np.where(carried(statics.contacts, start), gap, 0.0)
-    theta = 1.0 if integrator == "implicit-euler" else 0.5
-    damping, accepted = _damping(model, damping_ratio), tolerances.accepted
-    system = DynamicSystem(statics, theta, damping, restitution, halving, accepted, skips=tolerances.skips)
-    if forces is not None and len(forces) != len(statics.contacts):
-        forces = None
-    return system, start, system.begun(start, forces, gaps), undecided
-
-
-def _damping(model: Assembly, damping_ratio: float) -> float:
-    """Return viscous forces over elastic ones, s, that damp the first frequency as drawn by a share of critical."""
-    if damping_ratio == 0.0:
-        return 0.0
-    frequency = first_frequency(model)
-    require(frequency > 0.0, "damping_ratio", damping_ratio,
-            "0 where nothing holds some block as drawn: there is no frequency to refer it to")  # fmt: skip
-    return 2.0 * damping_ratio / frequency
-
-
-def _halving(
-    model: Assembly,
-    contacts: Behaviour,
-    integrator: Integrator,
-    time_step: float,
-    tolerances: HistoryTolerances,
-) -> tuple[Halving, str]:
-    """Return when steps are halved, and how often, and what there is to say of it."""
-    if integrator == "implicit-euler":
-        return tolerances.unsolved, ""
-    if contacts == "rigid":
-        return tolerances.located if integrator == "second-order" else tolerances.resolved, ""
-    halving = tolerances.closing if integrator == "second-order" else tolerances.resolved
-    if int(model.movable.sum()) <= tolerances.few:
-        halving = replace(halving, of_moment=True)
-    if halving.levels == 0:
-        return halving, ""
-    half_period = np.pi * contact_period(model)
-    asked = max(int(np.ceil(np.log2(tolerances.steps_a_contact * time_step / half_period))), 0)
-    levels = min(asked, tolerances.contacts)
-    shortest = 1e3 * time_step / 2**levels
-    if levels < asked:
-        return replace(halving, levels=levels), (
-            f"; down to {shortest:.2g} ms: contacts of the stiffest joint last {1e3 * half_period:.2g} ms and are "
-            "impacts without bounce"
-        )
-    return replace(
-        halving, levels=levels
-    ), f"; down to {shortest:.2g} ms, contacts of the stiffest joint are resolved"
-
-
-def _settled(
-    model: Assembly, contacts: Behaviour, sliding: Sliding, state: State
-) -> tuple[State, Array | None, Message | None]:
-    """Return the state in which the motion begins, and its joint forces (j, 3); None where they are not known.
-
-    What cannot stand is released as it is; what only may not, too, with a warning.
-    """
-    if contacts == "rigid" or state.velocities.any():
-        return state, None, None
-    size = rest_size(model, contacts)
-    try:
-        if state.carrying is None:
-            check_self_weight(model, state)
-        system = static_system(model, contacts, sliding).around(state.positions, size)
-        step = come_down(rest(system, state), size)
-        # the joints of a pushed state carry the push too: that it stands without it has to be checked
-        if (
-            state.carrying is not None
-            and way(state.positions, step.state.positions, model.size) > REST.lifted * model.size
-        ):
-            check_self_weight(model, state)
-    except (UnstableError, NoEquilibriumError):
-        return state, None, None
-    except ConvergenceError as error:
-        released = message(
-            "whether the structure rests on its elastic joints before the motion was not decided: {reason}; it is "
-            "released as it is",
-            reason=error.message,
-        )
-        return state, None, released
-    return replace(step.state, motion=None), step.forces, None
-
-
 def _history(
     system: DynamicSystem, start: State, begun: Array, motion: Motion, parts: list[Recorded], time_step: float,
     point: ControlPoint | None, reason: Message | None, integrator: Integrator, chosen: str,
@@ -508,23 +325,6 @@ def _sliding_error(
     if integrator == "implicit-euler":
         return energy.integrator_share if rubbed > max(least, taken) else 0.0
     return float(np.sqrt(turned / rubbed)) if rubbed > least else 0.0
-
-
-def _base(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -> Array:
-    """Return the base acceleration (k, 3) in m/s²: x, z, and 0 for the rotation."""
-    require(is_number(time_step) and 0.0 < time_step < np.inf, "time_step", time_step, "positive, in s")
-    given = {"acceleration": horizontal} | ({} if vertical is None else {"vertical_acceleration": vertical})
-    components = {
-        name: array_of(name, values, "two or more samples, (k,), in g") for name, values in given.items()
-    }
-    a = components["acceleration"]
-    require(a.ndim == 1 and len(a) > 1, "acceleration", a.shape, "two or more samples, (k,), in g")
-    base = np.zeros((len(a), 3))
-    for axis, (name, values) in enumerate(components.items()):
-        require(values.shape == a.shape, name, values.shape, f"of the horizontal one's shape {a.shape}")
-        require(bool(np.isfinite(values).all()), name, "nan or inf", "finite")
-        base[:, axis] = GRAVITY * values
-    return base
 
 
 def _notes(

@@ -27,7 +27,7 @@ LINES = {
     "mechanics": 966,
     "mechanics/kernels": 3642,
     "mechanics/model": 3055,
-    "mechanics/procedures": 3347,
+    "mechanics/procedures": 3387,
     "mechanics/records": 1046,
     "mechanics/solvers": 1071,
     "mechanics/steps": 1828,

@@ -11,7 +11,7 @@ import pytest
 
 from mechanics import Assembly, Block, Material, State, time_history
 from mechanics.procedures.elastic_periods import first_frequency
-from mechanics.procedures.time_history import Integrator
+from mechanics.procedures.motion_start import Integrator
 from mechanics.steps.static_system import Behaviour
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base, rectangle

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from mechanics import Assembly, State, time_history
 from mechanics.model import Behaviour
-from mechanics.procedures.time_history import Integrator
+from mechanics.procedures.motion_start import Integrator
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base
 

@@ -14,7 +14,7 @@ from assessment.benchmark.measure import Case, history_baseline, path_baseline, 
 from assessment.benchmark.motions import ShakenCase, pulse, rocking_freely
 from assessment.cli import main as arguments
 from mechanics import ConvergenceError, pushover, time_history
-from mechanics.procedures.time_history import HistoryTolerances
+from mechanics.procedures.motion_start import HistoryTolerances
 from mechanics.program import certify
 from mechanics.solvers import qp_piqp
 from tests.support.structures import block_on_base

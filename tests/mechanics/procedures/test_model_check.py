@@ -12,6 +12,7 @@ from mechanics.kernels.dynamics.program import RIGHT
 from mechanics.messages import message
 from mechanics.procedures import time_history as histories
 from mechanics.procedures.model_check import check_path, departure, departure_in_motion
+from mechanics.procedures.motion_start import HISTORY
 from mechanics.steps.static_step import Equilibrium
 from mechanics.steps.static_system import Behaviour, static_system
 from tests.support.random_masonry import random_masonry, small_wall
@@ -107,7 +108,7 @@ def test_every_hundredth_step_of_a_motion_is_checked(
     contacts: Behaviour, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wall = running_bond(2, 3)
-    every = replace(histories.HISTORY, checked=10)
+    every = replace(HISTORY, checked=10)
     time_history(wall, SHAKEN, 0.005, contacts, tolerances=every)
     monkeypatch.setattr(histories, "departure_in_motion", lambda *_: message("blocks fly"))
     with pytest.raises(ConvergenceError, match=r"the motion at 0\.05 s is not valid: blocks fly"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import pushdown, pushover, time_history
-from mechanics.procedures.time_history import HISTORY
+from mechanics.procedures.motion_start import HISTORY
 from mechanics.progress import listening
 from tests.support.structures import column
 

@@ -9,7 +9,7 @@ import pytest
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
 from mechanics.procedures.collapse import ControlPoint, collapse
-from mechanics.procedures.time_history import Integrator
+from mechanics.procedures.motion_start import Integrator
 from mechanics.steps import dynamic_system
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
 

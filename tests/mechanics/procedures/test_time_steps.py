@@ -10,7 +10,7 @@ import pytest
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import forces_on_blocks
-from mechanics.procedures.time_history import HISTORY, HistoryTolerances, Integrator
+from mechanics.procedures.motion_start import HISTORY, HistoryTolerances, Integrator
 from mechanics.steps.dynamic_system import Halving
 from mechanics.types import GRAVITY
 from tests.support.drawn_projects import drawn
