@@ -22,7 +22,7 @@ from tests.support.random_masonry import random_masonry
 from tests.support.structures import arch_on_piers, block_on_base, rectangle
 
 STONE = Material(20.0, 0.6, 1e6)
-MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "pushover")}
+MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "push_path")}
 
 
 def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
@@ -188,7 +188,7 @@ CORNER = (0.2, 1.0)
 
 
 def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch):
-    found = MODULE["pushover"].reach
+    found = MODULE["push_path"].reach
 
     def reach(problem, guess, last, shortest):
         step, jumped = found(problem, guess, last, shortest)
@@ -196,7 +196,7 @@ def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch
             raise RunawayError("a part falls")
         return step, jumped
 
-    monkeypatch.setattr(MODULE["pushover"], "reach", reach)
+    monkeypatch.setattr(MODULE["push_path"], "reach", reach)
     curve = pushover(block_on_base(), CORNER, increment=0.01)
     assert curve.lost and curve.end == "a part falls"
     assert 0.055 - 0.01 / 32 <= curve.displacement[-1] <= 0.055
