@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from assessment.results.schema import Results
     from assessment.runtime.progress import Show
 
-PLACES = """results.json figures/*.svg figures/*.png figures/*.dxf tables/*.csv judgement.md report.html report.pdf
-report.docx attachments/*.png attachments/*.jpg"""  # of the files of a run; all else in the folder is the user's
+PLACES = """results.json figures/*.svg figures/*.png figures/*.dxf tables/*.csv tables/fragility.xml judgement.md
+report.html report.pdf report.docx attachments/*.png attachments/*.jpg"""  # of a run's files; all else is the user's
 ENTRY = "last"  # of the record, in the store
 
 

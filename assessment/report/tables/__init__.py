@@ -22,7 +22,6 @@ def write_tables(results: Results, folder: Path) -> None:
 
     if model := fragility_model(results):
         write_atomically(folder / "fragility.xml", model)
-
     for each in tables(results):
         if each.rows:
             frame = pd.DataFrame(each.rows, columns=list(each.columns))

@@ -9,13 +9,15 @@ from assessment.results.schema import Results
 
 NRML = "http://openquake.org/xmlns/nrml/0.5"
 FARTHEST = 5.0  # β above the median: the largest level
+WIDEST = 5.0  # β; beyond, mean and deviation soon pass all floats
+LONGEST = 60  # characters of an identifier; they are letters and digits of ASCII, and _
 
 
 def fragility_model(results: Results) -> bytes | None:
     """Return one function for each state of [incremental] and each movement of the campaign; None where there is none.
 
     Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
-    takes them. A fragility without β is left out.
+    takes them. A fragility without β, or with one above WIDEST, is left out.
     """
     document = Element("nrml", xmlns=NRML)
     model = SubElement(
@@ -23,12 +25,11 @@ def fragility_model(results: Results) -> bytes | None:
     )
     SubElement(model, "description").text = results.title
     SubElement(model, "limitStates").text = "collapse"
-    for name, measure, median, beta in _fits(results):
-        if not median or not beta:
+    for number, (name, measure, median, beta) in enumerate(_fits(results), 1):
+        if not median or not beta or beta > WIDEST:
             continue
-        function = SubElement(
-            model, "fragilityFunction", id=re.sub(r"\W+", "_", name), format="continuous", shape="logncdf"
-        )
+        own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
+        function = SubElement(model, "fragilityFunction", id=own, format="continuous", shape="logncdf")
         most, mean = median * math.exp(FARTHEST * beta), median * math.exp(0.5 * beta**2)
         levels = {"noDamageLimit": "0.0", "minIML": "0.0", "maxIML": f"{most:.6g}"}
         SubElement(function, "imls", levels, imt=measure)

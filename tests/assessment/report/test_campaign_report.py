@@ -206,5 +206,18 @@ def test_fragilities_are_a_fragility_model_of_mean_and_standard_deviation():
         assert function.find("{*}imls").get("imt") == "PGA"
 
 
+def test_identifiers_of_fragilities_are_ascii_and_differ_and_wide_ones_are_left_out():
+    """OpenQuake refuses other letters and equal identifiers; at β = 49 the mean is beyond all floats."""
+    content = results_with_campaign("en")
+    rows = content["campaign"]["fragility"]
+    names = ["metà", "met_", "met ", "wide " * 20]
+    content["campaign"]["fragility"] = [rows[-1] | {"settlement": name} for name in names]
+    content["campaign"]["fragility"].append(rows[-1] | {"settlement": "wide", "beta": 49.0})
+    found = ElementTree.fromstring(fragility_model(typed(content))).findall(".//{*}fragilityFunction")
+    ids = [each.get("id") for each in found]
+    assert not any(each.endswith("_wide_1") for each in ids) and len(set(ids)) == len(ids) >= len(names)
+    assert all(each.isascii() and len(each) <= 60 for each in ids)
+
+
 def test_without_fragilities_there_is_no_fragility_model():
     assert fragility_model(typed(results_example())) is None

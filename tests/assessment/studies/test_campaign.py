@@ -180,6 +180,7 @@ def test_a_small_campaign(block):
     pairs = sorted(1.0 - b["level_50_g"] / a["level_50_g"] for a, b in zip(rows[:3], rows[3:], strict=True))
     assert lost["dynamic"] == pytest.approx(pairs[1]) and 0.0 < lost["static"] < 0.3
     _static_of_the_checks(read_results(block / "output"))
+    assert (block / "output" / "tables" / "fragility.xml").is_file()
 
 
 def _static_of_the_checks(results):
