@@ -111,11 +111,13 @@ class Assembly:
             object.__setattr__(self, "tolerance", default_tolerance(self.blocks))
         require_positive(self, tolerance="positive, in m")
         require(bool(self.movable.any()), "blocks", "all supports", "an assembly with a movable block")
-        moments = np.where(self.movable, [abs(b.weight) * np.sqrt(b.area) for b in self.blocks], np.inf)
-        lightest, mean = int(np.argmin(moments)), self.weight / float(self.movable.sum()) * self.size
-        told = f"weight times size of block {lightest} is {moments[lightest] / mean:.2g} of the mean block's"
+        weights = np.array([abs(b.weight) for b in self.blocks])
+        moments = np.where(self.movable, weights * self.block_size, np.inf)
+        lightest, mean = int(np.argmin(moments)), float(weights[self.movable].mean()) * self.size
+        share = float(moments[lightest]) / max(mean, 1e-300)  # of blocks without any weight 0
+        told = f"weight times size of block {lightest} is {share:.2g} of the mean block's"
         least = f"at least {LIGHTEST:g} (less is lost in the accuracy of equilibrium): leave the block out"
-        require(moments[lightest] >= LIGHTEST * mean, "blocks", told, least)
+        require(share >= LIGHTEST, "blocks", told, least)
         require(isinstance(self.ties, Iterable), "ties", self.ties, "a sequence of Tie")
         object.__setattr__(self, "ties", tuple(self.ties))
         wrong = next((each for each in self.ties if not isinstance(each, Tie)), None)

@@ -186,6 +186,7 @@ def test_a_coarse_increment_still_finds_where_the_multiplier_vanishes(model, inc
 
 
 FOOT = [[-1, -0.3], [1, -0.3], [1, 0], [-1, 0]]
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 REST = np.zeros(5)
 
 
@@ -223,6 +224,8 @@ REST = np.zeros(5)
         ("support", lambda _: Block(FOOT, 1.0, STONE, support="")),
         # lighter than nothing
         ("vertical_load", lambda _: Block(FOOT, 1.0, STONE, vertical_load=-50.0)),
+        # as heavy as nothing
+        ("blocks", lambda _: Assembly([Block(SQUARE, 1.0, STONE, vertical_load=-18.0, load_has_mass=False)])),
         ("sliding", lambda m: pushover(m, TOP, sliding="colomb")),
         ("sliding", lambda m: pushdown(m, "base", (0.01, 0.0), sliding="colomb")),
     ],
