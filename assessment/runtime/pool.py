@@ -129,7 +129,7 @@ def finished(
         while not ended.empty():
             done.append(ended.get())
         left -= len(done)
-        for future in sorted(done, key=lambda each: each.exception() is not None):
+        for future in sorted(done, key=lambda each: each.cancelled() or each.exception() is not None):
             yield futures[future], result_of(future)
 
 

@@ -156,7 +156,7 @@ def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict)
     """Return the fit near the values `start` (n,), m, whose residuals over σ (m,) are given."""
     u, stopped, radius = start, False, FIT.reach * float(np.linalg.norm(start))
     newton, sides = _newton(unknowns, u, residual, predict), np.concatenate([np.eye(len(u)), -np.eye(len(u))])
-    while radius > _difference(u):
+    while newton or radius > _difference(u):
         trials = [unknowns.bounded(u + step) for step in [*newton, *radius * sides]]
         found = predict(trials)
         if newton:

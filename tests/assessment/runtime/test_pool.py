@@ -7,7 +7,7 @@ import multiprocessing
 import os
 import signal
 import time
-from concurrent.futures import ProcessPoolExecutor, wait
+from concurrent.futures import Future, ProcessPoolExecutor, wait
 
 import pytest
 
@@ -76,6 +76,14 @@ def test_a_killed_process_is_told_and_what_the_others_have_finished_is_kept():
             seen.append(key)
     assert seen == ["done"]
     assert not multiprocessing.active_children()
+
+
+def test_work_that_a_lost_cluster_gives_up_is_told():
+    lost: Future[int] = Future()
+    lost.cancel()
+    lost.set_running_or_notify_cancel()
+    with pytest.raises(KilledError, match="were lost"):
+        list(finished({lost: "lost"}))
 
 
 def test_processes_are_bounded(monkeypatch):

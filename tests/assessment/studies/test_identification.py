@@ -291,6 +291,18 @@ def test_a_linear_problem_is_solved_with_its_standard_errors():
     assert not len(sureness(fit, 1.0).open)
 
 
+@pytest.mark.parametrize("length", [0.0, 1e-5])
+def test_a_start_much_shorter_than_the_movement_is_left(length):
+    """The pattern is a share of the start; steps of Gauss and Newton go on where it is too small to lead anywhere."""
+
+    def curved(values):
+        return [LINEAR @ (u + u**3 - [0.3, 0.2]) for u in values]
+
+    start = np.array([length, 0.0])
+    fit = refined(two(), start, curved([start])[0], curved)
+    assert fit.u + fit.u**3 == pytest.approx([0.3, 0.2], abs=1e-4)
+
+
 def test_a_jump_beside_the_fit_and_a_kink_in_it():
     """r = (10 x, z ± 5 beyond a jump): at z = 0 the slope is 1 wherever the jump is. At a kink it has two."""
     start = np.zeros(2)
