@@ -59,6 +59,18 @@ def project_error(
     return ProjectError("\n".join(lines))
 
 
+def _remedy(path: kinds.KeyPath) -> str:
+    """Return what to do about a key that does not exist: the tables that have it, or the nearest one of its table."""
+    key = str(path[-1])
+    inside: dict[str, kinds.KeyPath] = {"list": (0,), "named": ("",), "single": ()}
+    homes = [
+        f"[{name}]"
+        for name, form in tables_of(ProjectContent).items()
+        if key in keys_at((name, *inside[form]))
+    ]
+    return f"it is a key of {' and '.join(homes)}" if homes else nearest(key, keys_at(path[:-1]))
+
+
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[kinds.Problem]:
     """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
     expected: dict[kinds.KeyPath, list[str]] = {}
@@ -69,7 +81,7 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
         value = detail["input"]
         at_outline = path[-1:] == ("region_m",) and isinstance(value, list)
         if kind == "extra_forbidden":
-            problems[path] = f"unknown key; {nearest(str(path[-1]), keys_at(path[:-1]))}"
+            problems[path] = f"unknown key; {_remedy(path)}"
         elif kind == "missing" and isinstance(node, dict):
             key = str(detail["loc"][-1])
             problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"

@@ -18,7 +18,7 @@ LINES = {
     "assessment/benchmark": 1141,
     "assessment/cli": 642,
     "assessment/ntc": 2176,
-    "assessment/project": 4592,
+    "assessment/project": 4604,
     "assessment/report": 6012,
     "assessment/results": 3233,
     "assessment/runtime": 1478,
