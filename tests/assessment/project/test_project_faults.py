@@ -28,7 +28,7 @@ FLOOR = "[assessment.floor]\nheight_m = 7.0\nbuilding_height_m = 10.0\nstoreys =
 
 TOLD = r"""
 # unknown keys, with the nearest
-max_scale = 5.0 | max_scale = 5.0\nvertical_record = "a" | incremental.vertical_record | unknown key; it is a key of [history]
+max_scale = 5.0 | max_scale = 5.0\nvertical_record = "a" | incremental.vertical_record | a key of [history]
 depth_m = 0.10 | depth_m = 0.10\ndepht_m = 1 | geometry.depht_m | unknown key; did you mean "depth_m"?
 depth_m = 5.5 | deep = 5.5 | layers.PIERS.deep | "depth_m"
 directions | direction | pushover.direction | "directions"
