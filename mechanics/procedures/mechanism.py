@@ -73,7 +73,7 @@ def farthest_corner(model: Assembly, begun: Array, moved: Array, direction: Dire
         way = moved[k, 0] - begun[k, 0] + (points - block.centroid) @ (turned[1][k] - turned[0][k])
         found.append(np.column_stack([sense * way, points, np.full(len(points), k)]))
     way, x, z, owner = np.vstack(found).T
-    far = way / max(float(abs(way).max()), 1e-300)
+    far = way / max(float(way.max()), 1e-300)
     order = np.lexsort((-sense * x, -z, -np.where(far > 1.0 - NOTICEABLE, 1.0, far)))
     of = (k for k in order if model.block_at((x[k], z[k])) == owner[k])
     best = next(of, order[0])

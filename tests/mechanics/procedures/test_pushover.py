@@ -290,6 +290,18 @@ def test_a_corner_that_two_blocks_share_is_not_chosen():
     assert block == 2 == model.block_at(point)
 
 
+def test_corners_go_equally_far_where_others_go_farther_against_the_push():
+    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
+    blocks += [
+        Block(rectangle(x, 0.0, x + 0.5, height), 1.0, STONE) for x, height in ((0, 1.0), (1, 1.2), (2, 1.0))
+    ]
+    model = Assembly(blocks)
+    begun = model.initial.positions
+    moved = begun + np.array([[0.0] * 3, [0.1 + 1e-9, 0.0, 0.0], [0.1, 0.0, 0.0], [-0.2, 0.0, 0.0]])
+    point, block = farthest_corner(model, begun, moved, "+x")
+    assert block == 2 and point.tolist() == [1.5, 1.2], "the highest, and of these the foremost"
+
+
 def test_the_image_of_a_push_has_the_image_of_its_control_point():
     model = wall_on_base()
     path = pushover(model, increment=0.1)
