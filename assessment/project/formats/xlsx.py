@@ -92,15 +92,14 @@ def _archive(path: Path) -> BytesIO:
         with ZipFile(packed) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
             if size > MOST_BYTES:
-                fault = (
-                    f"file: holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures that "
-                )
-                fault += "are no part of the project"
+                text = f"holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures"
+                fault = f"file: {text} that are no part of the project"
             elif archive.testzip() is None:
                 # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that
                 # is there it reads on to the end, whatever it is asked for
                 sheets = [*filter(_SHEET_PART.search, archive.namelist())]
-                whole = len(_SHEET.findall(archive.read(_WORKBOOK))) <= len(sheets)
+                declared = archive.read(_WORKBOOK) if _WORKBOOK in archive.namelist() else b""
+                whole = len(_SHEET.findall(declared)) <= len(sheets)
                 longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
                 if longest > MOST_ROWS:
                     text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"

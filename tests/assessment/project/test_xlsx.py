@@ -3,7 +3,9 @@
 import math
 import tempfile
 import tomllib
+from io import BytesIO
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 from hypothesis import Phase, example, given, settings
@@ -54,6 +56,15 @@ def changed(folder: Path, *cells: tuple[str, str, object]):
         book[sheet][cell] = value
     book.save(file)
     return load_project(folder)
+
+
+def test_a_workbook_whose_part_has_another_name(folder):
+    """As some programs write it: the part is found by its content type."""
+    with ZipFile(BytesIO(BOOK)) as book, ZipFile(folder / "project.xlsx", "w") as other:
+        for name in book.namelist():
+            own = book.read(name).replace(b"workbook.xml", b"workbook22.xml")
+            other.writestr(name.replace("workbook.xml", "workbook22.xml"), own)
+    assert load_project(folder).title == CONTENT["title"]
 
 
 def message(folder: Path, *cells: tuple[str, str, object]) -> str:
