@@ -185,14 +185,19 @@ class Cluster(Pool):
         except ImportError:
             text = 'dask.distributed is not installed; install it: pip install "assesto[cluster]"'
             raise ProjectError(f"--scheduler: {text}") from None
-        connect: Any = Client  # without types
-        try:
-            self._client = connect(address, timeout=ANSWER, set_as_default=False)
-        except Exception as error:  # what an address of another kind raises is up to its library
-            raise ProjectError(
-                f"--scheduler: {address}: no Dask scheduler answers there ({type(error).__name__}); start one "
-                "(dask scheduler) with its workers (dask worker), or correct the address"
-            ) from None
+        found: list[Any] = []  # in a thread, as the library waits for ever for a peer that says nothing
+
+        def connect() -> None:
+            with suppress(Exception):  # what an address of another kind raises is up to its library
+                found.append(Client(address, timeout=ANSWER, set_as_default=False))  # type: ignore[no-untyped-call]
+
+        thread = threading.Thread(target=connect, daemon=True)
+        thread.start()
+        thread.join(2.0 * ANSWER)
+        if not found:
+            text = f"{address}: no Dask scheduler answers there; start one (dask scheduler) with its workers"
+            raise ProjectError(f"--scheduler: {text} (dask worker), or correct the address")
+        self._client = found[0]
         self._workers, self._board = self._client.get_executor(pure=False), []
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:

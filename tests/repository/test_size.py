@@ -21,7 +21,7 @@ LINES = {
     "assessment/project": 4604,
     "assessment/report": 6012,
     "assessment/results": 3233,
-    "assessment/runtime": 1478,
+    "assessment/runtime": 1483,
     "assessment/studies": 2274,
     "assessment/workflow": 922,
     "mechanics": 966,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import time
 
 import pytest
@@ -87,9 +88,10 @@ def test_what_is_asked_of_a_scheduler_that_is_lost_fails():
 
 def test_no_scheduler_at_the_address_is_told(monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER", 0.5)
-    for address in ("tcp://127.0.0.1:1", "nowhere"):
-        with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
-            Cluster(address)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        for address in ("tcp://127.0.0.1:1", "nowhere", f"tcp://127.0.0.1:{silent.getsockname()[1]}"):
+            with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
+                Cluster(address)
 
 
 def test_a_single_analysis_is_given_to_the_scheduler_too():
