@@ -100,15 +100,16 @@ class FitTolerances:
     """Tolerances of the fit.
 
     As shares of the movement: `difference`, of finite differences, at least `least` (m); `reach`, the first distance of
-    the pattern search, which ends at that of the differences. `dampings`: of the trial steps, relative to the largest
-    curvature; `singular`: of the largest singular value, below which a direction has no effect; `gain`: of χ², or of
-    `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive steps, by which they
-    may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
+    the pattern search, which ends at that of the differences; `rounds`: its most. `dampings`: of the trial steps,
+    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect;
+    `gain`: of χ², or of `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive
+    steps, by which they may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
     """
 
     difference: float = 0.01
     least: float = 1e-6
     reach: float = 0.25
+    rounds: int = 40
     dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
     singular: float = 1e-6
     gain: float = 1e-6
@@ -156,7 +157,9 @@ def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict)
     """Return the fit near the values `start` (n,), m, whose residuals over σ (m,) are given."""
     u, stopped, radius = start, False, FIT.reach * float(np.linalg.norm(start))
     newton, sides = _newton(unknowns, u, residual, predict), np.concatenate([np.eye(len(u)), -np.eye(len(u))])
-    while newton or radius > _difference(u):
+    for _ in range(FIT.rounds):
+        if not newton and radius <= _difference(u):
+            break
         trials = [unknowns.bounded(u + step) for step in [*newton, *radius * sides]]
         found = predict(trials)
         if newton:

@@ -22,7 +22,7 @@ LINES = {
     "assessment/report": 6012,
     "assessment/results": 3233,
     "assessment/runtime": 1483,
-    "assessment/studies": 2274,
+    "assessment/studies": 2277,
     "assessment/workflow": 922,
     "mechanics": 966,
     "mechanics/kernels": 3642,
