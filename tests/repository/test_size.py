@@ -19,7 +19,7 @@ LINES = {
     "assessment/cli": 642,
     "assessment/ntc": 2176,
     "assessment/project": 4604,
-    "assessment/report": 6013,
+    "assessment/report": 6015,
     "assessment/results": 3233,
     "assessment/runtime": 1483,
     "assessment/studies": 2277,
