@@ -61,8 +61,8 @@ def pressure_centres(contacts: Contacts, positions: Array, forces: Array) -> Arr
 def farthest_corner(model: Assembly, begun: Array, moved: Array, direction: Direction) -> tuple[Array, int]:
     """Return the drawn corner (2,), m, of a movable block that goes farthest along the push, and its block.
 
-    `begun`, `moved` (b, 3): positions between which the blocks go. Of corners that go equally far it is the highest, of
-    those the foremost. A corner that another block has too is left out, for its block's centroid.
+    `begun`, `moved` (b, 3): positions between which the blocks go. Of corners that go equally far, to NOTICEABLE,
+    it is the highest, of those the foremost. A corner that another block has too is left out, for its block's centroid.
     """
     sense = 1.0 if direction == "+x" else -1.0
     turned = [np.stack([np.cos(at[:, 2]), -np.sin(at[:, 2])]).T for at in (begun, moved)]
