@@ -25,12 +25,11 @@ CATALOGUE = (
 REASON = "arguments: "
 
 
-def functions() -> Iterator[tuple[Path, str, ast.FunctionDef, str]]:
-    """Every function and method with its file, its source and the docstring of its class, if it has one."""
-    for folder in ("assessment", "mechanics"):
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            source = path.read_text(encoding="utf-8")
-            yield from _within(path, source.split("\n"), ast.parse(source), "")
+@cache
+def trees() -> dict[Path, ast.Module]:
+    """Every file of the packages, parsed once, and not where tests are collected."""
+    paths = (path for folder in ("assessment", "mechanics") for path in sorted((ROOT / folder).rglob("*.py")))
+    return {path: ast.parse(path.read_text(encoding="utf-8")) for path in paths}
 
 
 def _within(
@@ -45,8 +44,12 @@ def _within(
 
 @cache
 def every() -> list[tuple[Path, str, ast.FunctionDef, str]]:
-    """All functions, found once, and not where tests are collected."""
-    return list(functions())
+    """Every function and method with its file, its source and the docstring of its class, if it has one."""
+    return [
+        found
+        for path, tree in trees().items()
+        for found in _within(path, path.read_text(encoding="utf-8").split("\n"), tree, "")
+    ]
 
 
 def _arguments(function: ast.FunctionDef) -> int:
@@ -68,11 +71,10 @@ def test_a_function_of_many_arguments_says_why():
 
 def test_a_class_name_means_one_thing():
     places: dict[str, list[str]] = {}
-    for folder in ("assessment", "mechanics"):
-        for path in sorted((ROOT / folder).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.ClassDef):
-                    places.setdefault(node.name, []).append(f"{path.relative_to(ROOT)}:{node.lineno}")
+    for path, tree in trees().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, []).append(f"{path.relative_to(ROOT)}:{node.lineno}")
     assert {name: where for name, where in places.items() if len(where) > 1} == {}
 
 
@@ -113,9 +115,9 @@ def test_assessment_imports_packages_of_mechanics_and_not_their_modules():
     """Types for the checker too; the benchmark looks inside."""
     wrong = [
         f"{path.relative_to(ROOT)}: {node.module}"
-        for path in sorted((ROOT / "assessment").rglob("*.py"))
-        if "benchmark" not in path.parts
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, tree in trees().items()
+        if path.is_relative_to(ROOT / "assessment") and "benchmark" not in path.parts
+        for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("mechanics.")
         if node.module.count(".") > 1 or node.module in {"mechanics.kernels", "mechanics.solvers"}
     ]
@@ -148,8 +150,9 @@ def test_mechanics_raises_no_plain_errors():
     """A caller that catches MechanicsError catches all that mechanics has to say."""
     plain = [
         f"{path.relative_to(ROOT)}:{node.lineno}"
-        for path in sorted((ROOT / "mechanics").rglob("*.py"))
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, tree in trees().items()
+        if path.is_relative_to(ROOT / "mechanics")
+        for node in ast.walk(tree)
         if isinstance(node, ast.Raise)
         and isinstance(node.exc, ast.Call)
         and isinstance(node.exc.func, ast.Name)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Mapping
+from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
@@ -20,7 +22,12 @@ NOTHING: dict[Any, Any] = {float: 0.0, int: 0, str: "", bool: False}
 
 def typed(content: Mapping[str, Any]) -> Results:
     """Return plain results by type and their summary; keys that have to be there and are not stand for nothing."""
-    content = with_messages(dict(content))
+    return _typed(pickle.dumps(dict(content)))
+
+
+@lru_cache(maxsize=32)
+def _typed(pickled: bytes) -> Results:
+    content = with_messages(pickle.loads(pickled))
     try:
         results = Results.model_validate(content)
     except ValidationError:

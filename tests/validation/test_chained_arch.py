@@ -22,7 +22,8 @@ def project():
     whole = load_project(ROOT / "projects" / "chained_arch")
     assert whole.pushover is not None
     rigid = whole.pushover.model_copy(update={"contacts": ("rigid",), "increment_m": 0.05})
-    return whole.model_copy(update={"pushover": rigid, "assessment": None})
+    alone = {"scatter": 1, "accuracy": "fast"}
+    return whole.model_copy(update={"pushover": rigid, "assessment": None, **alone})
 
 
 @pytest.fixture(scope="module")

@@ -227,16 +227,15 @@ def test_an_elastic_structure_that_its_tie_holds_is_pushed_though_it_gives_way_a
     assert path.steps[int(np.argmax(path.multiplier))].forces[tie, 0] > 0.02 * arch.weight
 
 
-@pytest.mark.parametrize(("stiffness", "slack"), [(1e5, 0.5), (1e6, 50.0)])
-def test_a_slack_tie_changes_nothing_of_an_elastic_curve(stiffness, slack):
+def test_a_slack_tie_changes_nothing_of_an_elastic_curve():
     """To the last digit. With a slack of 1 m the wall did not come to rest; others had another α_u."""
-    stone = Material(20.0, 0.7, stiffness)
+    stone = Material(20.0, 0.7, 1e5)
     shapes = [((-1.0, -0.5, 2.0, 0.0), "base"), ((0.0, 0.0, 0.5, 0.5), None), ((0.5, 0.0, 1.0, 0.5), None),
               ((0.0, 0.5, 1.0, 1.0), None)]  # fmt: skip
     blocks = [Block(rectangle(*corners), 1.0, stone, support=support) for corners, support in shapes]
-    chain = Tie("chain", (0.5, 0.75), (0.5, -0.25), length=1.0 + slack)
+    chain = Tie("chain", (0.5, 0.75), (0.5, -0.25), length=2.0)
     free, held = (
-        pushover(Assembly(blocks, ties=ties), (1.0, 1.0), "+x", "elastic", 0.005) for ties in ([], [chain])
+        pushover(Assembly(blocks, ties=ties), (1.0, 1.0), "+x", "elastic", 0.02) for ties in ([], [chain])
     )
     assert held.multiplier == pytest.approx(free.multiplier, abs=1e-12)
     assert held.displacement == pytest.approx(free.displacement, abs=1e-12)

@@ -56,7 +56,7 @@ def _project(folder, *tables, assessment=""):
     new_project(folder, "block", {"width_m": 0.6, "height_m": 2.4})
     text = (folder / "project.toml").read_text(encoding="utf-8")
     start, end = text.index("[pushover]"), text.index("[report]")
-    text = text[:start] + assessment + text[end:] + "".join(tables)
+    text = 'scatter = 1\naccuracy = "fast"\n' + text[:start] + assessment + text[end:] + "".join(tables)
     (folder / "project.toml").write_text(text, encoding="utf-8")
     np.savetxt(folder / "wave.csv", np.column_stack([TIME, 0.5 * WAVE]), delimiter=",", fmt="%.8f")
     return load_project(folder)

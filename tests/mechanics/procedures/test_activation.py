@@ -116,10 +116,8 @@ def test_curves_are_in_the_axes_of_the_model(state, direction, contacts):
     assert d[0] == 0.0 and "-0.0" not in json.dumps(stage["curve"]["displacement_m"][:1])
     [control] = results["geometry"]["controls"]
     owner, drawn = np.array([control["block"]]), np.array([control["point_m"]])
-    at = [
-        place(drawn, owner, outlines(typed(results)).centroids, np.array(each))[0, 0]
-        for each in stage["frames"]["configuration"]
-    ]
+    centroids = outlines(typed(results)).centroids
+    at = [place(drawn, owner, centroids, np.array(each))[0, 0] for each in stage["frames"]["configuration"]]
     np.testing.assert_allclose(d[stage["frames"]["index"]], np.array(at) - at[0], atol=2e-6)
     assert sense(direction) * d[-1] > 0.0
     listed = [

