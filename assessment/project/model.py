@@ -1,5 +1,6 @@
 """From a project's tables and drawing to an assembly of blocks, that of every state, and a repaired drawing."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -43,9 +44,9 @@ class StateModel:
         if self.strengthened is None or reached is None or not self.later:
             return self.assembly
         ties = self.strengthened.ties
-        lengths = tie_lengths(self.strengthened, reached.positions)
-        first = len(ties) - self.later
-        taut = [replace(ties[k], length=float(lengths[k])) for k in range(first, len(ties))]
+        first, ends = len(ties) - self.later, self.strengthened.tie_ends(reached)
+        later = zip(ties[first:], ends[first:], strict=True)
+        taut = [replace(tie, length=math.dist(*at)) for tie, at in later]
         return self.strengthened.tied((*ties[:first], *taut))
 
     def taken_over(self, reached: State) -> State:
@@ -67,18 +68,6 @@ class StateModel:
             for block, other in zip(self.strengthened.blocks, settling.blocks, strict=True)
         ]
         return replace(self, settling=settling, strengthened=replace(self.strengthened, blocks=blocks))
-
-
-def tie_lengths(model: Assembly, positions: Array) -> Array:
-    """Return the distance (t,) m of the ends of each tie at positions (b, 3)."""
-    found = []
-    for tie, blocks in zip(model.ties, model.tie_blocks.tolist(), strict=True):
-        ends = [
-            point + model.point_displacement(point, block, positions)
-            for point, block in zip(tie.points, blocks, strict=True)
-        ]
-        found.append(float(np.hypot(*(ends[1] - ends[0]))))
-    return np.array(found)
 
 
 def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from assessment.results.schema.part import finite
 from mechanics import Assembly, State
 from mechanics.model import Contacts
 from mechanics.pictures import field, place
-from mechanics.types import Array, Mask
+from mechanics.types import Array, Index, Mask
 
 if TYPE_CHECKING:
     from mechanics.procedures import Pushdown, Pushover
@@ -87,16 +87,13 @@ def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
     blocks that rest, or move as one, a tie and the joints beside it bear any self-stress that they can.
     """
     found = np.zeros((len(moved), len(model.ties)), dtype=bool)
+    start = np.reshape([model.from_origin(tie.points[0]) for tie in model.ties], (-1, 2))
+    length, owner = np.array([tie.taut_length for tie in model.ties]), model.tie_blocks
     for point, motion in enumerate(moved):
         least = NOTICED * float(abs(motion[:, :2]).max())
-        for k, (tie, (a, b)) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
-            arm = model.from_origin(tie.points[0]) - model.initial.positions[[a, b], :2]
-            at = [
-                motion[block, :2] + motion[block, 2] * np.array([-z, x])
-                for block, (x, z) in zip((a, b), arm, strict=True)
-            ]
-            turn = abs(motion[a, 2] - motion[b, 2]) * tie.taut_length
-            found[point, k] = max(float(abs(at[0] - at[1]).max()), float(turn)) > least
+        at = field(np.repeat(start, 2, axis=0), owner.ravel(), model.initial.positions[:, :2], motion)
+        apart = abs(np.diff(at.reshape(-1, 2, 2), axis=1)).max(axis=(1, 2))
+        found[point] = np.maximum(apart, abs(np.diff(motion[owner, 2], axis=1)[:, 0]) * length) > least
     return found
 
 
@@ -132,18 +129,18 @@ def yielding(model: Assembly, tension: Array) -> Mask:
 
 def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:
     """Return by how much each tie (t,) is longer under virtual displacements (b, 3) at positions (b, 3); 0: not."""
-    found = np.zeros(len(model.ties))
-    least = NOTICED * float(abs(delta[:, :2]).max())
-    for k, (tie, blocks) in enumerate(zip(model.ties, model.tie_blocks.tolist(), strict=True)):
-        ends, moved = np.zeros((2, 2)), np.zeros((2, 2))
-        for end, (point, block) in enumerate(zip(tie.points, blocks, strict=True)):
-            ends[end] = model.from_origin(point) + model.point_displacement(point, block, positions)
-            arm = ends[end] - positions[block, :2]
-            moved[end] = delta[block, :2] + delta[block, 2] * np.array([-arm[1], arm[0]])
-        along = ends[1] - ends[0]
-        more = float((moved[1] - moved[0]) @ along / np.hypot(*along))
-        found[k] = more if more > least else 0.0
-    return found
+    at = replace(model.initial, positions=positions)
+    ends = np.array(model.tie_ends(at)).reshape(-1, 2, 2)
+    middles = model.shape.centroids + model.displaced(at)[:, :2]
+    found = _lengthening(ends, model.tie_blocks, middles, delta)
+    return np.where(found > NOTICED * float(abs(delta[:, :2]).max()), found, 0.0)
+
+
+def _lengthening(ends: Array, owner: Index, middles: Array, delta: Array) -> Array:
+    """Return δ (t,) along ties by their ends (t, 2, 2) and blocks (t, 2), centroids at `middles` (b, 2)."""
+    moved = field(ends.reshape(-1, 2), owner.ravel(), middles, delta).reshape(-1, 2, 2)
+    along = ends[:, 1] - ends[:, 0]
+    return np.asarray(((moved[:, 1] - moved[:, 0]) * along).sum(axis=1) / np.hypot(*along.T))
 
 
 def ties_of(results: Results, state: str) -> list[DrawnTie]:
@@ -152,20 +149,25 @@ def ties_of(results: Results, state: str) -> list[DrawnTie]:
     return sorted(there, key=lambda tie: state in tie.set_in)
 
 
-def tie_ends(results: Results, tie: DrawnTie, configuration: ArrayLike) -> Array:
-    """Return both ends (2, 2) m of a tie where the blocks are displaced by a configuration (b, 3)."""
-    at = np.asarray(configuration, dtype=float)
-    return place(np.array([tie.start_m, tie.end_m]), np.array(tie.blocks), outlines(results).centroids, at)
+def tie_ends(results: Results, state: str, configuration: ArrayLike, times: float = 1.0) -> Array:
+    """Return the ends (t, 2, 2) m of a state's ties where blocks are displaced by `times` a configuration (b, 3)."""
+    ties = ties_of(results, state)
+    ends = np.array([(tie.start_m, tie.end_m) for tie in ties]).reshape(-1, 2)
+    moved = place(
+        ends, _owner(ties).ravel(), outlines(results).centroids, np.asarray(configuration, dtype=float)
+    )
+    return np.asarray(ends + times * (moved - ends)).reshape(-1, 2, 2)
 
 
-def lengthening(results: Results, tie: DrawnTie, configuration: ArrayLike, rate: ArrayLike) -> float:
-    """Return the virtual lengthening of a tie under virtual displacements (b, 3) at a configuration (b, 3)."""
-    drawn = outlines(results)
-    shape = drawn.moved(configuration)
-    ends, owner = tie_ends(results, tie, configuration), np.array(tie.blocks)
-    moved = field(ends, owner, shape.centroids, np.asarray(rate, dtype=float))
-    along = ends[1] - ends[0]
-    return float((moved[1] - moved[0]) @ along / np.hypot(*along))
+def lengthening(results: Results, state: str, configuration: ArrayLike, rate: ArrayLike) -> Array:
+    """Return that (t,) of a state's ties under virtual displacements (b, 3) at a configuration (b, 3)."""
+    middles, ends = outlines(results).moved(configuration).centroids, tie_ends(results, state, configuration)
+    return _lengthening(ends, _owner(ties_of(results, state)), middles, np.asarray(rate, dtype=float))
+
+
+def _owner(ties: Sequence[DrawnTie]) -> Index:
+    """Return the blocks (t, 2) of the ends of ties."""
+    return np.array([tie.blocks for tie in ties], dtype=np.intp).reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -163,7 +163,7 @@ def ties_in(results: Results, state: str, direction: Direction) -> list[TieFigur
     """Return the ties that lengthen in a mechanism, scaled as its macro-blocks, rounded to the figures of the check."""
     rigid = rigid_push(results, state, direction)
     rate, at = np.asarray(rigid.mechanism.displacements, dtype=float), rigid.mechanism_configuration
-    longer = [(tie, lengthening(results, tie, at, rate)) for tie in ties_of(results, state)]
+    longer = zip(ties_of(results, state), lengthening(results, state, at, rate).tolist(), strict=True)
     _, size = _groups(results, state, direction)
     pulled = {each.tie: each.peak_kN or 0.0 for each in rigid.ties or ()}
     return [

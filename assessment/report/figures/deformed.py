@@ -16,7 +16,7 @@ from assessment.report.language import Words
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.results import hand_check
-from assessment.results.frames import ties_of
+from assessment.results.frames import tie_ends, ties_of
 from assessment.results.joint_states import (
     Situation,
     faces_of,
@@ -64,7 +64,7 @@ def draw_settlement(results: Results, words: Words, state: str) -> Figure:
         axes.set_title(title)
         pictures.ghost(axes, shape)
         pictures.fill_roles(axes, view)
-        parts.draw_ties(page, axes, parts.moved_ends(results, state, at, by))
+        parts.draw_ties(page, axes, tie_ends(results, state, at, by))
     parts.movement_arrow(page, page.panels[0], shape, results, known(content.settlement))
     outline = parts.ghost_handle(words.plain("figure.original_outline"))
     page.legend([outline, *parts.tie_handles(results, words, state)], words)
@@ -87,7 +87,7 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
         pictures.ghost(axes, shape)
     pictures.fill_roles(axes, view)
     if settled:
-        parts.draw_ties(page, axes, parts.moved_ends(results, settled, at, times))
+        parts.draw_ties(page, axes, tie_ends(results, settled, at, times))
         parts.movement_arrow(page, axes, shape, results, known(results.states[settled].settlement))
     if mechanism and governing:
         page.panels[1].set_title(words.at(*governing))
@@ -111,7 +111,7 @@ def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Fi
         axes.set_title(f"{words.state(name)}\nd₀ = {words.told('d_0_m', rigid.d_0_m)}{lost}")
         pictures.ghost(axes, start)
         pictures.fill_roles(axes, end)
-        parts.draw_ties(page, axes, parts.moved_ends(results, name, rigid.final_configuration))
+        parts.draw_ties(page, axes, tie_ends(results, name, rigid.final_configuration))
         parts.push_arrow(page, axes, end.bounds, way)
     start_outline = parts.ghost_handle(words.plain("figure.start_outline"))
     page.legend([start_outline, *parts.tie_handles(results, words, *(name for name, _ in views))], words)
@@ -200,7 +200,7 @@ class MechanismView:
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges = hinges
         self.ties = ties_of(results, state)
-        self.tie_ends = list(parts.moved_ends(results, state, self.configuration))
+        self.tie_ends = tie_ends(results, state, self.configuration)
         faces = faces_of(results, met)
         self.sliding = faces.contacts.take(np.array(sliding, dtype=np.intp))
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
@@ -351,7 +351,7 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
         axes.add_collection(LineCollection(line, **pictures.THRUST))
         mark = pictures.HINGE | {"markersize": 3.6 * fine, "markeredgewidth": 0.9 * fine}
         axes.plot(*states.point[are == "edge"].T, **mark)
-        parts.draw_ties(page, axes, parts.moved_ends(results, situation.state, situation.configuration))
+        parts.draw_ties(page, axes, tie_ends(results, situation.state, situation.configuration))
         if situation.direction:
             parts.push_arrow(page, axes, shape.bounds, situation.direction)
     page.legend(handles, words)

@@ -11,8 +11,8 @@ from ezdxf._options import options
 from ezdxf.filemanagement import new
 
 from assessment.report.figures.deformed import found_mechanism
-from assessment.report.figures.drawing import moved_ends
 from assessment.report.language import slug
+from assessment.results.frames import tie_ends, ties_of
 from assessment.results.hand_check import mechanisms
 from assessment.results.joint_states import joint_states, outlines, situations, thrust_lines
 from assessment.results.schema import Configuration, Results, StateResults
@@ -90,7 +90,8 @@ def _marks(results: Results) -> Iterator[tuple[str, int, Sequence[Any]]]:
         yield "DRAWN_TIES", 2, [(tie.start_m, tie.end_m) for tie in results.model.ties]
     for name, state in results.states.items():
         for what, configuration in _configurations(state):
-            if configuration is not None and (ends := list(moved_ends(results, name, configuration))):
+            if configuration is not None and ties_of(results, name):
+                ends = list(tie_ends(results, name, configuration))
                 yield f"{_layer(results, name)}_{what}_TIES", 2, ends
     for name, direction, rigid in mechanisms(results):
         if points := rigid.mechanism.hinge_points_m:

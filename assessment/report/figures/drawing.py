@@ -5,7 +5,7 @@ Other drawings of the structure are made of the same parts: earlier outlines, ti
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from assessment.results.joint_states import outlines
 from assessment.results.schema import Direction, Results, Settlement
 from assessment.results.table import sense
 from mechanics.faults import FaultyDrawingError
-from mechanics.pictures import FAINT, INK, SUPPORT, TIE, Bounds, Shape, fill, place
+from mechanics.pictures import FAINT, INK, SUPPORT, TIE, Bounds, Shape, fill
 from mechanics.types import Array
 
 LAYER_GREYS = ("1.0", "0.88", "0.76", "0.94", "0.82", "0.70")
@@ -201,14 +201,6 @@ def tie_handles(results: Results, words: Words, *states: str) -> list[Line2D]:
     """Return the legend of ties, nothing where none of the states has one."""
     there = any(ties_of(results, state) for state in states)
     return [key(words.plain("figure.tie"), **TIE)] if there else []
-
-
-def moved_ends(results: Results, state: str, configuration: Any, times: float = 1.0) -> Iterator[Array]:
-    """Yield the ends (2, 2) m of the ties of a state where blocks are displaced by `times` a configuration (b, 3)."""
-    drawn, at = outlines(results), np.asarray(configuration, dtype=float)
-    for tie in ties_of(results, state):
-        ends = np.array([tie.start_m, tie.end_m])
-        yield ends + times * (place(ends, np.array(tie.blocks), drawn.centroids, at) - ends)
 
 
 def write_number(

@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from assessment.report.figures.drawing import draw_ties, ghost_handle, moved_ends, tie_handles
+from assessment.report.figures.drawing import draw_ties, ghost_handle, tie_handles
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, legend, sheet, state_style
 from assessment.report.language import COARSE, Words, label, scale
+from assessment.results.frames import tie_ends
 from assessment.results.joint_states import outlines
 from assessment.results.schema import Results, dynamic, known
 from mechanics.pictures import fill_roles, ghost
@@ -128,7 +129,7 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         axes.set_title(words.plain(f"figure.{kind}", time=time))
         ghost(axes, start)
         fill_roles(axes, view)
-        draw_ties(page, axes, moved_ends(results, state, at))
+        draw_ties(page, axes, tie_ends(results, state, at))
     page.legend([ghost_handle(words.plain("figure.at_rest")), *tie_handles(results, words, state)], words)
     return page.figure
 

@@ -220,10 +220,12 @@ hand_check = table("hand_check", by_hand.HandCheck)(by_hand.hand_checks)
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
     """Yield each support and its force (2,) kN on the structure."""
     blocks, states = results.geometry.blocks, joint_states(results, situation)
-    ties = ties_of(results, situation.state)
+    ties, ends = (
+        ties_of(results, situation.state),
+        tie_ends(results, situation.state, situation.configuration),
+    )
     pulls = []
-    for tie, tension in zip(ties, situation.tension, strict=len(situation.tension) > 0):
-        start, end = tie_ends(results, tie, situation.configuration)
+    for tie, (start, end), tension in zip(ties, ends, situation.tension, strict=len(situation.tension) > 0):
         pulls.append((tension * (end - start) / np.hypot(*(end - start)), tie.blocks))
     for support in sorted({block.support for block in blocks if block.support}):
         total = np.zeros(2)
