@@ -23,7 +23,7 @@ from assessment.ntc import capacity_curve as oscillator
 from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
-from assessment.ntc.tables import QUOTED
+from assessment.ntc.tables import farthest
 from assessment.ntc.verification import THRUSTING_A_G, Method, Verification, verify, vertical_component
 from assessment.project.project import Project
 from assessment.results.schema import checks as parts
@@ -278,7 +278,7 @@ def nominal_check(
     capacity: oscillator.CapacityCurve, demands: Mapping[str, Spectrum], method: Method
 ) -> parts.NominalCheck:
     """Return the check of the farthest limit state with F_C = 1, as motions, which shake at the surface, know none."""
-    limit = next(limit for limit in QUOTED if limit in demands)
+    limit = known(farthest(demands))
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
     return check_of(parts.NominalCheck, check, 0, limit_state=limit)
 

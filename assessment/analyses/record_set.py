@@ -8,7 +8,7 @@ import numpy as np
 
 from assessment.analyses.fragility import RecordLevel, over_records
 from assessment.ntc.spectrum import Spectrum
-from assessment.ntc.tables import QUOTED
+from assessment.ntc.tables import farthest
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import CampaignTable
@@ -27,7 +27,7 @@ UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
 
 def target_of(spectra: Mapping[str, Spectrum]) -> tuple[str, Spectrum]:
     """Return the farthest limit state of the site, and its spectrum, to which records are made and scaled."""
-    limit_state = next(limit for limit in (*QUOTED, *spectra) if limit in spectra)
+    limit_state = farthest(spectra) or next(iter(spectra))
     return limit_state, spectra[limit_state]
 
 

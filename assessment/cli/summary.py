@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from assessment.ntc.tables import farthest
 from assessment.report.terminal import told
 from assessment.results.schema import Results, plain
 from assessment.results.summary import best_of, undetermined
-from assessment.results.table import quoted_limit_state
 
 if TYPE_CHECKING:
     from assessment.runtime.tasks import Outcome
@@ -59,7 +59,7 @@ def capacities(results: Results) -> list[dict[str, Any]]:
             capacity = state.capacity.get(direction)
             found = capacity.checks if capacity else {}
             checks = {name: {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E} for name, check in found.items()}
-            limit = quoted_limit_state(found)
+            limit = farthest(found)
             rows.append(
                 {
                     "state": name, "direction": direction,

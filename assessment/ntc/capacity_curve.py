@@ -155,13 +155,8 @@ class CapacityCurve:
 
     def steps(self) -> Trace:
         """Return α0*, a_y*, T_0 and d_0* by hand."""
-        fit, first, F_C, e, Gamma = (
-            self.fit,
-            self.activation,
-            self.confidence_factor,
-            self.e_star,
-            self.gamma_star,
-        )
+        fit, first, F_C = self.fit, self.activation, self.confidence_factor
+        e, Gamma = self.e_star, self.gamma_star
         own = first.e_star == e  # of the mechanism of the curve, or of another one that moves before
         alpha, e_act = ("alpha_0", "e_star") if own else ("alpha_act", "e_star_act")
         lines = [

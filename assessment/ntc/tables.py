@@ -4,7 +4,7 @@ A run in which nothing has changed reads a project, and needs no arrays for that
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from math import inf, log
 from types import MappingProxyType
@@ -16,10 +16,8 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
 LINEAR = ("SLO", "SLD", "SLV linear")
 QUOTED = ("SLC", "SLV", "SLD", "SLO")  # the farthest first
-INDEXED = (
-    "SLV",
-    "SLC",
-)  # the ratio of a_g borne to a_g demanded at the first that is checked is ζ_E (NTC 2018, §8.3)
+# the ratio of a_g borne to a_g demanded at the first that is checked is ζ_E (NTC 2018, §8.3)
+INDEXED = ("SLV", "SLC")
 INDEX = INDEXED[0]
 
 # of an acceleration: on rigid ground (category A) without S, or with it
@@ -68,6 +66,11 @@ def names(formula: str) -> list[str]:
 def renamed(formula: str, other: Mapping[str, str]) -> str:
     """Return the formula with other names in the place of some of its own."""
     return _NAME.sub(lambda match: other.get(match[0], match[0]), formula)
+
+
+def farthest(limit_states: Container[str]) -> str | None:
+    """Return the farthest of some limit states, of which capacities are quoted; None of none."""
+    return next((limit for limit in QUOTED if limit in limit_states), None)
 
 
 def return_period(limit_state: str, nominal_life: float = 50.0, use_class: str = "II") -> float:

@@ -15,7 +15,7 @@ import jinja2
 from markupsafe import Markup
 from PIL import ImageOps
 
-from assessment.ntc.tables import QUOTED
+from assessment.ntc.tables import farthest
 from assessment.report.chapters import grids, judgement, remarks, synthesis
 from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.judgement import all_warnings
@@ -122,7 +122,7 @@ def render_html(
         risk=used_as(results, RISK),
         contacts=remarks.contacts_of(results),
         software="software_coulomb" if coulomb(results.echo) else "software",
-        farthest=next((limit for limit in QUOTED if limit in limit_states(results.echo)), ""),
+        farthest=farthest(limit_states(results.echo)) or "",
         few=remarks.few_records(results),
         members=remarks.members(results),
     )

@@ -4,12 +4,12 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from assessment.ntc.tables import CHECKS, INDEXED, SURFACE
+from assessment.ntc.tables import CHECKS, INDEXED, SURFACE, farthest
 from assessment.results import schema
 from assessment.results.schema.checks import Capacity, Direction
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
 from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
-from assessment.results.table import ORIGINAL, quoted_limit_state, reduction, static_pga
+from assessment.results.table import ORIGINAL, reduction, static_pga
 from mechanics.messages import layer_key
 
 EMPTY = schema.Summary(reference=SURFACE, governing=None, verified=None, rows=[])
@@ -153,7 +153,7 @@ def _row(
     row["reached"] = before_it is None or before_it.settlement is None or any(map(any, state.configuration))
     row["governing"] = min(ratios, key=lambda limit: ratios[limit], default=None)
     row["verified"] = _all(checks[limit].verified for limit in indexed)
-    row["limit_state"] = quoted_limit_state(capacity.checks) if capacity else None
+    row["limit_state"] = farthest(capacity.checks) if capacity else None
     row["static_pga_g"] = static_pga(capacity)
     if pushed is not None:
         rigid, elastic = pushed.rigid, pushed.elastic

@@ -1,12 +1,12 @@
 """What every table of results is made of, and the columns that are in no class of rows."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, get_type_hints
 
-from assessment.ntc.tables import INDEXED, QUOTED, ROCK, SURFACE
-from assessment.results.schema import Results, StateResults
+from assessment.ntc.tables import INDEXED, ROCK, SURFACE, farthest
+from assessment.results.schema import Results, StateResults, SummaryRow
 from assessment.results.schema.checks import Capacity, Check, ComparisonRow, Direction, StrengtheningRow
 from assessment.results.schema.part import QUANTITIES, Part, enter, key, plain_value
 from assessment.results.schema.studies import Capacities, Scenarios
@@ -58,28 +58,16 @@ def cells(part: Part, columns: Iterable[str]) -> Row:
     return {column: getattr(part, column) for column in columns if column in part.model_fields_set}
 
 
-def quoted_limit_state(checks: Mapping[str, object]) -> str | None:
-    """Return the farthest limit state that was checked, of checks by name; None where none was."""
-    return next((limit_state for limit_state in QUOTED if checks.get(limit_state)), None)
-
-
 def quoted_check(capacity: Capacity | None) -> Check | None:
     """Return the check of the farthest limit state that was checked in a direction."""
     checks = capacity.checks if capacity else {}
-    limit_state = quoted_limit_state(checks)
-    return checks[limit_state] if limit_state else None
+    return checks[limit] if (limit := farthest(checks)) else None
 
 
 def static_pga(capacity: Capacity | None) -> float | None:
     """Return the PGA borne at the surface (g), S a_g, at the farthest limit state that was checked in a direction."""
     check = quoted_check(capacity)
     return check.pga_g if check else None
-
-
-def brought_together(static: float | None, dynamic: float | None) -> Row:
-    """Return the static capacity at the surface with F_C = 1 (g), and the dynamic one over it."""
-    ratio = dynamic / static if static and dynamic is not None else None
-    return {"static_surface_pga_g": static, "dynamic_to_static": ratio}
 
 
 def compared(found: Capacities, quantity: str) -> float | None:
@@ -193,31 +181,31 @@ class Derived(Part):
     value: str = key("", "Valore|Value")
 
 
-def comparison(states: Mapping[str, StateResults]) -> list[ComparisonRow]:
-    """Return a row for each settled state and direction; the dynamic capacity is the same in every direction.
+def comparison(rows: Sequence[SummaryRow]) -> list[ComparisonRow]:
+    """Return a row for each settled state and direction beside that of the original state, from those of the summary.
 
-    The static capacity is that of the farthest limit state checked, with F_C; the dynamic one has none, and
-    `dynamic_to_static` is over `static_surface_pga_g`, which has none either. All are PGA at the surface.
+    The static capacity has F_C; the dynamic one has none, and is compared with the static one without it.
     """
-    if ORIGINAL not in states:
-        return []
-    original, rows = states[ORIGINAL], []
-    for name, state in states.items():
-        dynamic = state.incremental.pga_collapse_g
-        for direction in _directions(original, state) if name != ORIGINAL else ():
-            was, now = (each.capacity.get(direction) if direction else None for each in (original, state))
-            before, after = static_pga(was), static_pga(now)
-            limits = [quoted_limit_state(each.checks) for each in (was, now) if each]
-            row = ComparisonRow(
-                state=name, direction=direction, limit_state=next(filter(None, limits), None),
-                static_pga_g=after, static_reduction=reduction(before, after), dynamic_pga_g=dynamic,
-                dynamic_reduction=reduction(original.incremental.pga_collapse_g, dynamic),
-                static_reference=None if after is None else SURFACE,
-                dynamic_reference=None if dynamic is None else SURFACE,
-            )  # fmt: skip
-            nominal = now.nominal.pga_g if now and now.nominal else None
-            rows.append(row if dynamic is None else row.replace(**brought_together(nominal, dynamic)))
-    return rows
+    original = {row.direction: row for row in rows if row.state == ORIGINAL}
+    pairs = [
+        (original[row.direction], row) for row in rows if row.state != ORIGINAL and row.direction in original
+    ]
+    found = []
+    for was, now in pairs:
+        static, dynamic = now.static_pga_g, now.dynamic_pga_g
+        row = ComparisonRow(
+            state=now.state, direction=now.direction, limit_state=was.limit_state or now.limit_state,
+            static_pga_g=static, static_reduction=reduction(was.static_pga_g, static), dynamic_pga_g=dynamic,
+            dynamic_reduction=reduction(was.dynamic_pga_g, dynamic),
+            static_reference=None if static is None else SURFACE,
+            dynamic_reference=None if dynamic is None else SURFACE,
+        )  # fmt: skip
+        beside = {
+            "static_surface_pga_g": now.static_nominal_pga_g,
+            "dynamic_to_static": now.dynamic_to_static,
+        }
+        found.append(row if dynamic is None else row.replace(**beside))
+    return found
 
 
 def _directions(original: StateResults, state: StateResults) -> Iterable[Direction | None]:
@@ -260,7 +248,7 @@ def _measured(state: StateResults, direction: Direction | None) -> tuple[dict[st
         found |= {"alpha_0": pushed.rigid.alpha_0, "d_0_m": pushed.rigid.d_0_m}
     if pushed and pushed.elastic:
         found["alpha_u"] = pushed.elastic.alpha_u
-    limit = ("SLV" if "SLV" in capacity.checks else quoted_limit_state(capacity.checks)) if capacity else None
+    limit = ("SLV" if "SLV" in capacity.checks else farthest(capacity.checks)) if capacity else None
     if capacity and limit:
         check = capacity.checks[limit]
         found |= {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E}

@@ -132,11 +132,10 @@ class Levels:
 class Converged:
     """The finest stages of every state, and `halvings` of its increments behind them.
 
-    `given`: the stages with the increments given. `rows` of results.json; `warnings`: where the tolerance was not met.
+    `rows` of results.json; `warnings`: where the tolerance was not met.
     """
 
     stages: list[StateResult]
-    given: list[StateResult]
     halvings: dict[str, int] = field(default_factory=dict)
     rows: list[ConvergenceRow] = field(default_factory=list)
     warnings: list[Message] = field(default_factory=list)
@@ -154,8 +153,7 @@ def converge(
     where the finer one fails. Without a tolerance (accuracy "fast") every state is analysed once.
     """
     accuracy = accuracy_of(project)
-    given = analyse(project, project.states)
-    found = Converged(given, given)
+    found = Converged(analyse(project, project.states))
     if accuracy.tolerance is None:
         return found
     levels = {

@@ -15,7 +15,7 @@ from assessment.analyses.capacity import assess, capacities, told
 from assessment.analyses.demand import Demands
 from assessment.analyses.found import Found, finest, refined
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
-from assessment.ntc.tables import QUOTED
+from assessment.ntc.tables import farthest
 from assessment.project.model import StateModel, build_model
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ProjectTable, SettlementTable
@@ -128,8 +128,7 @@ def capacities_of(
 
 def quoted_limit_state(project: Project) -> str | None:
     """Return the limit state of the capacities a_g that are quoted: the farthest of those asked for."""
-    asked = project.assessment.limit_states if project.assessment else ()
-    return next((limit for limit in QUOTED if limit in asked), None)
+    return farthest(project.assessment.limit_states) if project.assessment else None
 
 
 def quantity(project: Project) -> str:

@@ -123,8 +123,10 @@ class Draft:
         convergence = self.results.convergence.replace(rows=self.errors)
         if self.search_errors:
             convergence = convergence.replace(incremental=self.search_errors)
+        summary, project = summary_of(self.results), self.project
+        compared = comparison(summary.rows) if project.assessment or project.incremental else []
         return self.results.replace(
-            summary=summary_of(self.results), convergence=convergence, timing_s=self.seconds,
+            summary=summary, comparison=compared, convergence=convergence, timing_s=self.seconds,
             quality=quality_of(self.quality, self.warnings),
         )  # fmt: skip
 
@@ -156,8 +158,6 @@ def _carry_out(draft: Draft) -> None:
     _add_dynamics(draft, converged.stages, scans)
     beside = (read.demands, workers, draft.states, converged.stages, converged.halvings)
     _add_studies(draft, Statics(project, models, *beside), scans)
-    if project.assessment or project.incremental:
-        draft.put(comparison=comparison(draft.states))
     if project.strengthening:
         draft.put(strengthening=strengthened(draft.states))
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
+from assessment.ntc.tables import farthest
 from assessment.report.tables.rows import Curves, Found, curves, table, without
 from assessment.results.schema import Results, present
 from assessment.results.schema import dynamic as parts
-from assessment.results.table import Row, Table, cells, quoted_limit_state, reduction
+from assessment.results.table import Row, Table, cells, reduction
 
 HISTORY = """state record pga_g vertical_pga_g contacts control peak_displacement_m residual_displacement_m collapsed
 time_of_collapse_s"""
@@ -129,7 +130,7 @@ def static_dynamic(results: Results) -> Found:
             before = original.capacity.get(direction) if original else None
             was, now = (each.nominal.pga_g if each and each.nominal else None for each in (before, capacity))
             row = {"analysis": "static_check", "direction": direction, "pga_surface_g": now}
-            row["limit_state"] = quoted_limit_state(capacity.checks)
+            row["limit_state"] = farthest(capacity.checks)
             if not state.strengthening:  # whose reduction is not that of a settlement
                 row["capacity_loss"] = reduction(was, now)
             static.append(row)

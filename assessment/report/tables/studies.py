@@ -148,7 +148,7 @@ history_convergence = table(
 )(lambda results: [each for each in results.convergence.rows if each.record])
 incremental_convergence = table(
     "incremental_convergence",
-    "state record order pga_collapse_error_g pga_collapse_scatter_g relative_error relative_scatter met",
+    "state record order pga_collapse_error_g relative_error met",
 )(lambda results: results.convergence.incremental or [])
 
 

@@ -39,11 +39,6 @@ class ConvergenceRow(Part):
         ground="surface",
         null="not_known",
     )
-    pga_collapse_scatter_g: float | None = optional(
-        "its scatter, where that is more than time steps differ",
-        "Dispersione della PGA al collasso|Scatter of the PGA at collapse",
-        null="not_known",
-    )
     order: float | None = optional("that the last levels show; null: none", "Ordine|Order", null="not_known")
     relative_error: float | None = optional(
         "the largest error, relative; null: not known",

@@ -30,8 +30,8 @@ from assessment.project.catalogue.geometry import rectangle
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.results.schema.static import ElasticPush
-from assessment.results.table import brought_together
+from assessment.results.schema import ElasticPush, plain
+from assessment.results.table import comparison
 from assessment.workflow.stages import run as analyse
 from tests.support.analysed import analysed, arch
 from tests.support.block_project import ASSESSMENT, PUSHED, block, read_results, run, write_block
@@ -99,12 +99,18 @@ def test_static_capacity_is_brought_to_the_reference_of_the_dynamic_one():
     nominal = nominal_check(capacity, demands, Method())
     assert nominal.limit_state == "SLC"
     assert nominal.pga_g == pytest.approx(0.474080, rel=2e-6)
-    found = brought_together(nominal.pga_g, 0.6)
-    assert found["dynamic_to_static"] == pytest.approx(1.265609, rel=2e-6)
+    shaken = {"records": [], "pga_collapse_g": 0.6}
+    capacities = {"+x": {"nominal": plain(nominal)}, "-x": {}}
+    state = {"pushover": {"+x": {}, "-x": {}}, "incremental": shaken}
+    settled = state | {"capacity": capacities}
+    rows = typed({"states": {"original": state, "settled": settled}}).summary.rows
+    found, without = comparison(rows)
+    assert found.dynamic_to_static == pytest.approx(1.265609, rel=2e-6)
+    assert found.static_surface_pga_g == nominal.pga_g
     life = nominal_check(capacity, {"SLV": demands["SLV"]}, Method())
     assert life.pga_g == pytest.approx(0.383616, rel=2e-6)
     assert verify(capacity, demands)["SLV"].pga_g < life.pga_g
-    assert brought_together(None, 0.6) == {"static_surface_pga_g": None, "dynamic_to_static": None}
+    assert without.static_surface_pga_g is without.dynamic_to_static is None
 
 
 def curve(last: float, lost: bool = False, reached_zero: bool = False):

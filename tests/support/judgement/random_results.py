@@ -21,7 +21,7 @@ from assessment.results.table import comparison, strengthened
 from assessment.studies.variants import worst as worst_of
 from tests.support.judgement.claims import LIMITS, Results
 from tests.support.results_example import SETTLED, results_example
-from tests.support.typed import made
+from tests.support.typed import made, typed
 
 
 def summed_up(quality: dict[str, Any]) -> dict[str, Any]:
@@ -104,7 +104,6 @@ def random_results(draw):
         searches = made(Incremental, content["incremental"])
         checked[name] = made(StateResults, content).replace(capacity=capacities, incremental=searches)
     results["states"] = plain(states)
-    results["comparison"] = plain(comparison(checked))
     if rows := strengthened(checked):
         results["strengthening"] = plain(rows)
     results["quality"]["by_stage"] = [
@@ -119,6 +118,7 @@ def random_results(draw):
         results["mechanisms"] = draw(
             st.lists(chosen(limits, demand), max_size=2, unique_by=itemgetter("name"))
         )
+    results["comparison"] = plain(comparison(typed(results).summary.rows))
     if draw(st.booleans()) and names:
         results["scenarios"] = draw(scenarios_of(names, directions, limits))
     if draw(st.booleans()) and limits:
