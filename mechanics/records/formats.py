@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +17,9 @@ from mechanics.errors import RecordError
 from mechanics.faults import visible
 from mechanics.records.headings import KNOWN, Column, HeadingError, column, labels, speaks_of_units, unit
 from mechanics.types import Array
+
+Entry = tuple[str, str, int]
+"""Key, value and line of what a header says."""
 
 
 class Samples(NamedTuple):
@@ -61,6 +63,7 @@ MOST_VALUES = 2_000_000  # of a file: an hour at 250 Hz, with its times
 LARGEST = 1e6  # of a value in a file, in any of the units
 SHORTEST, LONGEST = 1e-6, 10.0  # s: time steps of a record
 SAME_PEAK = 0.02  # of the largest acceleration that a header states
+NO_UNIT = "no header line states the unit, such as 'Acceleration time series in units of g'; add it"
 SHOWN = 40  # characters of a text that a message shows
 
 
@@ -81,13 +84,30 @@ class RecordText:
         place = visible(str(self.path)) if line is None else f"{visible(str(self.path))}: line {line}"
         return RecordError(f"{place}: {visible(message)}")
 
-    def positive(self, line: int, key: str, value: str) -> float:
+    def field(self, form: str, end: int, absent: str = "") -> tuple[str, int]:
+        """Return what a form's group holds in the first of `end` lines that has it, and the line.
+
+        Raises RecordError, with what is `absent`, where none has; without that it returns "" and 0.
+        """
+        for n, line in enumerate(self.lines[:end], 1):
+            if match := re.search(form, line[:HEADER_WIDTH], re.IGNORECASE):
+                return match[1].strip(), n
+        if absent:
+            raise self.error(None, absent)
+        return "", 0
+
+    def entry(self, key: str, end: int) -> Entry:
+        """Return the entry `KEY: value` of the first `end` lines. Raises RecordError if there is none."""
+        absent = f"the header has no {key}; get the file again from its source"
+        return key, *self.field(rf"^\s*{re.escape(key)}\s*:(.*)", end, absent)
+
+    def positive(self, key: str, value: str, line: int) -> float:
         """Return a positive number of the header. Raises RecordError for anything else."""
         if not _is_number(value, math.inf) or float(value) <= 0.0:
             raise self.error(line, f"{key} is {value[:SHOWN]!r}; must be a positive number")
         return float(value)
 
-    def step(self, line: int | None, step: float) -> float:
+    def step(self, step: float, line: int | None) -> float:
         """Return a time step (s). Raises RecordError where no record has one like it."""
         if not SHORTEST <= step <= LONGEST:
             must = (
@@ -96,41 +116,12 @@ class RecordText:
             raise self.error(line, f"a time step of {step:.3g} s; {must}")
         return step
 
-    def unit(self, line: int, name: str) -> Column:
+    def unit(self, name: str, line: int) -> Column:
         """Return a unit of acceleration. Raises RecordError for any other."""
         found = unit(name)
         if found is None or found.quantity != "acceleration":
             raise self.error(line, f"{name[:SHOWN]!r} is no unit of acceleration; {KNOWN}")
         return found
-
-
-@dataclass(frozen=True)
-class Header:
-    """`KEY: value` lines of a record file: value and line number of each key."""
-
-    text: RecordText
-    entries: dict[str, tuple[str, int]]
-
-    @classmethod
-    def of(cls, text: RecordText, size: int) -> Header:
-        """Read the first `size` lines; values may be empty or contain colons."""
-        parts = [(line.partition(":"), n) for n, line in enumerate(text.lines[:size], 1)]
-        return cls(text, {key.strip(): (value.strip(), n) for (key, _, value), n in parts})
-
-    def value(self, key: str) -> tuple[str, int]:
-        """Return value and line number of `key`. Raises RecordError if it is absent."""
-        if key not in self.entries:
-            raise self.text.error(None, f"the header has no {key}; get the file again from its source")
-        return self.entries[key]
-
-    def number(self, key: str) -> float:
-        """Return the positive number of `key`. Raises RecordError if it is absent or no such number."""
-        value, line = self.value(key)
-        return self.text.positive(line, key, value)
-
-    def step(self, key: str) -> float:
-        """Time step (s) of `key`; RecordError if absent or no such number."""
-        return self.text.step(self.value(key)[1], self.number(key))
 
 
 def parse_record(path: Path, time_step: float | None) -> Samples:
@@ -200,44 +191,36 @@ def _esm(text: RecordText, _: float | None) -> Samples:
     if end is None:
         lost = "the header does not end with a USER5 line, and no value follows"
         raise text.error(None, f"{lost}; get the file again from its source")
-    header = Header.of(text, end)
-    kind, line = header.entries.get("DATA_TYPE", ("", 0))
+    kind, line = text.field(r"^\s*DATA_TYPE\s*:(.*)", end)
     if kind.upper() not in ("", "ACCELERATION"):
         raise text.error(line, f"DATA_TYPE is {kind[:SHOWN]!r}; give the file of the ACCELERATION")
-    name, line = header.value("UNITS")
-    own = text.unit(line, name)
-    step, count = header.step("SAMPLING_INTERVAL_S"), header.number("NDATA")
-    return Samples(own.size * _counted(text, end, count, "NDATA"), step, own.unit)
+    own = text.unit(*text.entry("UNITS", end)[1:])
+    return _counted(text, end, own, text.entry("SAMPLING_INTERVAL_S", end), text.entry("NDATA", end))
 
 
 def _five_column(text: RecordText, _: float | None) -> Samples:
     """`Key : value` lines, a line that names the unit, then values of 14 characters, mostly five a line."""
-    end, own = _unit_line(text, r"^Acc\w* time series in (\S+)", len(text.lines))
-    header = Header.of(text, end - 1)
-    step, count = header.step("Time Increment (s)"), header.number("Number of Data")
-    return Samples(own.size * _counted(text, end, count, "Number of Data"), step, own.unit)
+    name, end = text.field(r"^Acc\w* time series in (\S+)", HEADER_LINES, NO_UNIT)
+    step, count = text.entry("Time Increment (s)", end - 1), text.entry("Number of Data", end - 1)
+    return _counted(text, end, text.unit(name, end), step, count)
 
 
 def _peer(text: RecordText, _: float | None) -> Samples:
     """PEER AT2, old and new: a line that states the unit, a line with NPTS and DT, then values."""
-    head = text.head
-    end = next((n for n, line in enumerate(head, 1) if re.search(r"\bNPTS\b", line, re.IGNORECASE)), None)
-    if end is None:
-        raise text.error(None, "no line with NPTS and DT; a PEER record needs 'NPTS= 4000, DT= 0.005 SEC'")
-    sizes = next((match for form in PEER_SIZES if (match := form.search(head[end - 1]))), None)
+    absent = "no line with NPTS and DT; a PEER record needs 'NPTS= 4000, DT= 0.005 SEC'"
+    line, end = text.field(r"(.*\bNPTS\b.*)", HEADER_LINES, absent)
+    sizes = next((match for form in PEER_SIZES if (match := form.search(line))), None)
     if sizes is None:
         raise text.error(end, "must read 'NPTS= 4000, DT= 0.005 SEC' or '4000 0.005 NPTS, DT'")
-    _, own = _unit_line(text, r"IN UNITS OF\s+(\S+)", end - 1)
-    step = text.step(end, text.positive(end, "DT", sizes["step"]))
-    return Samples(own.size * _counted(text, end, float(sizes["count"]), "NPTS"), step, own.unit)
+    own = text.unit(*text.field(r"IN UNITS OF\s+(\S+)", end - 1, NO_UNIT))
+    return _counted(text, end, own, ("DT", sizes["step"], end), ("NPTS", sizes["count"], end))
 
 
 def _knet(text: RecordText, _: float | None) -> Samples:
     """K-NET and KiK-net ASCII: 17 lines, then counts; the mean of the record is its offset, as in the header's peak."""
-    lines = {line[:18].strip(): (line[18:].strip(), n) for n, line in enumerate(text.head[:17], 1)}
 
     def read(key: str, form: str) -> tuple[re.Match[str], int]:
-        value, n = next((lines[name] for name in lines if name.startswith(key)), ("", 0))
+        value, n = text.field(rf"^(?=\s*{key}).{{1,18}}(.*)", 17)
         match = re.match(form, value, re.IGNORECASE)
         if match is None:
             raise text.error(n or None, f"{key} of a K-NET file is {value[:SHOWN]!r}; get the file again")
@@ -247,15 +230,15 @@ def _knet(text: RecordText, _: float | None) -> Samples:
     scale, scaled = read("Scale Factor", rf"({NUMBER})\((.+)\)/({NUMBER})")
     peak, peaked = read("Max", NUMBER)
     seconds = float(read("Duration Time", NUMBER)[0][0])
-    frequency = text.positive(rated, "Sampling Freq", rate[0])
-    counts, own = _values(text, 17, str.split), text.unit(scaled, scale[2])
+    frequency = text.positive("Sampling Freq", rate[0], rated)
+    counts, own = _values(text, 17, str.split), text.unit(scale[2], scaled)
     if abs(counts.size - frequency * seconds) > frequency:
         message = f"{counts.size} values where Duration Time says {frequency * seconds:g}"
         raise text.error(len(text.lines), f"{message}; the file was cut or edited: get it again")
-    factor = float(scale[1]) / text.positive(scaled, "Scale Factor", scale[3])
+    factor = float(scale[1]) / text.positive("Scale Factor", scale[3], scaled)
     acceleration = factor * (counts - counts.mean())
     _check_peak(text, peaked, float(peak[0]), acceleration)
-    return Samples(own.size * acceleration, text.step(rated, 1.0 / frequency), own.unit)
+    return Samples(own.size * acceleration, text.step(1.0 / frequency, rated), own.unit)
 
 
 def _v2(text: RecordText, _: float | None) -> Samples:
@@ -266,7 +249,7 @@ def _v2(text: RecordText, _: float | None) -> Samples:
         raise text.error(more[0][0], f"this is a V2 file of {len(blocks)} channels; give one channel a file")
     count, width = int(block["count"]), int(block["width"] or 10)
     ends = (n for n, line in enumerate(text.lines[start:], start) if re.search(r"points of|/&", line))
-    end, own = next(ends, len(text.lines)), text.unit(start, block["unit"])
+    end, own = next(ends, len(text.lines)), text.unit(block["unit"], start)
 
     def cells(line: str) -> list[str]:
         return [line[k : k + width] for k in range(0, len(line.rstrip()), width)]
@@ -274,11 +257,11 @@ def _v2(text: RecordText, _: float | None) -> Samples:
     values = _values(RecordText(text.path, text.lines[:end]), start, cells)
     if values.size != count:
         raise text.error(end, f"{values.size} values where the V2 file says {count}; get the file again")
-    for n, line in enumerate(text.lines[:start], 1):
-        if match := re.match(rf"Peak acceleration = *(-?{NUMBER}) +(\S+)", line, re.IGNORECASE):
-            stated = float(match[1]) * text.unit(n, match[2]).size
-            _check_peak(text, n, stated, own.size * values)
-    step = text.step(start, text.positive(start, "the step", block["step"]))
+    peak, line = text.field(rf"^Peak acceleration = *(-?{NUMBER} +\S+)", start)
+    if peak:
+        stated, name = peak.split()
+        _check_peak(text, line, float(stated) * text.unit(name, line).size, own.size * values)
+    step = text.step(text.positive("the step", block["step"], start), start)
     return Samples(own.size * values, step, own.unit)
 
 
@@ -419,21 +402,21 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
         line = header + int(np.abs(steps - np.median(steps)).argmax()) + 2
         message = "the times are not evenly spaced; interpolate the record or give one column and time_step"
         raise text.error(line, message)
-    text.step(None, step)
+    text.step(step, None)
     return float(f"{step:.9g}")  # the times are printed decimals: 0.005, not 0.00499999999
 
 
-def _counted(text: RecordText, header: int, count: float, key: str) -> Array:
-    """Read the values (n,) after the header, as many as the field `key` gives."""
+def _counted(text: RecordText, header: int, unit: Column, step: Entry, count: Entry) -> Samples:
+    """Read the values after the header, whose entries have their step (s) and how many they are."""
+    time_step, stated = text.step(text.positive(*step), step[2]), text.positive(*count)
     # numbers of fixed columns that touch are parted where a minus starts the next one
-    apart = (("-", " -"), ("E -", "E-"), ("e -", "e-"))
-    values = _values(
-        text, header, lambda line: reduce(lambda cut, each: cut.replace(*each), apart, line).split()
-    )
-    if values.size != count:
-        message = f"{values.size} values where {key} says {count:g}; the file was cut or edited: get it again"
+    values = _values(text, header, lambda line: re.sub(r"(?<![Ee])-", " -", line).split())
+    if values.size != stated:
+        message = (
+            f"{values.size} values where {count[0]} says {stated:g}; the file was cut or edited: get it again"
+        )
         raise text.error(len(text.lines), message)
-    return values
+    return Samples(unit.size * values, time_step, unit.unit)
 
 
 def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) -> Array:
@@ -455,15 +438,6 @@ def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) ->
         wrong = f"is larger than {LARGEST:g}" if _is_number(cell, math.inf) else "is not a finite number"
         raise text.error(line_number, f"{cell.strip()[:SHOWN]!r} {wrong}; correct it")
     return values
-
-
-def _unit_line(text: RecordText, form: str, end: int) -> tuple[int, Column]:
-    """Find the line of this form before line `end`: its number and the unit it states."""
-    for n, line in enumerate(text.head[:end], 1):
-        if match := re.search(form, line, re.IGNORECASE):
-            return n, text.unit(n, match[1])
-    message = "no header line states the unit, such as 'Acceleration time series in units of g'; add it"
-    raise text.error(None, message)
 
 
 def _is_number(cell: str, most: float | None = None) -> bool:
