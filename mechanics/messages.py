@@ -9,6 +9,7 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
+from math import isfinite
 from string import Formatter
 from typing import Any
 
@@ -77,15 +78,32 @@ def english(item: Item, form: str) -> str:
     return str(item) if isinstance(item, str) else format(item, form)
 
 
+def taken_apart(value: Any) -> Any:
+    """Return a value whose messages are tables, template and fields; a list that begins with a number has none."""
+    if isinstance(value, Message):
+        return {"template": value.template, "fields": taken_apart(value.fields)}
+    if isinstance(value, Mapping):
+        return {name: taken_apart(item) for name, item in value.items()}
+    if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):
+        return [taken_apart(item) for item in value]
+    return value
+
+
+def put_together(table: Mapping[str, Any]) -> Any:
+    """Return the message that was taken apart into a table; any other table as it is."""
+    return Message(**table) if table.keys() == {"template", "fields"} else table
+
+
 def layer_key(name: str) -> str:
     """Return what is the same of the name of a layer in any case of letters, accents composed or not."""
     return unicodedata.normalize("NFC", name).lower()
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of NumPy, or a sequence, in Python's own types."""
+    """Return a value of NumPy, or a sequence, in types of JSON, which has no numbers but finite ones: texts."""
     if isinstance(value, str):
         return value
     if isinstance(value, Sequence):
         return [_plain(item) for item in value]
-    return value.item() if hasattr(value, "item") else value
+    number = value.item() if hasattr(value, "item") else value
+    return str(number) if isinstance(number, float) and not isfinite(number) else number

@@ -2,14 +2,13 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from assessment.results.schema import FORMAT, Results, Worded, first_error, plain
-from mechanics.messages import Message
+from mechanics.messages import Message, put_together, taken_apart
 
 AGAIN = "run the project again"
 MOST_BYTES = (
@@ -19,7 +18,7 @@ MOST_BYTES = (
 
 def as_bytes(results: Results) -> bytes:
     """Return results as they are written, in the order of their schema, with what their sentences are made of."""
-    if table := {str(text): worded(text) for text in _messages(results)}:
+    if table := {str(text): Worded(**taken_apart(text)) for text in _messages(results)}:
         results = results.replace(messages=table)
     return json.dumps(plain(results), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
 
@@ -52,36 +51,13 @@ def read_results(path: Path) -> Results:
     raise ValueError(f"{path}: {wrong}: damaged, or written by another version; {AGAIN}")
 
 
-def worded(text: Message) -> Worded:
-    """Return what a message is made of, with the messages within."""
-
-    def value(each: Any) -> Any:
-        if isinstance(each, Message):
-            return worded(each)
-        if isinstance(each, list):
-            return [value(item) for item in each]
-        # JSON has no such numbers, and they have but one way to be written
-        return str(each) if isinstance(each, float) and not isfinite(each) else each
-
-    return Worded(template=text.template, fields={name: value(each) for name, each in text.fields.items()})
-
-
 def with_messages(content: dict[str, Any]) -> dict[str, Any]:
     """Return the content of a file of results whose sentences are the messages that its table has.
 
     Raises KeyError, TypeError or ValueError for a table that is damaged.
     """
-    table = {text: _message(made) for text, made in (content.get("messages") or {}).items()}
+    table = json.loads(json.dumps(content.get("messages") or {}), object_hook=put_together)
     return {name: value if name == "messages" else _said(value, table) for name, value in content.items()}
-
-
-def _message(made: Mapping[str, Any]) -> Message:
-    def value(each: Any) -> Any:
-        if isinstance(each, list):
-            return [value(item) for item in each]
-        return _message(each) if isinstance(each, Mapping) else each
-
-    return Message(made["template"], {name: value(each) for name, each in made["fields"].items()})
 
 
 def _said(value: Any, table: Mapping[str, Message]) -> Any:

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from assessment.runtime.files import file_digest, write_atomically
+from mechanics.messages import put_together, taken_apart
 
 if TYPE_CHECKING:
     from mechanics import Assembly
@@ -113,12 +114,12 @@ def _assembly(model: Assembly) -> str:
 
 FOLDER = ".stages"  # in the output folder
 MOST_BYTES = 300_000_000  # of all entries; the least recently used are removed first
-MESSAGE, ARRAY = "·message", "·array"  # keys of an object that is no table
+ARRAY = "·array"  # key of an object that is no table
 
 
 def packed(result: Any) -> str:
     """Return a result of an analysis as JSON on one line; floats keep every bit, tuples become lists."""
-    return json.dumps(_marked(result), default=_plain, ensure_ascii=False)
+    return json.dumps(taken_apart(result), default=_plain, ensure_ascii=False)
 
 
 def unpacked(text: str, kind: Any) -> Any:
@@ -201,23 +202,10 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if is_dataclass(value):
-        return {field.name: _marked(getattr(value, field.name)) for field in fields(value)}
+        return {field.name: taken_apart(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, BaseModel):
-        return _marked(value.model_dump(by_alias=True, exclude_unset=True))
+        return taken_apart(value.model_dump(by_alias=True, exclude_unset=True))
     raise TypeError(f"{type(value).__name__}: not a result of an analysis")
-
-
-def _marked(value: Any) -> Any:
-    """Return a value with messages as objects, which JSON takes for strings; lists of numbers stay (by their first)."""
-    from mechanics.messages import Message
-
-    if isinstance(value, Message):
-        return {MESSAGE: value.template, "fields": _marked(value.fields)}
-    if isinstance(value, dict):
-        return {name: _marked(item) for name, item in value.items()}
-    if isinstance(value, list | tuple) and value and not isinstance(value[0], int | float):
-        return [_marked(item) for item in value]
-    return value
 
 
 def _restored(content: dict[str, Any]) -> Any:
@@ -226,8 +214,4 @@ def _restored(content: dict[str, Any]) -> Any:
         import numpy as np
 
         return np.array(content[ARRAY], dtype=content["type"]).reshape(content["shape"])
-    if MESSAGE in content:
-        from mechanics.messages import Message
-
-        return Message(content[MESSAGE], content["fields"])
-    return content
+    return put_together(content)

@@ -157,7 +157,7 @@ FORGED = (
     '[{"failures": [3]}]', '{"reached": {"positions": [1, 2]}}',
     '{"reached": {"positions": {"·array": [0.0], "shape": [7], "type": "<f8"}}}',
     '{"reached": {"positions": {"·array": ["a"], "shape": [1], "type": "<U1"}}}',
-    '{"warnings": [{"·message": "{missing}", "fields": {}}]}', '{"seconds": "long"}',
+    '{"warnings": [{"template": "{missing}", "fields": {}}]}', '{"seconds": "long"}',
     '{"·kind": "builtins:eval"}', "[" * 100_000,
 )  # fmt: skip
 
