@@ -1,7 +1,5 @@
 """Fixtures of the tests that run the program: a small project, and products that take no time."""
 
-from __future__ import annotations
-
 import gc
 import multiprocessing
 import os

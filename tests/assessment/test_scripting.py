@@ -1,7 +1,5 @@
 """What scripts call: builders of every template, incremental analysis, fragility."""
 
-from __future__ import annotations
-
 import inspect
 
 import matplotlib as mpl

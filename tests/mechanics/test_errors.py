@@ -1,7 +1,5 @@
 """What the mechanics says where it cannot answer: which argument is wrong, or what the structure does."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

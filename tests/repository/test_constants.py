@@ -1,7 +1,5 @@
 """Every number by which the program decides stands in docs/theory.md, Constants, with the value that it has."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import numbers

@@ -1,7 +1,5 @@
 """The pages of docs/: what is made is up to date, code and gallery work, what is named exists; words of the page."""
 
-from __future__ import annotations
-
 import doctest
 import json
 import re

@@ -1,7 +1,5 @@
 """The wheel works away from the checkout; no file names a machine; the README lists the dependencies there are."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """README and docs against what they are about: schema, command line, dependencies, links; no text is a placeholder."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterator

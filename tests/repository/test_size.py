@@ -4,8 +4,6 @@
 line goes into the table below. A folder that outgrows its budget loses something first.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests import ROOT

@@ -1,7 +1,5 @@
 """The sources: few arguments, what is raised is said, public names, one class an idea; no test looks at the clock."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import pkgutil

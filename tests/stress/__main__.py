@@ -1,7 +1,5 @@
 """The tables of the stress tests: `python -m tests.stress [--long] [--each] [--beds]`."""
 
-from __future__ import annotations
-
 import sys
 
 from tests.stress import beds

@@ -4,8 +4,6 @@ Every assembly is settled elastically and pushed over from the drawn and from th
 no stiffness of the joints it is STIFFNESS. `python -m tests.stress --beds` prints the table.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace

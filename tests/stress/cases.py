@@ -1,7 +1,5 @@
 """All cases, by label."""
 
-from __future__ import annotations
-
 from tests.stress import geometry, paths, records, scales, scatter, shaken
 from tests.stress.harness import Case
 

@@ -1,7 +1,5 @@
 """Random assemblies that stand, for solvers and procedures to be tried on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

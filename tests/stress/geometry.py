@@ -1,7 +1,5 @@
 """Slender and flat blocks, tiny and tilted joints, redundant contact points, tall columns, arches at their limit."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache, partial
 

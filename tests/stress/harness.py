@@ -1,7 +1,5 @@
 """A case, its outcome, and the process of its own with a limit of processor time in which it runs."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -9,8 +9,6 @@ takes, every third time the main process alone. After a kill
 - the next run takes over all of them, and its results and tables are those of an undisturbed run to the last bit.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random

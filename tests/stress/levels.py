@@ -4,8 +4,6 @@ A search runs as [incremental] does with accuracy = "fast": at the record's step
 mean of its lowest collapses asks for. The dense scan runs every level 1 % apart at a quarter of the step.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time

@@ -1,7 +1,5 @@
 """Mechanisms with several solutions, none, or none at all; steps too large; states at the edge of collapse."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 

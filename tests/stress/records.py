@@ -1,7 +1,5 @@
 """Records with spikes, of one sample, of a million; steps of time far too long and too short."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Ten orders of magnitude in stiffness, size and unit weight; friction from 0 to 5."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache, partial
 

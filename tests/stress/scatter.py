@@ -1,7 +1,5 @@
 """Walls that slide: the range of an ensemble tells the same in other units, elsewhere, and in another order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 

@@ -3,8 +3,6 @@
 Steps are solved, energy is kept, blocks stay apart.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache, partial
 

@@ -3,8 +3,6 @@
 Of each 4, one of a kind, and 200 with ASSESTO_STRESS=long.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Runs that are killed at random moments, a few of those that `python -m tests.stress.kills` tries."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -3,8 +3,6 @@
 A sample of every group, and what is open; `python -m tests.stress` runs all of them, as ASSESTO_STRESS=long does here.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What every case's process inherits: compiled loops, loaded by runs of two samples, and what several cases need."""
 
-from __future__ import annotations
-
 from tests.stress.cases import CASES
 from tests.stress.harness import judge
 from tests.stress.scales import CONTACTS, plain_curve

@@ -1,7 +1,5 @@
 """A small arch analysed from its drawing, once per process: what tests of the products look into."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from functools import cache

@@ -1,7 +1,5 @@
 """A project of one block on a base, the quickest there is, and what tests ask of a folder."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """A headless Chromium driven by playwright: `import browser` makes it a fixture of a module of tests."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from typing import Any

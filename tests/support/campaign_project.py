@@ -1,7 +1,5 @@
 """A small campaign on the block, whose base turns: short waves, two shares, one sign."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

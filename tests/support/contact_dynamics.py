@@ -5,9 +5,8 @@ condition and Coulomb's law without dilation at the ends of every overlap of two
 and Seidel. Blocks are free of gaps where they are drawn free of gaps.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -41,7 +40,7 @@ class Bodies:
     size: float
 
     @classmethod
-    def of(cls, model: Assembly) -> Bodies:
+    def of(cls, model: Assembly) -> Self:
         """Return the blocks of a model: weights without loads, the lesser friction of each pair."""
         drawn, mass, arms, owner = [], [], [], []
         for number, block in enumerate(model.blocks):

@@ -1,7 +1,5 @@
 """The assemblies of the example projects, read without the assessment."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 from functools import cache

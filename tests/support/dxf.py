@@ -1,7 +1,5 @@
 """Drawings that tests make and read."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

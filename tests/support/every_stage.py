@@ -1,7 +1,5 @@
 """The block with every stage, in two states: what tests of resumption and of the terminal run."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

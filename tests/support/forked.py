@@ -1,7 +1,5 @@
 """The program in a child of this process: what is imported here, a second's work, and put into it, is there too."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -4,8 +4,6 @@ An independent referee of limit analysis: forces, velocities and which of both v
 one program, whose optimum is global. Contacts are the corners of the referee of motions (contact_dynamics).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import sparse
 from scipy.optimize import Bounds, LinearConstraint, milp

@@ -1,7 +1,5 @@
 """A block that a tilt of its foot has left leaning on a wall."""
 
-from __future__ import annotations
-
 from mechanics import Assembly, Block, Following, Material, State
 from tests.support.structures import rectangle
 

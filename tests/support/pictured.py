@@ -1,7 +1,5 @@
 """Figures for tests that read the page: real ones of the chapters that they look at, empty ones of the others."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from assessment.report.document import render_html

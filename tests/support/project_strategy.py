@@ -3,8 +3,6 @@
 A key that is added to the schema is drawn without a change here.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A project's content as plain TOML text, without the comments of a new project file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Random walls of bricks, some of them missing, and random arches between two supports."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

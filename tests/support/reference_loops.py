@@ -1,7 +1,5 @@
 """Compiled loops once more in plain NumPy, from the definitions: what the tests compare them with."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ Geometry, curves and spectra follow from a few formulas, so that the numbers agr
 (a* = α/e*, d* = d Γ*, T from d*/a*, ζ_E = capacity/demand, reductions), as those of an analysis would.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

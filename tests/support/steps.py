@@ -1,7 +1,5 @@
 """States, and the programs of steps, that several tests solve."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Assemblies that several tests analyse."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

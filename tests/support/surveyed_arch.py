@@ -1,7 +1,5 @@
 """The buttressed arch with measurements of a support movement that is known: made by a pushdown of the test's own."""
 
-from __future__ import annotations
-
 import shutil
 from functools import cache
 from pathlib import Path

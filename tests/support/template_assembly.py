@@ -1,7 +1,5 @@
 """The masonry of a template as the mechanics know it, without files between them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from assessment.project.catalogue.new_project import made

@@ -1,7 +1,5 @@
 """The project of one block on a base, held by a tie."""
 
-from __future__ import annotations
-
 TIE = """[[tie]]
 name = "chain"
 from_m = [-0.29, -0.1]

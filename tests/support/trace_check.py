@@ -1,7 +1,5 @@
 """Recomputing the lines of a trace from what is printed in them."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Results made by hand, by type: what a test leaves out for brevity is filled in."""
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Mapping
 from functools import lru_cache

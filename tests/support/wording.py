@@ -1,7 +1,5 @@
 """Messages in the words of a report, without results around them."""
 
-from __future__ import annotations
-
 import re
 
 from assessment.report.language import Words, translated

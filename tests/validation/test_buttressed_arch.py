@@ -7,8 +7,6 @@ crush: α_0 of independent linear programs with tangent cuts. The last three of 
 0.04748 and 0.00665.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

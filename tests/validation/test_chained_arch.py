@@ -4,8 +4,6 @@ The tension where α0 is reached is compared with limit analysis of a chain that
 above it α0 is that of an unbreakable chain, a tenth below it α0 is less.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

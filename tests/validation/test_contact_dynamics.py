@@ -5,8 +5,6 @@ equilibrium without any motion exists too, and a structure may do either: of 169
 stood at 1.05 α0 and fell before 1.05 of the associative one; one fell at 0.99 α0: its search ended early.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

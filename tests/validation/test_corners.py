@@ -5,8 +5,6 @@ block's face. Pushed towards the wall it slides off there along that face: three
 at the edge and at the wall, each at its angle of friction, and of the push give α.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -3,8 +3,6 @@
 Closed forms: each voussoir and block slides on both of its faces.
 """
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

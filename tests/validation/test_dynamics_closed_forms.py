@@ -4,8 +4,6 @@ Newmark, "Effects of earthquakes on dams and embankments", Géotechnique 15 (196
 with the acceleration by which the base exceeds μg. The elastic block is a rigid one on a Winkler bed.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

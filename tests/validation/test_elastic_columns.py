@@ -4,8 +4,6 @@ Values of an independent code, in closed form over one no-tension bed a joint:
 b × h in m, unit weight 20 kN/m³, k in kN/m³; they do not depend on friction while nothing slides.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -4,8 +4,6 @@ A gap wider than the tolerance of the drawing bears nothing. Piers that do not t
 (less by what the gap takes off one of them); piers in contact have more, and the elastic ones more yet.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushover

@@ -5,8 +5,6 @@ it turns about one corner: α = tan(φ − β) at first, and 0 at the balance, w
 needs b/h; but what falls there under a held load rocks on over the other corner (Housner 1963).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

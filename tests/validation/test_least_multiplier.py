@@ -1,7 +1,5 @@
 """The least multiplier by Coulomb's law against mixed-integer programming, which searches all flows."""
 
-from __future__ import annotations
-
 import pytest
 
 from mechanics import limit_analysis

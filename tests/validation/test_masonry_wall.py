@@ -8,8 +8,6 @@ Of wall 2 the drawing is not at hand, and its geometry is inferred from the mult
 courses has it, but six bricks a course and more have. Without dilation: test_coulomb.
 """
 
-from __future__ import annotations
-
 from mechanics import limit_analysis
 from tests.support.structures import running_bond
 

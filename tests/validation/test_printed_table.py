@@ -1,7 +1,5 @@
 """The validation table that every report prints is what this version gives, digit by digit."""
 
-from __future__ import annotations
-
 import tomllib
 from importlib.resources import files
 from pathlib import Path

@@ -5,8 +5,6 @@ its toe; zero where the centroid stands over the toe. Elastic joint: Winkler bed
 e = l/6 with M = k d l³/12 · φ; beyond, contact over 3(l/2 − e).
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

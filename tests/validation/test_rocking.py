@@ -6,8 +6,6 @@ duration of an overturning rectangular pulse. Blocks of the paper, §6.1. The re
 impacts located, to ten digits.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

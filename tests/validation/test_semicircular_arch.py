@@ -6,8 +6,6 @@ at 0.30. Thrust over weight at t/R = 0.12, 0.15, 0.20, many voussoirs: least 0.1
 0.2270, 0.2546.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from mechanics import UnstableError, pushdown

@@ -4,8 +4,6 @@ Values computed independently: ultimate spread 0.0354, 0.1134 and 0.2962 at t/R 
 radius, friction 0.7.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from mechanics import pushdown

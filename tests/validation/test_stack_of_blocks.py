@@ -1,7 +1,5 @@
 """Two rigid blocks upon each other under one sine, against contact dynamics (tests/support/contact_dynamics.py)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

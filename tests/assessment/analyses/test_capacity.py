@@ -10,8 +10,6 @@ m = (H/2) cos φ + c sin φ, and its variance v = (H cos φ)² (n² − 1)/(12 n
 3/4 and 2/3 for φ = 0 and many courses. A translation of the base changes neither. α0 = tan(arctan(B/H) ± φ).
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from math import atan, cos, sin, tan
 from pathlib import Path

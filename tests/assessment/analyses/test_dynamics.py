@@ -16,18 +16,18 @@ from assessment.project.motions import BaseMotion, history_motions
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.report.document import render_html
-from assessment.report.figures.index import pictures, write_figures
+from assessment.report.figures.index import pictures
 from assessment.report.language import words_of
 from assessment.report.tables import tables
 from assessment.results.schema.part import plain
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.pool import Pool
 from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.records.record import Record, read_record
 from mechanics.records.spectrum import response_spectrum
+from tests.support.pictured import draw_sections
 from tests.support.structures import block_on_base
 from tests.support.typed import typed
 
@@ -147,7 +147,7 @@ def test_figures_tables_and_report(outcome, tmp_path):
     assert {"record_1", "history_1", "history_2", "incremental"} <= names
     assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names
     assert "fragility" not in names  # one record has no scatter
-    write_figures(Pool(0, typed(results)), tmp_path)
+    draw_sections(typed(results), tmp_path, "history", "incremental")
     filled = {table.name: table for table in tables(typed(results)) if table.rows}
     assert len(filled["history"].rows) == 4
     assert {"integrator", "integrator_share"} <= set(filled["history_ranges"].columns)

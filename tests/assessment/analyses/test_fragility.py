@@ -1,7 +1,5 @@
 """P(collapse | level) of several records, against closed forms and scipy; the records of a campaign."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Ranges of static paths: which states are followed again, with what, and what is used of their members."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

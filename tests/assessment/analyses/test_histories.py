@@ -1,7 +1,5 @@
 """Histories: the error that finer time steps tell against closed forms and references; ensembles and their use."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

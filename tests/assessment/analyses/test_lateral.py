@@ -1,7 +1,5 @@
 """Pushes of a state: control points, the other law of friction, the multiplier by a second program."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from itertools import pairwise

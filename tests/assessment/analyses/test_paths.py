@@ -1,7 +1,5 @@
 """Paths of a state: blocks that slide past an edge on the way, movements that begin where another ends."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which levels of a record are run, and what their outcomes show."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """The page in a real browser, as a new user would go: a dropped survey, faults, roles, movements, a run, the report."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

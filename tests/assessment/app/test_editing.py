@@ -1,7 +1,5 @@
 """Changes of project.toml from the page: what they leave as it was, what they refuse, and what undo brings back."""
 
-from __future__ import annotations
-
 import tomllib
 
 import pytest

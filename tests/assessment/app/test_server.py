@@ -1,7 +1,5 @@
 """The server as those see it who have no business with it: other hosts, other pages, other files, too many bytes."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import os

@@ -1,7 +1,5 @@
 """The benchmark command; that skipping changes no answer; and what does not depend on the clock."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Files of several gigabytes: refused by their size, before they are read."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

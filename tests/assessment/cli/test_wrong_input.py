@@ -1,7 +1,5 @@
 """Wrong input is told in one message with exit code 2, a wrong drawing with a picture, and nothing is touched."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """assesto new DIR --drawing FILE: what is proposed, and that check accepts it."""
 
-from __future__ import annotations
-
 import tomllib
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Built-in templates: masonry without gaps or overlaps, and projects that load, are explained and stand."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -4,8 +4,6 @@ What is counted: calls of functions, and memory at its peak. Loops over pairs wo
 in the second; both are the same on a busy machine.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import tracemalloc

@@ -1,7 +1,5 @@
 """Hostile inputs are refused in one message with file, key and remedy, or complete; see tests/support/hostile."""
 
-from __future__ import annotations
-
 import csv
 import json
 import re
@@ -14,6 +12,8 @@ import pytest
 
 from assessment.cli.main import main
 from assessment.project.formats.xlsx import to_xlsx
+from assessment.runtime.cache import FOLDER
+from assessment.runtime.journal import NAME as JOURNAL
 from tests import ROOT
 from tests.support.block_project import PUSHED, block, command, write_block
 from tests.support.hostile.corpus import KINDS, SHEETS, tried
@@ -75,13 +75,18 @@ class _Tags(HTMLParser):
 
 
 @pytest.mark.usefixtures("quick", "drawn")
-def test_hostile_names_reach_every_product_and_do_nothing_there(tmp_path, capsys):
+def test_a_run_writes_everything_and_hostile_names_do_nothing_there(tmp_path, capsys):
     folder = write_block(tmp_path / "block", NAMED)
     drawing = (folder / "geometry.dxf").read_text(encoding="utf-8")
     (folder / "geometry.dxf").write_text(drawing.replace("BLOCCO", "_$x^{$ \\frac|@"), encoding="utf-8")
     assert main(["run", str(folder), "--jobs", "1"]) == 0
-    assert STATE in capsys.readouterr().out
+    out, err = capsys.readouterr()
     output = folder / "output"
+    assert STATE in out and str(output) in out and err == ""  # silent: no terminal
+    found = {path.name for path in output.iterdir() if path.name not in {FOLDER, JOURNAL}}
+    reports = {f"report.{kind}" for kind in ("html", "pdf", "docx")}
+    assert found == {"tables", "figures", "judgement.md", "results.json", *reports}
+    assert {path.suffix for path in (output / "figures").iterdir()} == {".svg", ".png", ".dxf"}
     for picture in (output / "figures").glob("*.svg"):
         ElementTree.parse(picture)
     page = (output / "report.html").read_text(encoding="utf-8")
@@ -89,6 +94,7 @@ def test_hostile_names_reach_every_product_and_do_nothing_there(tmp_path, capsys
     tags.feed(page)
     assert len(tags.scripts) == 2 and "<script>alert" not in page and "{{ 7*7 }}" in page
     for table in (output / "tables").iterdir():
+        assert table.suffix == ".csv"
         with table.open(encoding="utf-8", newline="") as file:
             cells = {cell for row in csv.reader(file) for cell in row}
         assert not any(cell.startswith(("=", "@", "+")) for cell in cells)

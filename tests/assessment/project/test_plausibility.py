@@ -1,7 +1,5 @@
 """Values that are allowed and hardly meant, of records too: the key, and what was probably meant."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The project file: what is read, of the hazard too; both of its forms explain themselves and follow one schema."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

@@ -1,7 +1,5 @@
 """What is said of project files that are wrong: the key, the file and the remedy."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

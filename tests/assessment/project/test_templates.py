@@ -1,7 +1,5 @@
 """A number of each template: closed forms, other formulations, templates that are the same at the same dimensions."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

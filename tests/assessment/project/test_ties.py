@@ -1,7 +1,5 @@
 """[[tie]] and [[strengthening]] in the project file: what is refused, what is warned of, what each state has."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@
 are of one point of the curve that is reported, which is printed with its α where that is not α0.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The chapter of a campaign, its tables and figures: from hand-made results, in both languages."""
 
-from __future__ import annotations
-
 import copy
 import math
 from xml.etree import ElementTree

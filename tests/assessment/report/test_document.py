@@ -1,4 +1,4 @@
-"""The report: what NTC 2018 chapter 10 asks is in the PDF, and so are the numbers."""
+"""The report: what NTC 2018 chapter 10 asks is in the PDF, and the numbers; the Word file says what the page says."""
 
 import re
 import sys
@@ -6,14 +6,17 @@ from string import Formatter
 
 import pypdf
 import pytest
+from docx import Document
+from docx.oxml.ns import qn
 from hypothesis import given
 from hypothesis import strategies as st
+from lxml import html
 from markupsafe import Markup
 
 from assessment.report.chapters.synthesis import basis, lead, synthesis_grid
 from assessment.report.document import CHAPTERS, render_html, write_pdf
 from assessment.report.figures.index import pictures
-from assessment.report.language import LANGUAGES, NO_BREAK, Words, words_of
+from assessment.report.language import LANGUAGES, Words, words_of
 from assessment.report.printing import APT_COMMAND, COMMANDS
 from assessment.workflow.run import write
 from tests.support.pictured import draw_sections
@@ -46,11 +49,6 @@ def report(tmp_path_factory):
     assert write(typed(results), folder) == []
     pages = [page.extract_text() for page in pypdf.PdfReader(folder / "report.pdf").pages]
     return "it", results, folder, pages
-
-
-def read(html):
-    """A page as it is read: blanks that hold a number and its unit together are blanks."""
-    return html.replace(NO_BREAK, " ")
 
 
 def test_both_languages_have_the_same_keys_and_fields():
@@ -141,6 +139,43 @@ def test_the_same_results_leave_the_same_bytes(report, tmp_path):
         name.suffix for name in before
     }
     assert [name for name in before if before[name] != after[name]] == []
+
+
+def test_the_word_file_says_what_the_page_says(report):
+    """Every chapter in its order, every paragraph, table and cell, every figure with its caption."""
+    _, results, folder, _ = report
+    words = words_of(typed(results))
+    document = Document(folder / "report.docx")
+    page = html.document_fromstring((folder / "report.html").read_text(encoding="utf-8"))
+    page.get_element_by_id("viewer").drop_tree()
+    headings = [p.text for p in document.paragraphs if p.style.name == "Heading 1"]
+    assert headings == [each.text_content() for each in page.iterfind(".//main//h2")]
+    assert len(headings) > len(CHAPTERS)
+    body = squeezed("".join(document.element.body.itertext()))
+    for element in page.find(".//main").iter("p", "li", "figcaption", "caption", "td", "th"):
+        assert squeezed(element.text_content()) in body
+    tables = page.findall(".//main//table")
+    native = [table for table in document.tables if table.style.name == "Report Table"]
+    assert [len(t.rows) for t in native] == [
+        len(t.findall(".//tr")) for t in tables if "fields" not in t.classes
+    ]
+    assert len(document.inline_shapes) == len(page.findall(".//main//figure"))
+    assert document.core_properties.title == f"{results['title']} – {words('page.evaluation')}"
+
+
+def test_equations_keep_their_subscripts_and_styles_are_named(report):
+    _, _, folder, _ = report
+    document = Document(folder / "report.docx")
+    table = next(t for t in document.tables if any("α0" in c.text for c in t.rows[0].cells))
+    cell = next(c for c in table.rows[0].cells if "α0" in c.text)
+    assert [run.text for run in cell.paragraphs[0].runs if run.font.subscript] == ["0"]
+    assert all(row._tr.trPr.find(qn("w:cantSplit")) is not None for row in table.rows)
+    assert table.rows[0]._tr.trPr.find(qn("w:tblHeader")) is not None
+    used = {p.style.name for p in document.paragraphs}
+    assert used >= {
+        "Title", "Heading 1", "Heading 2", "Body Text", "List Bullet", "Caption", "Table Caption", "Figure",
+    }  # fmt: skip
+    assert not [p.text for p in document.paragraphs if p.style.name == "Normal" and p.text]
 
 
 def without_settlement(results):

@@ -1,7 +1,5 @@
 """How columns are written: units of the heading, digits, dashes; no specification of a column that there is not."""
 
-from __future__ import annotations
-
 import ast
 import pickle
 from string import Formatter

@@ -1,7 +1,5 @@
 """Ties and strengthening in report, page, figures, tables and on the terminal: a block that a tie holds."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """results.json and its schema: what is written is described, and what is not as described is refused."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Iterator

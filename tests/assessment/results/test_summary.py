@@ -1,7 +1,5 @@
 """The summary of results: what the first page prints, held against the parts that it is of."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """A campaign on a Dask cluster of two worker processes, one of which is killed: the results of local processes."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

@@ -1,7 +1,5 @@
 """Consoles that know few letters, streams that are closed, readers that go away: a finished run ends well."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

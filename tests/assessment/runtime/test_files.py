@@ -1,7 +1,5 @@
 """Finished files take the place of earlier ones at once; what killed processes left goes, and nobody else's."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 What would not end is ended by pytest's faulthandler_timeout, long before the hour that endless work takes here.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

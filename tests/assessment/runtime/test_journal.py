@@ -1,7 +1,5 @@
 """What a run is at, told from another terminal and after a kill; one run at a time in a folder."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

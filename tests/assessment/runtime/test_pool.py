@@ -1,7 +1,5 @@
 """Work in other processes: the same answers as alone, errors come through, and no process stays behind."""
 
-from __future__ import annotations
-
 import functools
 import multiprocessing
 import os

@@ -1,12 +1,9 @@
 """Nothing that only Linux has: a whole run where processes are spawned and what Windows lacks is taken away."""
 
-from __future__ import annotations
-
 import os
 
 import pytest
 
-from assessment.project.catalogue.new_project import new_project
 from assessment.runtime.cache import FOLDER
 from tests.stress.harness import HUNG
 from tests.support.block_project import (
@@ -55,39 +52,37 @@ def elsewhere(tmp_path):
     return os.environ | {"PYTHONPATH": paths, "PYTHONIOENCODING": "cp1252"}
 
 
-def test_a_run_gives_what_it_gives_on_linux(tmp_path, elsewhere):
-    """In two processes."""
+def test_a_run_gives_what_it_gives_on_linux_every_module_is_imported_and_what_hangs_is_ended(
+    tmp_path, elsewhere
+):
+    """In two processes; the stress tests could not be imported, and nothing there limits the time of a process."""
     folder = write_block(tmp_path / "block", block() + PUSHED)
-    done = command("run", str(folder), "--no-report", "--jobs", "2", env=elsewhere, encoding="cp1252")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "alpha_0" in done.stdout
-    assert run(folder, "--jobs", "1", "--out", str(tmp_path / "here")) == 0
-    found, expected = read_results(folder / "output"), read_results(tmp_path / "here")
-    assert timeless(found) == timeless(expected)
-    assert contents(folder / "output").keys() == contents(tmp_path / "here").keys()
-    assert {path.name for path in (folder / "output").iterdir()} >= {FOLDER, "results.json"}
-
-
-def test_every_module_can_be_imported_a_template_checked_and_what_hangs_ended(tmp_path, elsewhere):
-    """That of the stress tests too, which could not; nothing there limits the time of a process."""
-    new_project(tmp_path / "wall", "wall", {})
     code = (
-        "import importlib, pkgutil, assessment, mechanics\n"
-        "for package in (assessment, mechanics):\n"
-        "    for module in pkgutil.walk_packages(package.__path__, package.__name__ + '.'):\n"
-        "        importlib.import_module(module.name)\n"
-        "from assessment.benchmark.measure import machine, peak_memory\n"
-        "print(ascii(machine()), peak_memory())\n"
+        "import importlib, pkgutil, sys, assessment, mechanics\n"
         "from assessment.cli.main import main\n"
-        f"print('checked:', main(['check', {str(tmp_path / 'wall')!r}]), flush=True)\n"
-        "from tests.stress import harness\n"
-        "assert harness.resource is None\n"
-        "harness._limit(1)\n"
-        "while True:\n"
-        "    pass"
+        "if __name__ == '__main__':\n"
+        "    for package in (assessment, mechanics):\n"
+        "        for module in pkgutil.walk_packages(package.__path__, package.__name__ + '.'):\n"
+        "            importlib.import_module(module.name)\n"
+        "    from assessment.benchmark.measure import machine, peak_memory\n"
+        "    print(ascii(machine()), peak_memory())\n"
+        f"    sys.argv = ['assesto', 'check', {str(folder)!r}]\n"
+        "    assert main() == 0\n"
+        f"    sys.argv = ['assesto', 'run', {str(folder)!r}, '--no-report', '--jobs', '2']\n"
+        "    print('ran:', main(), flush=True)\n"
+        "    from tests.stress import harness\n"
+        "    assert harness.resource is None\n"
+        "    harness._limit(1)\n"
+        "    while True:\n"
+        "        pass"
     )
     done = command(code=code, env=elsewhere, encoding="cp1252")
     assert (done.returncode, done.stderr) == (HUNG, "")
-    assert "load unknown at the start" in done.stdout
-    assert done.stdout.splitlines()[-1] == "checked: 0"
-    assert (tmp_path / "wall" / "output" / "model.svg").is_file()
+    assert "load unknown at the start" in done.stdout and "alpha_0" in done.stdout
+    assert done.stdout.splitlines()[-1] == "ran: 0"
+    assert (folder / "output" / "model.svg").is_file()
+    assert run(folder, "--jobs", "1", "--out", str(tmp_path / "here")) == 0
+    found, expected = read_results(folder / "output"), read_results(tmp_path / "here")
+    assert timeless(found) == timeless(expected)
+    assert contents(folder / "output").keys() - {"model.svg"} == contents(tmp_path / "here").keys()
+    assert {path.name for path in (folder / "output").iterdir()} >= {FOLDER, "results.json"}

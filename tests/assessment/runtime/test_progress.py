@@ -1,7 +1,5 @@
 """What the terminal shows: one table or JSON on standard output, bars on standard error."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -1,7 +1,5 @@
 """Analyses on several processes, and how they are kept: every bit, under a name that tells what they depend on."""
 
-from __future__ import annotations
-
 import operator
 import os
 import time

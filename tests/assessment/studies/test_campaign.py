@@ -1,7 +1,5 @@
 """Campaigns: losses, the value of the standard, doubts, and a small campaign on the rocking block."""
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Motions are made up, everything around them is the program's.
 """
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 import weakref

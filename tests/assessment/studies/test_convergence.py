@@ -1,7 +1,5 @@
 """Halved increments and the error they let expect: against closed forms, finer references, and by themselves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection
 

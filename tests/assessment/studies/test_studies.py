@@ -1,7 +1,5 @@
 """Scenarios side by side and the sensitivity of the capacity: against closed forms, invariants, and by themselves."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A check: about how long a run takes; a project drawn at geographic coordinates."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

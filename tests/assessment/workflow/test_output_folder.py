@@ -1,7 +1,5 @@
 """What is left on the disk: each file whole or not at all; what was completed where analyses cannot be."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Analyses taken over from earlier runs: exactly what was computed, and only what has not changed."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

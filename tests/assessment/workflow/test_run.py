@@ -1,7 +1,5 @@
 """Runs after runs: what has not changed is left alone, and what was changed by hand is told."""
 
-from __future__ import annotations
-
 import json
 import random
 import shutil

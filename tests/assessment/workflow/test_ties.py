@@ -1,7 +1,5 @@
 """Ties and strengthened states in a run: closed forms of one block, pushed and shaken."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

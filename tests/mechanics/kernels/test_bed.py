@@ -1,7 +1,5 @@
 """The bed of a joint: its closed forms against integrals, its dual, points."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings

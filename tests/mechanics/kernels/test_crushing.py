@@ -1,7 +1,5 @@
 """The bed of finite strength, and what it keeps, against fibres that yield; forces, work and gaps of every bed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

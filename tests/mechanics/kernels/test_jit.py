@@ -1,7 +1,5 @@
 """Where compiled code is kept, and that it is never out of date, never in the way and never anybody else's."""
 
-from __future__ import annotations
-
 import ast
 import errno
 import os

@@ -1,7 +1,5 @@
 """Where blocks touch as they move: touched faces, ends of surfaces, faces that meet, joints that come back."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import shapely

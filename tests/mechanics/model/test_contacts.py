@@ -1,7 +1,5 @@
 """Kinematics of joints: measures, rows and second derivatives against finite differences, overlap, stones that meet."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

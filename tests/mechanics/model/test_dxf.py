@@ -1,7 +1,5 @@
 """DXF to blocks: what is read, and where it ends up."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Drawings as they come: front views, heights, versions, spellings; some that gave a wrong model or took minutes."""
 
-from __future__ import annotations
-
 import math
 import re
 import unicodedata

@@ -1,7 +1,5 @@
 """What is said of drawings that are wrong: the entity, the place and what to do."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Drawings with small faults: what is mended, what is told, and what is left alone."""
 
-from __future__ import annotations
-
 import re
 from functools import cache
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Blocks, their joints, and both drawn at geographic coordinates."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Layout checks: overlaps, duplicates, floating blocks and gaps, with the places where they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

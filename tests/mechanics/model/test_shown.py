@@ -1,7 +1,5 @@
 """What a drawing hides is no block, or is refused by name: clips, states of dynamic blocks, wipeouts, viewports."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from ezdxf.entities.dxfentity import DXFTagStorage

@@ -1,7 +1,5 @@
 """Models and results show themselves: drawings, curves, films, tables, and a line in place of megabytes."""
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np

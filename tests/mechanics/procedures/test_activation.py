@@ -60,19 +60,6 @@ def test_e_and_gamma_star_follow_from_the_virtual_displacements_printed(state, d
         assert content["capacity"][direction][key] == pytest.approx(mechanism[key], rel=1e-6)
 
 
-def test_a_settled_arch_has_its_mechanism_at_the_largest_multiplier():
-    """Its onset closes a hinge of the settlement, and does not move the control point."""
-    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1)
-    (table,) = project.settlements
-    state = pushdown(model, table.support, table.displacement_m, increment=0.004).final
-    for direction in ("+x", "-x"):
-        control = project.pushover_control(direction).point_m
-        curve = pushover(model, control, direction, "rigid", 0.001, state, until=0.7)
-        assert curve.formed == curve.peak > 0
-        alpha = virtual_work_multiplier(model, curve.mechanism, direction)
-        assert alpha == pytest.approx(curve.multiplier.max(), rel=1e-5)
-
-
 def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation():
     model = block_on_base(0.6, 4.2, friction=0.1)
     curve = pushover(model, (0.6, 4.2), increment=0.1)

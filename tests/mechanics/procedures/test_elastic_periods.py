@@ -1,7 +1,5 @@
 """The frequency that damping refers to, against the dense eigenvalue problem of the same springs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import eigh

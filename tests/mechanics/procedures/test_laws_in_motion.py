@@ -1,7 +1,5 @@
 """Motions by the laws of joints: sliding, apart, on contact points, crushed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

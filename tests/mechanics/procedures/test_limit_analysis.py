@@ -1,7 +1,5 @@
 """Limit analysis beside a linear program written apart: closed forms, settled states, ties, bounds."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Structures that are their own mirror image: recognised exactly, and the image of a path is the path the other way."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The check of configurations against the model, beside the programs that found them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

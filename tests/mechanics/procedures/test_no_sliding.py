@@ -1,7 +1,5 @@
 """Infinite friction: what presses does not slide, what is open bears nothing; no coefficient stands for it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

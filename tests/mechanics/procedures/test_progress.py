@@ -1,7 +1,5 @@
 """What procedures tell of how far they are: shares that grow to 1, before they are finished."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

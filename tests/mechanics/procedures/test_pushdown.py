@@ -1,7 +1,5 @@
 """Movements of supports: in succession, led by hand, several at once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

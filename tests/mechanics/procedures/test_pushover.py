@@ -1,7 +1,5 @@
 """Curves of settled states, of joints that slide, their peaks, control points and ends, in any frame."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 
@@ -269,14 +267,6 @@ def test_without_a_control_point_the_top_of_a_wall_is_followed(direction, foremo
     given = pushover(model, chosen.control, direction, contacts, 0.02)
     assert chosen.displacement == pytest.approx(given.displacement, abs=1e-12)
     assert chosen.multiplier == pytest.approx(given.multiplier, abs=1e-12)
-
-
-def test_of_a_wall_whose_top_courses_turn_it_is_a_corner_of_theirs():
-    model = running_bond(3, 6)
-    path = pushover(model, increment=0.02, until=0.9)
-    moved = path.mechanism[path.block]
-    assert abs(moved[:2]).max() > 0.5 * abs(path.mechanism[:, :2]).max()
-    assert abs(path.mechanism[model.movable, :2]).max(axis=1).min() < 1e-6, "what lies below does not move"
 
 
 def test_a_corner_that_two_blocks_share_is_not_chosen():

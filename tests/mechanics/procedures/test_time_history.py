@@ -1,7 +1,5 @@
 """Time histories: invariants, energy, collapse, messages."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

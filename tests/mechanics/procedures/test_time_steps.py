@@ -1,7 +1,5 @@
 """Steps of a motion: impacts shorter than one, rest that is not computed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

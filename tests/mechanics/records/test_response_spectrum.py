@@ -1,7 +1,5 @@
 """Response spectra against an independent integration and limits; artificial records: spectrum, shape, rest, seeds."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

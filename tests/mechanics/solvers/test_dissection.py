@@ -1,7 +1,5 @@
 """Nested dissection: its fronts hold what a band holds, and lead to the same solutions with fewer numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial import Delaunay

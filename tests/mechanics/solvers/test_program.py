@@ -1,7 +1,5 @@
 """The program: its certificate, its solvers against each other, and what it says where there is no solution."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What stands and what does not: faces that nothing presses, inclines steeper than friction, walls without any."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Rest: of settled structures as a motion begins there, of elastic ones however stiff, and never an unstable one."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

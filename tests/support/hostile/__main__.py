@@ -1,7 +1,5 @@
 """Tries every hostile input and prints the counts: python -m tests.support.hostile [FACTOR]."""
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import warnings

@@ -1,7 +1,5 @@
 """Thousands of hostile inputs by kind: how each is made, how it is tried, and how many of them a test tries."""
 
-from __future__ import annotations
-
 import io
 import json
 import re

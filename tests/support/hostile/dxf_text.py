@@ -1,7 +1,5 @@
 """Small DXF files as text, with any values in them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from hypothesis import strategies as st

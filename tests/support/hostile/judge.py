@@ -1,7 +1,5 @@
 """The verdict on an input: refused in the words of the person who wrote it, or completed; anything else is a fault."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import re

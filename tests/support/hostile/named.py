@@ -1,7 +1,5 @@
 """Hostile inputs by name: each makes its files in an empty folder, tries them and returns the verdict."""
 
-from __future__ import annotations
-
 import io
 import math
 import re
@@ -131,7 +129,7 @@ def _at(index: int, value: float) -> Callable[[list[float]], list[float]]:
 
 
 def _markdown(folder: Path) -> str:
-    for text in ("<!--" * 100_000, "*" * 100_001, "**" * 50_001, "- a\n" + "  b\n" * 100_000):
+    for text in ("<!--" * 100_000, "*" * 100_001, "**" * 50_001, "- a\n" + "  b\n" * 30_000):
         assert len(to_html(text)) < 10 * len(text)
     return COMPLETED
 
@@ -193,7 +191,7 @@ REFUSALS: dict[str, Case] = {
         definition("B0", TRIANGLE)
         + "".join(definition(f"B{k}", insert(f"B{k - 1}")) for k in range(1, 61)),
     ),
-    "a polyline of 100 000 vertices": _drawn(rectangle(-4, -1, 4, 0, "BASE") + polyline(_half_circle(100_000))),
+    "a polyline of 20 001 vertices": _drawn(rectangle(-4, -1, 4, 0, "BASE") + polyline(_half_circle(20_001))),
     "a bulge of 1e300": _drawn(BLOCKS + polyline([(0, 2, "1e300"), (1, 2, 0), (1, 3, 0)])),
     "a drawing of nothing but ENTITIES": _checked(WALL, geometry__dxf="SECTION\n" + "  2\nENTITIES\n" * 100_000),
     "sagitta_m = 1e-12": _checked(PROJECT.replace("[material]", "sagitta_m = 1e-12\n[material]")),

@@ -1,7 +1,5 @@
 """Hostile values, names and texts."""
 
-from __future__ import annotations
-
 import re
 
 from hypothesis import strategies as st

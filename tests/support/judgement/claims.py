@@ -1,7 +1,5 @@
 """What each sentence of the draft judgement claims: it is read back and held against the tables."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from operator import itemgetter

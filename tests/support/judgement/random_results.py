@@ -1,7 +1,5 @@
 """Results whose numbers are drawn freely, for the draft judgement; what is derived from them is derived as by a run."""
 
-from __future__ import annotations
-
 from operator import itemgetter
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every number of the annex, of whole projects: recomputed from what tables/trace.csv and the report print."""
 
-from __future__ import annotations
-
 import json
 
 import ezdxf

@@ -1,7 +1,5 @@
 """The draft judgement claims nothing that a table contradicts; judgement.md: drafted, edited, kept, printed, told."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

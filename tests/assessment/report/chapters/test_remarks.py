@@ -1,7 +1,5 @@
 """Remarks: curves, overlaps, ties, the second solver; and motions that collapse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from markupsafe import Markup

@@ -1,7 +1,5 @@
 """The first page agrees with the tables: each number of its sentences and of its table is that of the checks."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

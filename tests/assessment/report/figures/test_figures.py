@@ -1,9 +1,6 @@
 """Figures are drawn from results alone, the same bytes each time, at the scale and places they claim."""
 
-from __future__ import annotations
-
 import math
-from xml.etree import ElementTree
 
 import matplotlib as mpl
 import numpy as np
@@ -15,39 +12,22 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures.curves import ELASTIC, draw_pushdown, draw_spectra
 from assessment.report.figures.deformed import draw_settlement, round_force
-from assessment.report.figures.index import write_figures
 from assessment.report.figures.style import MM, SCALES, sheet, typeset
-from assessment.report.language import slug, words_of
+from assessment.report.language import words_of
 from assessment.report.tables.mechanisms import elastic_capacity
 from assessment.results.joint_states import outlines
-from assessment.runtime.pool import Pool
 from assessment.workflow.stages import run
 from mechanics.pictures import STYLE, Shape, magnification, nice
 from tests.support.block_project import TURNED, write_block
 from tests.support.block_project import block as tables_of_block
-from tests.support.results_example import SETTLED, results_example
+from tests.support.results_example import results_example
 from tests.support.typed import typed
-
-
-@pytest.fixture(scope="module")
-def drawn(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("figures")
-    return write_figures(Pool(0, typed(results_example())), folder)
 
 
 def test_two_drawings_stand_beside_one_another_unless_below_they_are_twice_as_large():
     high, wide = (sheet((0.0, 0.0, width, 2.0), 2).panels for width in (3.6, 30.0))
     assert high[0].get_position().y0 == high[1].get_position().y0
     assert wide[0].get_position().y0 > wide[1].get_position().y1
-
-
-def test_every_figure_of_the_results_is_written(drawn):
-    names = {path.stem for path in drawn}
-    stem = slug(typed(results_example()), SETTLED)
-    assert {"model", f"settlement_{stem}", f"pushdown_{stem}"} <= names
-    assert {"synthesis", "mechanism", "pushover", "spectra_SLV", "spectra_SLC"} <= names
-    for path in drawn:
-        assert ElementTree.parse(path).getroot().tag.endswith("svg")
 
 
 def test_sheet_is_to_scale():

@@ -1,7 +1,5 @@
 """Tables, figures and chapters of scenarios and sensitivity: from hand-made results, in both languages."""
 
-from __future__ import annotations
-
 import pytest
 from markupsafe import Markup
 

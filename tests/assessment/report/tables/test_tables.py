@@ -1,7 +1,5 @@
 """The tables hold the numbers of the results; reductions compare settled states with the original."""
 
-from __future__ import annotations
-
 import csv
 
 import pandas as pd

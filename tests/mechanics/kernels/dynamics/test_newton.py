@@ -1,7 +1,5 @@
 """Newton's method for steps of elastic joints: forces and stiffness of a joint, and the interior point's solution."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The compiled loops of a joint against their definitions: resultants, stiffness, and the elimination of its laws."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """Factors of banded matrices against those of LAPACK and of NumPy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.linalg import lapack
