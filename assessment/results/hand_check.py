@@ -195,6 +195,15 @@ def governing_mechanisms(results: Results) -> list[tuple[str, Direction]]:
     return [(name, direction) for name, (direction, _) in least.items()]
 
 
+def governing_view(results: Results) -> tuple[str, Direction] | None:
+    """Return state and direction of the rigid mechanism that governs; None where there is none."""
+    pushed = {(name, direction): rigid.alpha_0 for name, direction, rigid in mechanisms(results)}
+    least = results.summary.governing
+    if least and (least.state, least.direction) in pushed:
+        return least.state, least.direction
+    return min(pushed, key=lambda view: pushed[view], default=None)
+
+
 def figures_of(results: Results, state: str, direction: Direction) -> list[MacroBlockFigures]:
     """Return the macro-blocks of a mechanism as they are printed, the largest first."""
     found = []

@@ -255,20 +255,6 @@ def worst_settled(results: schema.Results) -> str | None:
     return fallen[0] if fallen else min(names, key=borne, default=None)
 
 
-def governing_view(results: schema.Results) -> tuple[str, Direction] | None:
-    """Return state and direction of the rigid mechanism that governs; None where there is none."""
-    pushed = {
-        (name, way): push.rigid
-        for name, state in results.states.items()
-        for way, push in state.pushover.items()
-        if push.rigid
-    }
-    least = results.summary.governing
-    if least and (least.state, least.direction) in pushed:
-        return least.state, least.direction
-    return min(pushed, key=lambda view: pushed[view].alpha_0, default=None)
-
-
 def best_of(found: Identification) -> Explanation | None:
     """Return the hypothesis with the least AIC; None where none could be followed."""
     return None if found.best is None else found.hypotheses[found.best]

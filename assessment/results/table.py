@@ -7,7 +7,7 @@ from typing import Any, get_type_hints
 
 from assessment.ntc.tables import INDEXED, ROCK, SURFACE, farthest
 from assessment.results.schema import Results, StateResults, SummaryRow
-from assessment.results.schema.checks import Capacity, Check, ComparisonRow, Direction, StrengtheningRow
+from assessment.results.schema.checks import Capacity, Check, ComparisonRow, StrengtheningRow
 from assessment.results.schema.part import QUANTITIES, Part, enter, key, plain_value
 from assessment.results.schema.studies import Capacities, Scenarios
 
@@ -74,6 +74,13 @@ def compared(found: Capacities, quantity: str) -> float | None:
     """Return the quantity that capacities are compared by: a_g (g), α_0 or α_u."""
     value: float | None = getattr(found, quantity)
     return value
+
+
+def weaker(capacities: Iterable[float | None]) -> float | None:
+    """Return the least of the capacities in each direction; None where one is not known, or there is none."""
+    values = list(capacities)
+    known = [value for value in values if value is not None]
+    return min(known) if known and len(known) == len(values) else None
 
 
 def among_known(found: Scenarios) -> tuple[int, int] | None:
@@ -208,50 +215,36 @@ def comparison(rows: Sequence[SummaryRow]) -> list[ComparisonRow]:
     return found
 
 
-def _directions(original: StateResults, state: StateResults) -> Iterable[Direction | None]:
-    """Return the directions of the pushover; None if there is none and the state has a dynamic capacity."""
-    return original.pushover or ([None] if state.incremental.records else [])
-
-
-def strengthened(states: Mapping[str, StateResults]) -> list[StrengtheningRow]:
+def strengthened(states: Mapping[str, StateResults], rows: Sequence[SummaryRow]) -> list[StrengtheningRow]:
     """Return a row for each strengthened state and direction: its capacities beside those of the state before.
 
-    The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked. A quantity before the
-    strengthening has its unit last: a_g_before_g.
+    `rows`: of the summary. The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked. A
+    quantity before the strengthening has its unit last: a_g_before_g.
     """
-    rows = []
-    for strong, state in states.items():
-        made = state.strengthening
-        for direction in _directions(states[made.of], state) if made and made.of in states else ():
-            of = made.of if made else ""
-            (was, limit_was), (now, limit) = (_measured(states[each], direction) for each in (of, strong))
-            row: dict[str, Any] = {}
-            for name in {**was, **now}:
-                stem, _, unit = name.rpartition("_")
-                row[f"{stem}_before_{unit}" if unit in {"m", "g"} else f"{name}_before"] = was.get(name)
-                row[name] = now.get(name)
-            by = next((name for name in COMPARED if was.get(name) is not None), "")
-            if was.get(by) and now.get(by) is not None:
-                row["gain"] = now[by] / was[by] - 1.0
-            if limit_was or limit:
-                row["limit_state"] = limit_was or limit
-            rows.append(StrengtheningRow(state=strong, of=of, direction=direction, **({"gain": None} | row)))
-    return rows
+    by_place, found = {(row.state, row.direction): row for row in rows}, []
+    for strong in rows:
+        made = states[strong.state].strengthening
+        if made is None or (before := by_place.get((made.of, strong.direction))) is None:
+            continue
+        (was, limit_was), (now, limit) = (_measured(states[each.state], each) for each in (before, strong))
+        row: dict[str, Any] = {}
+        for name in {**was, **now}:
+            stem, _, unit = name.rpartition("_")
+            row[f"{stem}_before_{unit}" if unit in {"m", "g"} else f"{name}_before"] = was.get(name)
+            row[name] = now.get(name)
+        by = next((name for name in COMPARED if was.get(name) is not None), "")
+        if was.get(by) and now.get(by) is not None:
+            row["gain"] = now[by] / was[by] - 1.0
+        if limit_was or limit:
+            row["limit_state"] = limit_was or limit
+        row = {"gain": None} | row
+        found.append(StrengtheningRow(state=strong.state, of=made.of, direction=strong.direction, **row))
+    return found
 
 
-def _measured(state: StateResults, direction: Direction | None) -> tuple[dict[str, Any], str | None]:
+def _measured(state: StateResults, row: SummaryRow) -> tuple[Row, str | None]:
     """Return the capacities of a state in a direction, those that were asked for, and the limit state checked."""
-    found: dict[str, Any] = {}
-    pushed = state.pushover.get(direction) if direction else None
-    capacity = state.capacity.get(direction) if direction else None
-    if pushed and pushed.rigid:
-        found |= {"alpha_0": pushed.rigid.alpha_0, "d_0_m": pushed.rigid.d_0_m}
-    if pushed and pushed.elastic:
-        found["alpha_u"] = pushed.elastic.alpha_u
-    limit = ("SLV" if "SLV" in capacity.checks else farthest(capacity.checks)) if capacity else None
-    if capacity and limit:
-        check = capacity.checks[limit]
-        found |= {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E}
-    if state.incremental.records is not None:
-        found["dynamic_pga_g"] = state.incremental.pga_collapse_g
-    return found, limit
+    checks = state.capacity[row.direction].checks if row.direction in state.capacity else {}
+    limit = "SLV" if "SLV" in checks else farthest(checks)
+    checked = {"a_g_g": checks[limit].a_g_g, "zeta_E": checks[limit].zeta_E} if limit else {}
+    return cells(row, ("alpha_0", "d_0_m", "alpha_u")) | checked | cells(row, ["dynamic_pga_g"]), limit

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -18,39 +18,18 @@ OVER = 1.0  # s: since when
 
 
 class Show:
-    """Receives the progress of the analyses, each call as an event of that name; this one ignores them.
+    """Receives the progress of the analyses as events, each with its fields; this one ignores them.
 
-    `interval` (s): between two reports of how far an analysis at work is.
+    `begin` (stage, total, taken, work): of `total` analyses all but `taken` are to be computed, `work` in all;
+    `under_way` (title): one is being computed, of several the one that has been for longest; `reached` (work): so much
+    is done, analyses at work included; `done` (work): the same, and one more is finished; `fault` (title, reasons):
+    one, computed or taken over, could not be completed; `end`: of the stage. `interval` (s): between two of `reached`.
     """
 
     interval = 0.25
 
     def tell(self, event: str, **fields: Any) -> None:
-        """Receive an event with its fields."""
-
-    def begin(self, stage: str, total: int, taken: int, work: float) -> None:
-        """A stage begins: of `total` analyses all but `taken` are to be computed, `work` in all."""
-        self.tell("begin", stage=stage, total=total, taken=taken, work=work)
-
-    def under_way(self, title: str) -> None:
-        """An analysis is being computed; of several the one that has been for longest."""
-        self.tell("under_way", title=title)
-
-    def reached(self, done: float) -> None:
-        """So much of the work is done, analyses at work included."""
-        self.tell("reached", work=done)
-
-    def advance(self, done: float) -> None:
-        """One more analysis of the stage is finished; so much of the work is done."""
-        self.tell("done", work=done)
-
-    def fault(self, title: str, reasons: Sequence[str]) -> None:
-        """An analysis, computed or taken over, could not be completed, for these reasons."""
-        self.tell("fault", title=title, reasons=list(reasons))
-
-    def end(self) -> None:
-        """The stage is finished."""
-        self.tell("end")
+        """Receive an event."""
 
 
 SILENCE = Show()

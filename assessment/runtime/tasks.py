@@ -72,7 +72,7 @@ class _Stage:
         """Take over the result of an analysis, and report the work done."""
         self.known[number] = result
         self.done += self.weights.pop(number)
-        self.show.advance(self._reached())
+        self.show.tell("done", work=self._reached())
         self.tell(number)
 
     def tell(self, number: int) -> None:
@@ -80,7 +80,7 @@ class _Stage:
         result = self.known[number]
         parts = result if isinstance(result, list) else [result]
         if reasons := [text for part in parts for text in getattr(part, "failures", ())]:
-            self.show.fault(self.titles[number], reasons)
+            self.show.tell("fault", title=self.titles[number], reasons=reasons)
 
     def hear(self, number: int, share: float | None) -> None:
         """Take over the share that is done of an analysis in this process; reported at the `interval` of `show`."""
@@ -92,13 +92,13 @@ class _Stage:
         """Report the shares that are done of the analyses at work."""
         self.shares = shares
         if (reached := self._reached()) > 0.0:
-            self.show.reached(reached)
+            self.show.tell("reached", work=reached)
 
     def name(self, begun: Iterable[int]) -> None:
         """Report what has been `begun` first and is not finished: one large program reports no share for a minute."""
         number = next((each for each in begun if each in self.weights), None)
         if number is not None and number != self.named:
-            self.show.under_way(self.titles[number])
+            self.show.tell("under_way", title=self.titles[number])
             self.named = number
 
     def _reached(self) -> float:
@@ -153,7 +153,8 @@ class Workers:
                 del at_hand.weights[number]
         if not tasks:
             return []
-        self.show.begin(stage, len(tasks), len(at_hand.known), sum(at_hand.weights.values()))
+        counts = {"total": len(tasks), "taken": len(at_hand.known), "work": sum(at_hand.weights.values())}
+        self.show.tell("begin", stage=stage, **counts)
         for number in at_hand.known:
             at_hand.tell(number)
         try:
@@ -167,7 +168,7 @@ class Workers:
                 at_hand.finish(number, result)
         except KilledError as error:
             raise KilledError(f"{stage}: {error}") from None
-        self.show.end()
+        self.show.tell("end")
         return [at_hand.known[number] for number in every]
 
     def _took(self, stage: _Stage, number: int) -> bool:

@@ -14,7 +14,7 @@ from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, CampaignTable
 from assessment.results.schema import Direction, Pushovers, dynamic, known
-from assessment.results.table import compared
+from assessment.results.table import compared, weaker
 from assessment.studies import variants
 from assessment.studies.scans import (
     Asked,
@@ -116,8 +116,7 @@ def _static(
         own = [stage for stage in stages if stage.behaviour in project.pushover.contacts]
         borne = variants.capacities_of(project, own, pushed, {}).values()
         values = [compared(each, variants.quantity(project)) for each in borne]
-    known = [value for value in values if value is not None]
-    return min(known) if known and len(known) == len(values) else None
+    return weaker(values)
 
 
 def record_set(

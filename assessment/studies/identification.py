@@ -278,16 +278,16 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     table = project.identification
     asked = [fitting.unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
     show, workers.show = workers.show, SILENCE  # one line of progress for all of their many short paths
-    show.begin("identification", len(asked), 0, float(len(asked)))
+    show.tell("begin", stage="identification", total=len(asked), taken=0, work=float(len(asked)))
     hypotheses: list[parts.Explanation] = []
     try:
         for unknowns in asked:
-            show.under_way(unknowns.title)
+            show.tell("under_way", title=unknowns.title)
             hypotheses.append(_explained(project, search, unknowns))
-            show.advance(float(len(hypotheses)))
+            show.tell("done", work=float(len(hypotheses)))
     finally:
         workers.show = show
-    show.end()
+    show.tell("end")
     known = [each.aic for each in hypotheses if each.aic is not None]
     least = min(known, default=math.nan)
     alike = [each.aic is not None and math.isclose(each.aic, least, abs_tol=1e-6) for each in hypotheses]

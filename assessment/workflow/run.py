@@ -230,11 +230,11 @@ def carry_out(
         refuse_unreadable(folder)
         model, store = build_model(project), Store(folder / FOLDER)
         outcome = run(project, model, jobs, store, fresh, show, scheduler)
-        show.begin("report" if report else "figures and tables", 1, 0, 1.0)
+        show.tell("begin", stage="report" if report else "figures and tables", total=1, taken=0, work=1.0)
         warnings = write(outcome.results, folder, report, jobs, project.attachments())
         remember(folder, outcome, key, warnings)
-        show.advance(1.0)
-        show.end()
+        show.tell("done", work=1.0)
+        show.tell("end")
     return outcome, warnings
 
 

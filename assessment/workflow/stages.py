@@ -159,7 +159,7 @@ def _carry_out(draft: Draft) -> None:
     beside = (read.demands, workers, draft.states, converged.stages, converged.halvings)
     _add_studies(draft, Statics(project, models, *beside), scans)
     if project.strengthening:
-        draft.put(strengthening=strengthened(draft.states))
+        draft.put(strengthening=strengthened(draft.states, summary_of(draft.results).rows))
 
 
 def _requests(project: Project, models: Mapping[str, StateModel]) -> list[Request]:

@@ -309,7 +309,7 @@ def worked_by_hand(results: Results) -> list[tuple[str, Direction]]:
     """Return state and direction of the mechanisms whose macro-blocks are printed: in short annexes that governs."""
     if results.echo.report.get("annexes") == "full":
         return hand_check.governing_mechanisms(results)
-    return [*filter(None, [summary.governing_view(results)])]
+    return [*filter(None, [hand_check.governing_view(results)])]
 
 
 def too_many(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Sentences:

@@ -10,11 +10,10 @@ from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, heading, indexed, label, written
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
-from assessment.results.hand_check import rigid_push
+from assessment.results.hand_check import governing_view, rigid_push
 from assessment.results.schema import Results, SummaryRow, known
 from assessment.results.summary import (
     coulomb,
-    governing_view,
     index_limit,
     index_of,
     least_row,

@@ -17,9 +17,10 @@ from assessment.report.language import slug, words_of
 from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.rows import capacities
 from assessment.report.tables.structure import printed
+from assessment.results.hand_check import governing_view
 from assessment.results.joint_states import situations
 from assessment.results.schema import Results, known
-from assessment.results.summary import governing_view, worst_settled
+from assessment.results.summary import worst_settled
 from assessment.runtime.pool import Pool, result_of
 
 T = TypeVar("T")

@@ -1,13 +1,13 @@
 """The tables of studies: scenarios, sensitivity, ranges of what scatters, discretisation errors, identification."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
 from assessment.results.schema import Explanation, Part, Results, Scenarios, Sensitivity, named
 from assessment.results.summary import taken_to_collapse, told_of
-from assessment.results.table import Row, Table, cells, quoted_check
+from assessment.results.table import Row, Table, cells, quoted_check, weaker
 
 CAPACITY = "collapses alpha_0 alpha_u d_0_m limit_state a_g_g zeta_E"
 SCENARIOS = f"state movement_m direction {CAPACITY} reduction ultimate_rigid_m ultimate_elastic_m worst"
@@ -92,12 +92,12 @@ def bars(results: Results) -> list[Bar]:
         own = [run for run in runs if run.state == state]
         directions = dict.fromkeys(run.direction for run in own)
         checks = [quoted_check(results.states[state].capacity.get(direction)) for direction in directions]
-        base = _weaker(check.a_g_g if check else None for check in checks)
+        base = weaker(check.a_g_g if check else None for check in checks)
         of_state = []
         for name in dict.fromkeys(run.property for run in own):
             of_property = [run for run in own if run.property == name]
             low, high = sorted({run.factor for run in of_property})
-            least, most = (_weaker(r.a_g_g for r in of_property if r.factor == each) for each in (low, high))
+            least, most = (weaker(r.a_g_g for r in of_property if r.factor == each) for each in (low, high))
             known = [value for value in (least, base, most) if value is not None]
             swing = max(known) - min(known) if len(known) == 3 else None
             if swing is not None and swing <= ROUNDING * max(known):  # nothing but rounding
@@ -108,12 +108,6 @@ def bars(results: Results) -> list[Bar]:
 
 
 tornado = table("tornado", Bar)(bars)
-
-
-def _weaker(capacities: Iterable[float | None]) -> float | None:
-    values = list(capacities)
-    known = [value for value in values if value is not None]
-    return min(known) if known and len(known) == len(values) else None
 
 
 @table("static_ranges", "state direction contacts limit_state quantity value lowest highest")

@@ -13,8 +13,7 @@ from assessment.report.figures.index import write_figures, write_images
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.language import cell, slug, words_of
 from assessment.report.tables.mechanisms import balance, hand_check, reactions
-from assessment.results.hand_check import figures_of, virtual_work_table
-from assessment.results.summary import governing_view
+from assessment.results.hand_check import figures_of, governing_view, virtual_work_table
 from assessment.runtime.pool import Pool
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed

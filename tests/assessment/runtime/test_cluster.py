@@ -39,11 +39,9 @@ class Murder(Show):
     def __init__(self, local):
         self.local, self.stage, self.killed = local, "", 0
 
-    def begin(self, stage, total, taken, work):
-        self.stage = stage
-
-    def advance(self, done):
-        if self.stage == "campaign" and not self.killed:
+    def tell(self, event, **fields):
+        self.stage = fields.get("stage", self.stage)
+        if event == "done" and self.stage == "campaign" and not self.killed:
             self.killed = next(iter(self.local.workers.values())).pid
             os.kill(self.killed, signal.SIGKILL)
 

@@ -94,18 +94,18 @@ def shown(bars):
 
 def test_the_time_left_is_known_before_an_analysis_is_finished(clock, bars, shown):
     """Two of four were taken over. A third of one takes 30 s, as do the other five thirds: 150 s are left."""
-    bars.begin("pushover", 4, 2, 2.0)
+    bars.tell("begin", stage="pushover", total=4, taken=2, work=2.0)
     assert "left -:--:--" in shown()
     clock.now += 30.0
-    bars.reached(1.0 / 3.0)
+    bars.tell("reached", work=1.0 / 3.0)
     assert "left 0:02:30" in shown()
     clock.now += 60.0
     assert "left 0:01:30" in shown()
-    bars.advance(1.0)
+    bars.tell("done", work=1.0)
     assert "left 0:01:30" in shown()
     clock.now += 30.0
     assert "left 0:01:00" in shown()
     clock.now += 70.0
     assert "left longer than expected" in shown(), "it said 0:00:00 while nothing ended"
-    bars.advance(2.0)
+    bars.tell("done", work=2.0)
     assert "left 0:00:00" in shown()

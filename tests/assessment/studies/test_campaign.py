@@ -214,10 +214,11 @@ class Stopping(Show):
     def __init__(self, after):
         self.left, self.searches, self.finished = after, False, 0
 
-    def begin(self, stage, total, taken, work):
-        self.searches = (stage, total) == ("campaign", 3)
-
-    def advance(self, done):
+    def tell(self, event, **fields):
+        if event == "begin":
+            self.searches = (fields["stage"], fields["total"]) == ("campaign", 3)
+        if event != "done":
+            return
         self.finished += 1
         self.left -= self.searches
         if self.left < 0:

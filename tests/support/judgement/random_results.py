@@ -102,8 +102,6 @@ def random_results(draw):
         searches = made(Incremental, content["incremental"])
         checked[name] = made(StateResults, content).replace(capacity=capacities, incremental=searches)
     results["states"] = plain(states)
-    if rows := strengthened(checked):
-        results["strengthening"] = plain(rows)
     results["quality"]["by_stage"] = [
         row | {f"worst_{name}": draw(RESIDUAL) for name in RESIDUALS}
         for row in results["quality"]["by_stage"]
@@ -116,7 +114,10 @@ def random_results(draw):
         results["mechanisms"] = draw(
             st.lists(chosen(limits, demand), max_size=2, unique_by=itemgetter("name"))
         )
-    results["comparison"] = plain(comparison(typed(results).summary.rows))
+    summed = typed(results).summary.rows
+    results["comparison"] = plain(comparison(summed))
+    if rows := strengthened(checked, summed):
+        results["strengthening"] = plain(rows)
     if draw(st.booleans()) and names:
         results["scenarios"] = draw(scenarios_of(names, directions, limits))
     if draw(st.booleans()) and limits:
