@@ -28,7 +28,9 @@ WRITING = {"figures and tables", "report"}  # stages that hold no analysis
 
 def write_every_stage(folder: Path) -> Path:
     """Write drawing, record and project file."""
-    write_wave(write_block(folder, PROJECT + DYNAMICS + ASSESSMENT + REPORT) / "wave.csv", 0.1)
+    write_wave(
+        write_block(folder, "scatter = 1\n" + PROJECT + DYNAMICS + ASSESSMENT + REPORT) / "wave.csv", 0.1
+    )
     return folder
 
 

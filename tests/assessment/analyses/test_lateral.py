@@ -82,7 +82,8 @@ def test_a_curve_is_not_thrown_away_for_its_control_point(tmp_path):
     given = BARE + '[[control]]\nname = "plinth"\npoint_m = [0.45, 0.9]\n'
     found = {}
     for name, text in (("plinth", given), ("none", BARE)):
-        project = plinth(tmp_path / name, text + PUSH + ASSESSMENT.replace('"none"', '"trilinear"'))
+        alone = 'scatter = 1\naccuracy = "fast"\n'
+        project = plinth(tmp_path / name, alone + text + PUSH + ASSESSMENT.replace('"none"', '"trilinear"'))
         assert run(project) == 0
         results = read_results(project / "output")
         found[name] = results["states"]["original"]
@@ -127,7 +128,7 @@ def rubbing(folder, sliding: str) -> dict:
     """A wall 0.5 × 3 m that is pushed away from a fixed one, with which it has a joint."""
     folder.mkdir()
     write_drawing(folder / "geometry.dxf", LAYERS)
-    text = block().replace("point_m = [0.3, 4.2]", "point_m = [0.25, 3.0]")
+    text = "scatter = 1\n" + block().replace("point_m = [0.3, 4.2]", "point_m = [0.25, 3.0]")
     text = (
         text.replace('[[control]]\nname = "left"\npoint_m = [-0.3, 4.2]\n', "")
         + '[layers.SIDE]\nsupport = "side"\n'

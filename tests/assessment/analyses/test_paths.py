@@ -156,7 +156,7 @@ def test_a_beam_that_unseats_is_followed_from_the_drawing(tmp_path):
     the control point moves by 3 sin φ = 0.04994 m. There the beam falls: the capacity ends.
     """
     write_drawing(tmp_path / "geometry.dxf", beam_on_piers(0.4))
-    (tmp_path / "project.toml").write_text(BEAM + ASSESSMENT, encoding="utf-8")
+    (tmp_path / "project.toml").write_text("scatter = 1\n" + BEAM + ASSESSMENT, encoding="utf-8")
     project = load_project(tmp_path)
     results = plain(run(project, build_model(project), jobs=1).results)
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]

@@ -146,10 +146,13 @@ def test_a_loss_is_the_same_whatever_other_states_the_analysis_has():
 
 @pytest.fixture
 def block(tmp_path, no_figures):
-    return write_campaign(tmp_path / "block", SEARCHES, 3)
+    folder = write_campaign(tmp_path / "block", SEARCHES, 3)
+    edit(folder, "scatter = 2\n", 'scatter = 2\naccuracy = "fast"\n')
+    return folder
 
 
 def test_a_small_campaign(block):
+    edit(block, 'accuracy = "fast"\n', "")
     assert run(block) == 0
     found = read_results(block / "output")["campaign"]
     rows = found["combinations"]

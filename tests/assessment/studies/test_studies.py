@@ -17,6 +17,7 @@ from tests.support.typed import made
 
 WIDTH, HEIGHT = 0.6, 4.2
 SLENDERNESS = math.atan(WIDTH / HEIGHT)
+FAST = 'scatter = 1\naccuracy = "fast"\n'
 BLOCK = block(stiffness="2e4")
 TURNS = """
 [[settlements]]
@@ -63,7 +64,7 @@ SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
 @pytest.fixture
 def project(tmp_path: Path):
     """Write a project of one block on a base and load it; one folder for all its variants."""
-    return lambda text: load_project(write_block(tmp_path, text))
+    return lambda text: load_project(write_block(tmp_path, FAST + text))
 
 
 def results_of(project, jobs: int = 1) -> dict:
@@ -148,7 +149,7 @@ states = ["original"]
 @pytest.fixture(scope="module")
 def varied(tmp_path_factory):
     """Runs of the sensitivity of one elastic block by property, factor and direction; and all results."""
-    folder = write_block(tmp_path_factory.mktemp("varied"), BLOCK + ELASTIC + SENSITIVITY)
+    folder = write_block(tmp_path_factory.mktemp("varied"), FAST + BLOCK + ELASTIC + SENSITIVITY)
     results = results_of(load_project(folder))
     runs = {(r["property"], r["factor"], r["direction"]): r for r in results["sensitivity"]["runs"]}
     assert len(runs) == len(results["sensitivity"]["runs"]) == 16

@@ -87,7 +87,7 @@ def project(folder: Path, away: tuple[float, float]):
         numbers = [float(n) + away[k % 2] for k, n in enumerate(found[2].split(","))]
         return f"{found[1]} = {numbers}"
 
-    text = PLACES.sub(moved, block() + TURNED + TIE + TABLES)
+    text = 'scatter = 1\naccuracy = "fast"\n' + PLACES.sub(moved, block() + TURNED + TIE + TABLES)
     (folder / "project.toml").write_text(text, encoding="utf-8")
     return load_project(folder)
 
