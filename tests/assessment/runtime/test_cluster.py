@@ -17,7 +17,7 @@ from assessment.runtime.pool import Cluster, KilledError
 from assessment.runtime.progress import Show
 from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
-from tests.support.block_project import timeless
+from tests.support.block_project import edit, timeless
 from tests.support.campaign_project import STRIPES, write_campaign
 
 distributed = pytest.importorskip("distributed")
@@ -48,7 +48,9 @@ class Murder(Show):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal")
 def test_a_worker_that_is_killed_costs_what_it_was_at_and_no_result(local, tmp_path):
-    project = load_project(write_campaign(tmp_path / "block", STRIPES, 2))
+    folder = write_campaign(tmp_path / "block", STRIPES, 2)
+    edit(folder, "scatter = 2\n", 'scatter = 1\naccuracy = "fast"\n')
+    project = load_project(folder)
     model, store, murder = build_model(project), Store(tmp_path / FOLDER), Murder(local)
     away = run(project, model, store=store, show=murder, scheduler=local.scheduler_address)
     assert murder.killed and away.complete and away.taken == 0

@@ -14,13 +14,6 @@ TITLE = 'title = "Block"'
 GREEK = 'title = "Tuff, −5 µm … Ξ, città"'
 
 
-def arguments(command: str, project) -> list[object]:
-    given = {
-        "help": ["run", "--help"], "schema": ["schema"], "run": ["run", project, "--no-report"],
-    }  # fmt: skip
-    return given.get(command) or [command, project]
-
-
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """A project that was run: to run it again takes no time, and says the same."""
@@ -70,21 +63,20 @@ def gone() -> int:
     return writing
 
 
-@pytest.mark.parametrize("command", ["run", "status"])
-def test_a_reader_that_has_seen_enough_is_no_error(project, command):
+def test_a_reader_that_has_seen_enough_is_no_error(project):
     writing = gone()
-    done = start(*arguments(command, project), stdout=writing)
+    done = start("run", project, "--no-report", stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")  # noqa: PTH110
-@pytest.mark.parametrize(("command", "buffered"), [("run", True), ("help", False)])
-def test_a_full_disk_behind_standard_output_is_told(project, command, buffered, monkeypatch):
+@pytest.mark.parametrize(("option", "unbuffered"), [("--no-report", ""), ("--help", "1")])
+def test_a_full_disk_behind_standard_output_is_told(project, option, unbuffered, monkeypatch):
     """A --help that nobody got ended with 0: argparse passes over what it cannot write."""
-    monkeypatch.setenv("PYTHONUNBUFFERED", "" if buffered else "1")
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
     with open("/dev/full", "wb") as full:  # noqa: PTH123
-        done = start(*arguments(command, project), stdout=full)
+        done = start("run", project, option, stdout=full)
     assert done.returncode == 3
     assert done.stderr.startswith(b"error: standard output: No space left on device")
     assert done.stderr.count(b"\n") == 1
