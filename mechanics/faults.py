@@ -84,11 +84,3 @@ def listed(items: Sequence[Text]) -> list[Text | Message]:
     more = len(items) - LISTED
     rest = [message("and {count} more of this kind", count=more)] if more > 0 else []
     return [*items[:LISTED], *rest]
-
-
-def visible(text: str) -> str:
-    """Return a text of unknown origin with what is not seen, such as control characters, as escapes.
-
-    A terminal or a page shows such a text and does nothing else with it.
-    """
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

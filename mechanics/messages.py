@@ -94,6 +94,14 @@ def put_together(table: Mapping[str, Any]) -> Any:
     return Message(**table) if table.keys() == {"template", "fields"} else table
 
 
+def visible(text: str) -> str:
+    """Return a text of unknown origin with what is not seen, such as control characters, as escapes.
+
+    A terminal or a page shows such a text and does nothing else with it.
+    """
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 def layer_key(name: str) -> str:
     """Return what is the same of the name of a layer in any case of letters, accents composed or not."""
     return unicodedata.normalize("NFC", name).lower()

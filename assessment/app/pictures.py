@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from assessment.analyses.demand import demand_spectra
+from assessment.analyses.time_history import thinned
 from assessment.app.editing import model_tag
 from assessment.ntc.hazard import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
@@ -27,7 +28,6 @@ from mechanics.model import repair_drawing, survey_drawing
 from mechanics.records import read_record, response_spectrum
 from mechanics.types import Array
 
-SAMPLES = 2000  # of a record that are drawn
 PERIODS = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.02, 4.0, 150)])  # s
 
 
@@ -97,16 +97,13 @@ def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
 def record_picture(path: Path, time_step: float | None = None) -> dict[str, Any]:
     """Return a(t) of a record, g, and its Sa(T), g, at 5 % damping. Raises RecordError for a file that is none."""
     record = read_record(path, time_step)
-    a, every = record.acceleration, 2 * (record.acceleration.size // SAMPLES)
-    if every > 0:  # the lowest and the highest of some samples: a peak is never left out
-        parts = a[: every * (a.size // every)].reshape(-1, every)
-        a = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1).ravel()
+    kept = thinned(record.acceleration)
     keys = {key: getattr(record, key) for key in ("name", "unit", "time_step", "duration", "pga")}
     spectrum = response_spectrum(record.acceleration, record.time_step, PERIODS)[0]
     return keys | {
         "arias": list(record.arias_window()),
-        "time": _short(np.linspace(0.0, record.duration, len(a))),
-        "acceleration": _short(a),
+        "time": _short(record.time[kept]),
+        "acceleration": _short(record.acceleration[kept]),
         "periods": _short(PERIODS),
         "Sa": _short(spectrum),
     }

@@ -13,8 +13,7 @@ import numpy as np
 from assessment.project.project import Project
 from assessment.project.schema import HistoryTable, MotionTable
 from assessment.runtime.errors import ProjectError
-from mechanics.faults import visible
-from mechanics.messages import Message, headed, message
+from mechanics.messages import Message, headed, message, visible
 from mechanics.records import SAME_TIME, Record, read_record
 from mechanics.types import Array
 

@@ -20,6 +20,7 @@ from assessment.project.schema import Behaviour, CampaignTable, ControlTable, Di
 from assessment.project.schema.motions import GENERATED, IncrementalTable
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import file_digest
+from mechanics.messages import visible
 
 CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 
@@ -142,8 +143,6 @@ def project_file(folder: Path | str) -> Path:
     """Return the project file in `folder`, or the file itself. Raises ProjectError where there is none."""
     path = Path(folder).absolute()
     if CONTROL.search(str(path)):
-        from mechanics.faults import visible  # late: the mechanics take their time
-
         raise ProjectError(f"{visible(str(path))}: project: control characters in the name; rename it")
     if path.name in SOURCES and path.is_file():
         return path

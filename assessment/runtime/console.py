@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn, TextIO
 
+from mechanics.messages import visible
+
 OUTPUT = "standard output"  # as a message names it
 SPELT = dict.fromkeys("−–—·", "-") | dict.fromkeys("“”", '"') | {"…": "...", "×": "x", "’": "'", "→": "->"}
 
@@ -52,11 +54,6 @@ def tell(line: str) -> None:
         print(visible(line), file=sys.stderr, flush=True)
     except OSError:  # what is left in its buffer would fail once more at the end, with a code of its own
         sys.stderr = _nowhere()
-
-
-def visible(line: str) -> str:
-    """Return a line with control characters as escapes, without the time that it takes to import `mechanics.faults`."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
 
 
 @contextmanager

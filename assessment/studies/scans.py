@@ -19,8 +19,7 @@ from assessment.runtime.cache import fingerprint
 from assessment.runtime.tasks import From, Workers
 from assessment.studies.variants import Study
 from mechanics import Assembly
-from mechanics.faults import visible
-from mechanics.messages import Message, headed, message
+from mechanics.messages import Message, headed, message, visible
 from mechanics.procedures import Mirror
 
 LOOKS, LOOKED_TO = 2, 0.05  # without an accuracy: halvings of the time step, and by how much levels may move

@@ -31,8 +31,7 @@ from assessment.results.summary import EMPTY
 from assessment.runtime.cache import installed
 from assessment.runtime.pool import cores
 from mechanics import Assembly
-from mechanics.faults import visible
-from mechanics.messages import Message, headed
+from mechanics.messages import Message, headed, visible
 from mechanics.records import Record
 from mechanics.types import GRAVITY
 

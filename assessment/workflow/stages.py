@@ -256,9 +256,7 @@ def _add_second_solver(draft: Draft, reported: Iterable[Governed]) -> None:
         if rigid := curves[direction].rigid:
             with_second = curves[direction].replace(rigid=rigid.replace(second_solver=result.value))
             draft.put_state(name, pushover=curves | {direction: with_second})
-        draft.warnings += result.warnings
-    if compared:
-        draft.took("second solver", sum(result.seconds for result in compared))
+        draft.add("second solver", result)
 
 
 def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> None:

@@ -31,8 +31,7 @@ from ezdxf.xclip import (
 )
 
 from mechanics.errors import DrawingError
-from mechanics.faults import visible
-from mechanics.messages import Message, layer_key, message
+from mechanics.messages import Message, layer_key, message, visible
 from mechanics.types import Array
 
 MOST_BYTES = 200_000_000  # of a file: some 20 000 blocks take ten

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mechanics.errors import RecordError
-from mechanics.faults import visible
+from mechanics.messages import visible
 from mechanics.records.headings import KNOWN, Column, HeadingError, column, labels, speaks_of_units, unit
 from mechanics.types import Array
 

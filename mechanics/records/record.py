@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from mechanics.errors import RecordError, is_between, require
-from mechanics.faults import visible
+from mechanics.messages import visible
 from mechanics.records.formats import parse_record
 from mechanics.types import Array
 

@@ -15,6 +15,7 @@ from assessment.project.formats import TOML, convert, source_bytes
 from assessment.project.project import CONTROL, load_project
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import left_over, naming, temporary_of
+from mechanics.messages import visible
 
 NUMBER = "number"  # unit of a dimension that counts: a whole number
 UNITS = {"_kN_m3": "kN/m³", "_kN": "kN", "_deg": "°", "_m": "m"}  # by the end of a name
@@ -104,10 +105,9 @@ def new_project(folder: Path, template: str, options: Mapping[str, float], sourc
 def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
     """Yield a temporary folder of files that becomes `folder` when the block ends. Raises ProjectError unless new."""
     if CONTROL.search(str(folder.absolute())):
-        from mechanics.faults import visible  # late: the mechanics take their time
-
-        shown = visible(str(folder))
-        raise ProjectError(f"{shown}: folder: control characters in the name; give another one")
+        raise ProjectError(
+            f"{visible(str(folder))}: folder: control characters in the name; give another one"
+        )
     if folder.is_file():
         raise ProjectError(f"{folder}: is a file; give the name of a new folder")
     if folder.is_dir() and any(folder.iterdir()):

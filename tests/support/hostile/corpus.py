@@ -27,8 +27,7 @@ from assessment.report.tables import inert
 from assessment.runtime.errors import ProjectError
 from assessment.workflow import run as workflow
 from assessment.workflow.checking import read_motions
-from mechanics.faults import visible
-from mechanics.messages import headed, message
+from mechanics.messages import headed, message, visible
 from mechanics.records.record import read_record
 from tests.mechanics.records import test_formats as records
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
