@@ -193,24 +193,6 @@ def test_check_prints_a_line_for_every_record(tmp_path, capsys):
     ]
 
 
-@pytest.mark.parametrize(
-    ("heading", "said"),
-    [
-        ("time [s],velocity [cm/s]", "names time and velocity; give accelerations"),
-        (
-            "time [s],acc [kg]",
-            "'kg' in the heading 'acc [kg]' is no unit that is known; known are g, % g, mg, gal",
-        ),
-        ("O.000,0.5", "line 1: 'O.000,0.5' holds the number '0.5' and is no line of numbers"),
-    ],
-)
-def test_a_record_that_is_not_understood_is_refused_by_name(tmp_path, capsys, heading, said):
-    folder = _block(tmp_path / "block", HISTORY, heading=heading)
-    assert main(["check", str(folder)]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith(f"error: {folder / 'wave.csv'}: line 1: ") and said in error
-
-
 def test_a_record_too_strong_for_its_unit_is_doubted(tmp_path):
     """Accelerations in m/s² without a heading pass for g: 3.2 m/s² are a PGA of 3.2 g, which no record has."""
     folder = _block(tmp_path / "block", HISTORY, heading="t,a")

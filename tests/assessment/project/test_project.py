@@ -216,7 +216,7 @@ def test_what_is_commented_out_are_the_defaults(tmp_path):
     assert opened == ProjectContent.model_validate(tomllib.loads(text))
 
 
-@pytest.mark.parametrize("template", TEMPLATES)
+@pytest.mark.parametrize("template", ["facade", "triumphal-arch"])
 def test_a_new_spreadsheet_says_what_the_toml_says(template, tmp_path):
     for folder, options in (("toml", ()), ("xlsx", ("--excel",))):
         assert main(["new", str(tmp_path / folder), "--template", template, *options]) == 0

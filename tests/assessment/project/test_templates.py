@@ -62,12 +62,11 @@ def test_simple_overturning_with_floors_and_roof(options, sliding):
     )
 
 
-@pytest.mark.parametrize("force", [1.0, 3.0])
-def test_simple_overturning_with_ties_that_yield(force):
+def test_simple_overturning_with_ties_that_yield():
     """Ties at 3.325 and 6.825 m: each adds F z to what the weights gain."""
-    options = {"tie_kN": force}
+    options = {"tie_kN": 3.0}
     model = template_assembly("facade", **options)
-    expected = overturning(model, 0.6, ties=[(force, 3.325), (force, 6.825)])
+    expected = overturning(model, 0.6, ties=[(3.0, 3.325), (3.0, 6.825)])
     found = limit_analysis(with_ties("facade", model, **options), "+x").alpha
     assert found == pytest.approx(expected, **TIGHT)
 
