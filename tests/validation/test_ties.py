@@ -136,12 +136,12 @@ def test_limit_analysis_of_a_tied_arch_by_a_program_written_apart(direction, for
 def test_an_arch_tied_at_its_springings_outlives_the_spread_of_a_support():
     """Without the tie it falls at 0.14 m; a tie that yields at 0.02 kN, a hundredth of the thrust, adds little."""
     chain = tied_arch().ties[:1]
-    held = pushdown(tied_arch().tied(chain), "right", (0.2, 0.0), 0.01, contacts="elastic")
+    held = pushdown(tied_arch().tied(chain), "right", (0.2, 0.0), increment=0.02, contacts="elastic")
     assert held.movement[-1] == pytest.approx(0.2)
     ends = []
     for ties in ([], [replace(chain[0], yield_force=0.02)]):
         with pytest.raises(CollapseError) as fall:
-            pushdown(tied_arch().tied(ties), "right", (0.2, 0.0), 0.01, contacts="elastic")
+            pushdown(tied_arch().tied(ties), "right", (0.2, 0.0), increment=0.02, contacts="elastic")
         ends.append(fall.value.path.movement[-1])
     assert ends[0] < 0.145
     assert ends[0] == pytest.approx(ends[1], rel=0.08)

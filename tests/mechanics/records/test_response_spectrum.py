@@ -108,7 +108,7 @@ def spectrum(T):
 
 @pytest.fixture(scope="module")
 def record():
-    return compatible_record(spectrum, duration=25.0, time_step=0.01, seed=1)
+    return compatible_record(spectrum, duration=25.0, time_step=0.02, seed=1)
 
 
 def test_spectrum_is_matched_between_the_periods_it_was_fitted_at(record):
@@ -121,10 +121,10 @@ def test_spectrum_is_matched_between_the_periods_it_was_fitted_at(record):
 def test_base_ends_at_rest_where_it_began(record):
     v = (
         np.concatenate([[0.0], np.cumsum(record.acceleration[1:] + record.acceleration[:-1])])
-        * 0.005
+        * 0.01
         * 9.80665
     )
-    d = np.concatenate([[0.0], np.cumsum(v[1:] + v[:-1])]) * 0.005
+    d = np.concatenate([[0.0], np.cumsum(v[1:] + v[:-1])]) * 0.01
     assert abs(v[-1]) < 1e-9 * np.abs(v).max()
     assert abs(d[-1]) < 1e-3 * np.abs(d).max()
     assert np.abs(d).max() < 0.5
