@@ -9,9 +9,10 @@ from functools import wraps
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
-from mechanics.types import Array, Index, Mask
+from mechanics.types import Array, Index, Mask, turned
 
 if TYPE_CHECKING:
     from matplotlib.animation import FuncAnimation
@@ -67,15 +68,8 @@ class Shape:
 
     def nearest(self, point: ArrayLike) -> int:
         """Return the block whose outline passes nearest to a point (2,) m."""
-        start = self.points
-        first = np.r_[True, self.owner[1:] != self.owner[:-1]]
-        heads = np.flatnonzero(first)
-        following = np.arange(1, len(start) + 1)
-        following[np.r_[heads[1:] - 1, len(start) - 1]] = heads
-        edge, offset = start[following] - start, np.asarray(point, dtype=float) - start
-        along = np.clip(np.sum(edge * offset, axis=1) / np.maximum(np.sum(edge**2, axis=1), 1e-300), 0.0, 1.0)
-        distance = np.linalg.norm(offset - along[:, None] * edge, axis=1)
-        return int(self.owner[np.argmin(distance)])
+        outlines = [shapely.linearrings(ring) for ring in self.rings(self.every)]
+        return int(np.argmin(shapely.distance(outlines, shapely.Point(point))))
 
     @property
     def every(self) -> Index:
@@ -91,11 +85,7 @@ class Shape:
 def place(points: Array, owner: Index, centroids: Array, motion: Array) -> Array:
     """Move points (n, 2) with their blocks by finite motions (b, 3): dx, dz in m, rotation in rad."""
     arm = points - centroids[owner]
-    cosine, sine = np.cos(motion[owner, 2]), np.sin(motion[owner, 2])
-    turned = np.column_stack(
-        [cosine * arm[:, 0] - sine * arm[:, 1], sine * arm[:, 0] + cosine * arm[:, 1]],
-    )
-    placed: Array = centroids[owner] + turned + motion[owner, :2]
+    placed: Array = centroids[owner] + turned(arm, motion[owner, 2]) + motion[owner, :2]
     return placed
 
 

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 from mechanics.errors import ArgumentError, is_number, is_whole, point_of, require, require_positive
 from mechanics.kernels.bed import MOST_SEGMENTS
 from mechanics.kernels.joint import H
-from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints, turned
+from mechanics.model.block import Block, Joints, Tie, default_tolerance, find_joints, polygons_of
 from mechanics.model.contacts import Contacts, Outlines, drawn_contacts, tie_contacts
 from mechanics.pictures import Shape, draw_state, place
-from mechanics.types import GRAVITY, Array, Index, Mask
+from mechanics.types import GRAVITY, Array, Index, Mask, turned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -347,10 +347,8 @@ class Assembly:
         """Return positions (b, 3) after a displacement (2,) m and rotation (rad), about its centroid, of a support."""
         index, centre = self.support(name), self.support_centre(name)
         arm = self.initial.positions[index, :2] - centre
-        cos, sin = np.cos(rotation), np.sin(rotation)
         moved = positions.copy()
-        moved[index, 0] = centre[0] + displacement[0] + cos * arm[:, 0] - sin * arm[:, 1]
-        moved[index, 1] = centre[1] + displacement[1] + sin * arm[:, 0] + cos * arm[:, 1]
+        moved[index, :2] = centre + displacement + turned(arm, rotation)
         moved[index, 2] = rotation
         return moved
 
@@ -368,11 +366,7 @@ class Assembly:
         require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
         pivot = self.from_origin(pivot)
         positions = self.initial.positions.copy()
-        arm = positions[block, :2] - pivot
-        cos, sin = np.cos(rotation), np.sin(rotation)
-        positions[block] = (
-            pivot[0] + cos * arm[0] - sin * arm[1], pivot[1] + sin * arm[0] + cos * arm[1], rotation,
-        )  # fmt: skip
+        positions[block] = *(pivot + turned(positions[block, :2] - pivot, rotation)), rotation
         return State(positions, np.zeros_like(positions))
 
     def starting(self, state: State | None) -> State:
@@ -390,7 +384,7 @@ class Assembly:
     def block_at(self, point: ArrayLike, name: str = "control") -> int:
         """Return the block that contains a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
         at = point_of(name, point)
-        distance = shapely.distance([shapely.Polygon(b.polygon) for b in self.blocks], shapely.Point(at))
+        distance = shapely.distance(polygons_of(self.blocks), shapely.Point(at))
         distance += np.where(
             self.movable, 0.0, 0.5 * self.joint_tolerance
         )  # on a shared edge the movable block

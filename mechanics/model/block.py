@@ -8,10 +8,12 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mechanics.errors import array_of, is_between, is_number, is_whole, point_of, require, require_positive
-from mechanics.types import GRAVITY, Array, Index, Mask
+from mechanics.types import GRAVITY, Array, Index
+
+Polygons = NDArray[np.object_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +188,8 @@ class Joints:
     `ends` (j, 2, 2) m: the two ends of the overlap, midway between the two edges; the tangent runs from the first
     to the second and the normal, a quarter turn anticlockwise from it, points from b into a.
     `room_a`, `room_b` (j, 2) m: first and last coordinate of the edge of a (of b) along the tangent, from the first
-    end. `edges` (j, 2): indices of the two edges among those of all blocks (see block_edges).
+    end. `edges` (j, 2): indices of the two edges among those of all blocks (see block_edges). `gap` (j, 2) m: how far
+    the two edges are apart at the two ends, negative where they overlap.
     """
 
     a: Index
@@ -195,6 +198,12 @@ class Joints:
     room_a: Array
     room_b: Array
     edges: Index
+    gap: Array
+
+    @property
+    def blocks(self) -> Index:
+        """The blocks (j, 2) of each."""
+        return np.stack([self.a, self.b], axis=1)
 
     @property
     def length(self) -> Array:
@@ -207,10 +216,16 @@ class Joints:
         return (self.ends[:, 1] - self.ends[:, 0]) / self.length[:, None]
 
 
+def polygons_of(blocks: Sequence[Block]) -> Polygons:
+    """Return the outlines (b,) of blocks."""
+    found: Polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
+    return found
+
+
 def default_tolerance(outlines: Sequence[Block | Array]) -> float:
     """Return a thousandth of the median edge (m) of blocks, or corners (n, 2): less than a gap, more than rounding."""
-    rings = [each.polygon if isinstance(each, Block) else each for each in outlines]
-    return 1e-3 * float(np.median(np.concatenate([np.hypot(*(np.roll(v, -1, axis=0) - v).T) for v in rings])))
+    start, end, _ = ring_edges([each.polygon if isinstance(each, Block) else each for each in outlines])
+    return 1e-3 * float(np.median(np.hypot(*(end - start).T)))
 
 
 def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
@@ -244,54 +259,49 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
         [_interpolate(s, along[k], along[k + 1], across[k], across[k + 1]) for s in (low, high)]
         for k in (0, 2)
     ]
-    apart = np.maximum(abs(position[0][0] - position[1][0]), abs(position[0][1] - position[1][1]))
-    keep = (overlap > tolerance) & (apart <= tolerance)
+    gap = np.stack([position[0][e] - position[1][e] for e in (0, 1)], axis=1)
+    keep = (overlap > tolerance) & (abs(gap) <= tolerance).all(axis=1)
 
     middle = [0.5 * (position[0][e] + position[1][e]) for e in (0, 1)]
     ends = np.stack(
         [start[first] + s[:, None] * t + m[:, None] * n for s, m in zip((low, high), middle, strict=True)],
         axis=1,
     )
-    rooms = [np.stack([along[k] - low, along[k + 1] - low], axis=1)[keep] for k in (0, 2)]
-    a, b, edges = owner[first][keep], owner[second][keep], np.stack([first, second], axis=1)[keep]
-    order = np.lexsort((b, a))
-    return Joints(a[order], b[order], ends[keep][order], rooms[0][order], rooms[1][order], edges[order])
+    room_a, room_b = (np.stack([along[k] - low, along[k + 1] - low], axis=1) for k in (0, 2))
+    a, b, edges = owner[first], owner[second], np.stack([first, second], axis=1)
+    order = np.flatnonzero(keep)[np.lexsort((b[keep], a[keep]))]
+    return Joints(a[order], b[order], ends[order], room_a[order], room_b[order], edges[order], gap[order])
+
+
+def ring_edges(rings: Sequence[Array]) -> tuple[Array, Array, Index]:
+    """Return the edges of rings, each (n, 2) m: start (e, 2) m, end (e, 2) m, ring (e,)."""
+    start = np.concatenate(rings)
+    owner = np.repeat(np.arange(len(rings)), [len(ring) for ring in rings])
+    return start, start[following(owner)], owner
 
 
 def block_edges(blocks: Sequence[Block]) -> tuple[Array, Array, Index]:
     """Return the straight edges of all blocks: start (e, 2) m, end (e, 2) m, block (e,)."""
-    vertices = np.concatenate([b.polygon for b in blocks])
-    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
-    corners = _corners(vertices, owner)
-    start, owner = vertices[corners], owner[corners]
-    return start, start[_following(owner)], owner
-
-
-def _following(owner: Index) -> Index:
-    """Return the number of the next vertex around the block of each (v,); those of a block follow one another."""
-    begin = np.searchsorted(owner, owner)
-    following = np.arange(1, len(owner) + 1)
-    last = np.append(owner[1:] != owner[:-1], True)
-    following[last] = begin[last]
-    return following
-
-
-def _corners(v: Array, owner: Index) -> Mask:
-    """Return at which vertices (n, 2) the outline of their block changes direction by more than rounding."""
-    following = _following(owner)
-    after, before = v[following] - v, np.empty_like(v)
-    before[following] = after
+    vertex, then, owner = ring_edges([b.polygon for b in blocks])
+    after = then - vertex
+    before = after[preceding(owner)]
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     one, other = np.hypot(*before.T), np.hypot(*after.T)
-    found: Mask = abs(turn) > 1e-9 * one * other + 2.0 * np.spacing(abs(v).max()) * (one + other)
-    return found
+    # vertices at which the outline changes direction by more than rounding
+    corner = abs(turn) > 1e-9 * one * other + 2.0 * np.spacing(abs(vertex).max()) * (one + other)
+    start, owner = vertex[corner], owner[corner]
+    return start, start[following(owner)], owner
 
 
-def turned(vectors: Array, angle: Array | float) -> Array:
-    """Return vectors (…, 2) turned anticlockwise by angles (…,), rad."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, z = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x - s * z, s * x + c * z], axis=-1)
+def following(owner: Index) -> Index:
+    """Return the number of the next vertex around the ring of each (v,); those of a ring follow one another."""
+    last = np.append(owner[1:] != owner[:-1], True)
+    return np.where(last, np.searchsorted(owner, owner), np.arange(1, len(owner) + 1))
+
+
+def preceding(owner: Index) -> Index:
+    """Return the number of the vertex before each (v,): see `following`."""
+    return np.argsort(following(owner))
 
 
 def _dot(p: Array, q: Array) -> Array:

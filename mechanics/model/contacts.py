@@ -32,20 +32,14 @@ from mechanics.kernels.joint import (
     PLACE,
     PX,
     PZ,
-    QX,
-    QZ,
-    TAX,
-    TAZ,
-    TBX,
-    TBZ,
     H,
     U,
     V,
     place,
 )
 from mechanics.kernels.law import STEEPEST
-from mechanics.model.block import Block, Joints, Tie, block_edges, turned
-from mechanics.types import Array, Index, Mask
+from mechanics.model.block import Block, Joints, Tie, block_edges, preceding
+from mechanics.types import Array, Index, Mask, turned
 
 ACROSS = 1e-7  # of the tension: a force across the tie, without which the cone of friction had no inside
 RIGID = 10.0  # times the stiffest joint: a rigid tie in analyses with elastic joints
@@ -101,6 +95,17 @@ class Contacts:
         place(self.a, self.b, self.faces, positions, found)
         return found
 
+    @property
+    def blocks(self) -> Index:
+        """The blocks (j, 2) of each."""
+        return np.stack([self.a, self.b], axis=1)
+
+    @property
+    def sides(self) -> tuple[Array, Array, Array]:
+        """Of the faces of a and b: reference points and tangents (j, 2, 2), and limits along them (j, 2, 2)."""
+        point, along = self.faces[:, :A1].reshape(-1, 2, 2, 2).transpose(2, 0, 1, 3)
+        return point, along, self.faces[:, A1:MEET].reshape(-1, 2, 2)
+
     @cached_property
     def ties(self) -> Mask:
         """Which contacts (j,) are ties."""
@@ -153,10 +158,8 @@ class FaceLines:
 
 def face_lines(contacts: Contacts, centroid: Array) -> FaceLines:
     """Return the faces of contacts as drawn; `centroid` (b, 2) m of the blocks."""
-    f = contacts.faces
-    middle = np.stack([centroid[contacts.a] + f[:, [PX, PZ]], centroid[contacts.b] + f[:, [QX, QZ]]], axis=1)
-    along = np.stack([f[:, [TAX, TAZ]], f[:, [TBX, TBZ]]], axis=1)
-    limits = np.stack([f[:, [A1, A2]], f[:, [B1, B2]]], axis=1)
+    point, along, limits = contacts.sides
+    middle = centroid[contacts.blocks] + point
     return FaceLines(middle[:, :, None] + limits[..., None] * along[:, :, None], middle)
 
 
@@ -170,13 +173,7 @@ def kinematic_contacts(
     along = lines.ends[:, :, 1] - lines.ends[:, :, 0]
     along = along / np.hypot(*along.transpose(2, 0, 1))[..., None]
     reach = np.einsum("jfei,jfi->jfe", lines.ends - lines.middle[:, :, None], along)
-    faces = np.zeros((len(blocks), FACE))
-    for f, (point, tangent, limits) in enumerate(
-        (((PX, PZ), (TAX, TAZ), (A1, A2)), ((QX, QZ), (TBX, TBZ), (B1, B2)))
-    ):
-        faces[:, point] = lines.middle[:, f] - centroid[blocks[:, f]]
-        faces[:, tangent], faces[:, limits] = along[:, f], reach[:, f]
-    faces[:, MEET] = tolerance
+    faces = faces_of(lines.middle - centroid[blocks], along, reach, tolerance)
     faces[:drawn, MEET] = _meet(faces[:drawn], tolerance)
     unknown = np.full(len(blocks), np.nan)
     return Contacts(
@@ -190,12 +187,20 @@ def drawn_contacts(blocks: Sequence[Block], joints: Joints, segments: int, toler
     """Return the contacts of the joints as drawn, without the gaps of the drawing within the tolerance."""
     centroid = np.array([b.centroid for b in blocks])
     middle, half = joints.ends.mean(axis=1), 0.5 * joints.length[:, None]
-    faces = np.zeros((len(joints.a), FACE))
-    faces[:, [PX, PZ]], faces[:, [QX, QZ]] = middle - centroid[joints.a], middle - centroid[joints.b]
-    faces[:, [TAX, TAZ]] = faces[:, [TBX, TBZ]] = joints.tangent
-    faces[:, [A1, A2]], faces[:, [B1, B2]] = joints.room_a - half, joints.room_b - half
+    point = middle[:, None] - centroid[joints.blocks]
+    limits = np.stack([joints.room_a - half, joints.room_b - half], axis=1)
+    faces = faces_of(point, np.repeat(joints.tangent[:, None], 2, axis=1), limits, tolerance)
     faces[:, MEET] = _meet(faces, tolerance)
     return between(blocks, joints.a, joints.b, faces, segments, joints.edges, tolerance)
+
+
+def faces_of(point: Array, along: Array, limits: Array, meet: float) -> Array:
+    """Return faces (j, FACE) of what `Contacts.sides` gives, and how near corners `meet` (m)."""
+    faces = np.zeros((len(point), FACE))
+    faces[:, :A1] = np.stack([point, along], axis=2).reshape(-1, A1)
+    faces[:, A1:MEET] = limits.reshape(-1, MEET - A1)
+    faces[:, MEET] = meet
+    return faces
 
 
 def _meet(faces: Array, tolerance: float) -> Array:
@@ -232,14 +237,13 @@ def between(
 
 def end_points(contacts: Contacts, positions: Array) -> Array:
     """Return the lower and the upper end (j, 2, 2), m, of the overlaps, midway between the two faces."""
-    f, slid = contacts.faces, contacts.places(positions)[:, V]
-    a, b = positions[contacts.a], positions[contacts.b]
-    tangent = turned(f[:, [TAX, TAZ]], a[:, 2]), turned(f[:, [TBX, TBZ]], b[:, 2])
-    p = a[:, :2] + turned(f[:, [PX, PZ]], a[:, 2])
-    q = b[:, :2] + turned(f[:, [QX, QZ]], b[:, 2])
-    high = np.minimum(f[:, A2], f[:, B2] - slid)
-    low = np.maximum(f[:, A1], f[:, B1] - slid)
-    ends = [0.5 * (p + s[:, None] * tangent[0] + q + (s + slid)[:, None] * tangent[1]) for s in (low, high)]
+    slid, at = contacts.places(positions)[:, V], positions[contacts.blocks]
+    point, along, limits = contacts.sides
+    p, q = (at[..., :2] + turned(point, at[..., 2])).transpose(1, 0, 2)
+    tangent_a, tangent_b = turned(along, at[..., 2]).transpose(1, 0, 2)
+    low = np.maximum(limits[:, 0, 0], limits[:, 1, 0] - slid)
+    high = np.minimum(limits[:, 0, 1], limits[:, 1, 1] - slid)
+    ends = [0.5 * (p + s[:, None] * tangent_a + q + (s + slid)[:, None] * tangent_b) for s in (low, high)]
     return np.stack(ends, axis=1)
 
 
@@ -253,12 +257,8 @@ def tie_contacts(
     times as stiff as the stiffest joint where joints are elastic. Centroids (b, 2) m count from the ends' origin.
     """
     count = len(ties)
-    faces = np.zeros((count, FACE))
-    faces[:, [PX, PZ]], faces[:, [QX, QZ]] = (
-        ends[:, 0] - centroid[blocks[:, 0]],
-        ends[:, 1] - centroid[blocks[:, 1]],
-    )
-    faces[:, [A1, B1]], faces[:, [A2, B2]], faces[:, MEET] = -0.5, 0.5, 1.0
+    limits = np.broadcast_to([-0.5, 0.5], (count, 2, 2))
+    faces = faces_of(ends - centroid[blocks], np.zeros((count, 2, 2)), limits, 1.0)
     joint = drawn.bed * shorter_face(drawn.faces)
     stiffest = RIGID * float(joint.max()) if len(joint) and not np.isnan(joint).any() else 1.0
     faces[:, LENGTH] = [tie.taut_length for tie in ties]
@@ -302,9 +302,7 @@ class Outlines:
     @cached_property
     def before(self) -> Index:
         """The edge (e,) that ends where each one starts."""
-        (first, count), at = self.corners, np.arange(len(self.owner))
-        last = first[self.owner] + count[self.owner] - 1
-        return np.where(at == first[self.owner], last, at - 1)
+        return preceding(self.owner)
 
     @cached_property
     def direction(self) -> Array:
@@ -330,7 +328,7 @@ def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, r
     The `drawn` ones come first; those without overlap whose blocks do not point at each other any more are out of
     reach. `now`: the contacts so far, which stay while they overlap.
     """
-    a, b, edges, at_a, at_b = _pairs(outlines, positions, reach)
+    edges, at = _pairs(outlines, positions, reach)
     places = now.places(positions)
     kept = places[:, H] > 0.0
     known = {tuple(e): k for k, e in enumerate(map(tuple, drawn.edges.tolist()))}
@@ -343,11 +341,11 @@ def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, r
     new = np.array([tuple(e) not in known for e in edges.tolist()], dtype=bool)
     if not new.any():
         return first
-    return first.joined(_met(outlines, drawn, a[new], b[new], edges[new], at_a[new], at_b[new]))
+    return first.joined(_met(outlines, drawn, edges[new], at[new]))
 
 
-def _pairs(outlines: Outlines, positions: Array, reach: float) -> tuple[Index, Index, Index, Array, Array]:
-    """Blocks a < b, edges (k, 2) of theirs, and in their blocks' axes the points (k, 2) of these that are nearest."""
+def _pairs(outlines: Outlines, positions: Array, reach: float) -> tuple[Index, Array]:
+    """Edges (k, 2) of blocks a < b, and in their blocks' axes the points (k, 2, 2) of these that are nearest."""
     own = outlines.owner
     corner = positions[own, :2] + turned(outlines.start, positions[own, 2])
     along = turned(outlines.direction, positions[own, 2])
@@ -386,28 +384,20 @@ def _pairs(outlines: Outlines, positions: Array, reach: float) -> tuple[Index, I
     flat = np.maximum(flat_after, flat_before) > FACING
     c, f, t, e = c[flat], f[flat], t[flat], e[flat]
     on_face = outlines.start[f] + np.clip(t, 0.0, outlines.length[f])[:, None] * outlines.direction[f]
+    edges, at = np.stack([e, f], axis=1), np.stack([outlines.start[c], on_face], axis=1)
     swap = own[e] > own[f]
-    edges = np.where(swap[:, None], np.stack([f, e], axis=1), np.stack([e, f], axis=1))
-    at_a = np.where(swap[:, None], on_face, outlines.start[c])
-    at_b = np.where(swap[:, None], outlines.start[c], on_face)
+    edges[swap], at[swap] = edges[swap, ::-1], at[swap, ::-1]
     edges, chosen = np.unique(edges, axis=0, return_index=True)
-    return own[edges[:, 0]], own[edges[:, 1]], edges, at_a[chosen], at_b[chosen]
+    return edges, at[chosen]
 
 
-def _met(
-    outlines: Outlines, drawn: Contacts, a: Index, b: Index, edges: Index, at_a: Array, at_b: Array
-) -> Contacts:
-    """The contacts of pairs of edges (k, 2), seen from their nearest points `at_a`, `at_b` (k, 2)."""
+def _met(outlines: Outlines, drawn: Contacts, edges: Index, at: Array) -> Contacts:
+    """The contacts of pairs of edges (k, 2), seen from their nearest points (k, 2, 2)."""
     e, f = edges.T
-    ta, tb = outlines.direction[e], -outlines.direction[f]
-    faces = np.zeros((len(e), FACE))
-    faces[:, [PX, PZ]], faces[:, [QX, QZ]] = at_a, at_b
-    faces[:, [TAX, TAZ]], faces[:, [TBX, TBZ]] = ta, tb
-    faces[:, A1] = ((outlines.start[e] - at_a) * ta).sum(axis=1)
-    faces[:, A2] = faces[:, A1] + outlines.length[e]
-    faces[:, B1] = ((outlines.end[f] - at_b) * tb).sum(axis=1)
-    faces[:, B2] = faces[:, B1] + outlines.length[f]
-    faces[:, MEET] = drawn.tolerance
+    along = np.stack([outlines.direction[e], -outlines.direction[f]], axis=1)
+    begin = ((np.stack([outlines.start[e], outlines.end[f]], axis=1) - at) * along).sum(axis=2)
+    faces = faces_of(at, along, np.stack([begin, begin + outlines.length[edges]], axis=2), drawn.tolerance)
+    a, b = outlines.owner[edges].T
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
     # what touches within the tolerance as drawn does so without a gap, a wider one is a gap; blocks that are drawn into
     # each other by it do so at most twice as far; corners, which no stone has sharper, must overlap by it
@@ -415,8 +405,7 @@ def _met(
     places = found.places(np.column_stack([centroid, np.zeros(len(centroid))]))
     gap, overlap = end_gaps(places).min(axis=1), 2.0 * places[:, H]
     touch = (gap <= drawn.tolerance) & (gap >= -2.0 * drawn.tolerance) & (overlap > -2.0 * drawn.tolerance)
-    faces[touch, PX] += gap[touch] * ta[touch, 1]
-    faces[touch, PZ] -= gap[touch] * ta[touch, 0]
+    faces[touch, PX : PZ + 1] += gap[touch, None] * along[touch, 0, ::-1] * (1.0, -1.0)
     faces[:, A1] += drawn.tolerance
     faces[:, A2] -= drawn.tolerance
     return replace(found, faces=faces)

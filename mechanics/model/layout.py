@@ -10,13 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.faults import Fault, FaultyDrawingError, listed
 from mechanics.messages import Message, message
-from mechanics.model.block import Block, Joints, find_joints
+from mechanics.model.block import Block, Joints, Polygons, find_joints, polygons_of, ring_edges
 from mechanics.model.dxf import can_change
 from mechanics.types import Array, Index, Mask
 
@@ -27,8 +26,6 @@ GRID = 1e-9  # of a block's width: step of the grid on which outlines are laid o
 CHUNK = 64  # blocks whose neighbours are looked for at a time
 MOST_NEIGHBOURS = 2e7  # pairs of edges within NEAR tolerances of each other, as many as memory holds
 ROOM = 1.5  # least ratio of a proposed tolerance to the widest gap
-
-Polygons = NDArray[np.object_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +72,7 @@ def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True)
     kept = np.flatnonzero(~overlaps.surplus)
     gaps = find_gaps(blocks, polygons, kept, tolerance, NEAR * tolerance)
     joints = _joints(blocks, kept, tolerance)
-    held = np.concatenate([np.stack([joints.a, joints.b], axis=1), overlaps.pairs])
+    held = np.concatenate([joints.blocks, overlaps.pairs])
     held = held[~overlaps.surplus[held].any(axis=1)]
     fixed = np.array([block.support is not None for block in blocks])
     body, floating = _bodies(held, fixed)
@@ -120,8 +117,7 @@ def misfits(blocks: Sequence[Block], tolerance: float, reach: float) -> tuple[In
 
 def touching(blocks: Sequence[Block], tolerance: float) -> set[tuple[int, int]]:
     """Return the pairs of blocks that have a joint."""
-    joints = find_joints(blocks, tolerance)
-    return set(zip(joints.a.tolist(), joints.b.tolist(), strict=True))
+    return set(map(tuple, find_joints(blocks, tolerance).blocks.tolist()))
 
 
 def _too_thin(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[Fault]:
@@ -139,7 +135,8 @@ def _too_thin(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> 
 
 def _too_short(blocks: Sequence[Block], tolerance: float) -> list[Fault]:
     """Refuse edges so short beside the tolerance that most pairs of them would be within it."""
-    edges = np.concatenate([np.hypot(*(np.roll(b.polygon, -1, axis=0) - b.polygon).T) for b in blocks])
+    start, end, _ = ring_edges([b.polygon for b in blocks])
+    edges = np.hypot(*(end - start).T)
     near = float((2.0 * NEAR * tolerance / edges).sum())
     if near <= MOST_NEIGHBOURS:
         return []
@@ -192,13 +189,12 @@ def find_gaps(
 ) -> list[Gap]:
     """Return the gaps of at most `reach` (m) with nothing between, those between the same blocks as one."""
     facing = _joints(blocks, kept, reach)
-    pair = np.stack([facing.a, facing.b], axis=1)
-    apart = _apart(blocks, polygons, facing, 0.51 * reach)
+    pair, apart = facing.blocks, np.maximum(facing.gap, 0.0)
     middle = facing.ends.mean(axis=1)
     midway = shapely.STRtree(shapely.points(middle))
     k, at = midway.query(polygons[kept], predicate="dwithin", distance=tolerance)
     between = at[(kept[k] != pair[at, 0]) & (kept[k] != pair[at, 1])]
-    open_ = apart.max(axis=1, initial=0.0) > 1.001 * tolerance
+    open_ = apart.max(axis=1, initial=0.0) > tolerance
     open_[between] = False
     stretches = np.flatnonzero(open_)
     stretches = stretches[np.lexsort((-apart[stretches].max(axis=1, initial=0.0), *pair[stretches].T[::-1]))]
@@ -210,27 +206,6 @@ def find_gaps(
         )
         for (a, b), group in zip(pairs.tolist(), groups, strict=True)
     ]
-
-
-def _apart(blocks: Sequence[Block], polygons: Polygons, facing: Joints, reach: float) -> Array:
-    """Return how far facing blocks are apart (f, 2), m, at both ends of their stretch; `reach` (m) holds both."""
-    side = np.stack([facing.a, facing.b], axis=1)  # (f, 2), beside (f, 2) ends
-    place = np.repeat(facing.ends.reshape(-1, 2), 2, axis=0)  # of each end twice: (f · end · side, 2)
-    of = np.repeat(side[:, None, :], 2, axis=1).ravel()
-    points = shapely.points(place)
-    start = np.concatenate([b.polygon for b in blocks])
-    end = np.concatenate([np.roll(b.polygon, -1, axis=0) for b in blocks])
-    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
-    edges = shapely.STRtree(shapely.linestrings(np.stack([start, end], axis=1)))
-    i, e = edges.query(points, predicate="dwithin", distance=reach)
-    i, e = i[owner[e] == of[i]], e[owner[e] == of[i]]
-    along = end[e] - start[e]
-    share = np.clip(((place[i] - start[e]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-    distance = np.full(len(place), reach)
-    np.minimum.at(distance, i, np.hypot(*(place[i] - start[e] - share[:, None] * along).T))
-    k, inside = shapely.STRtree(points).query(polygons, predicate="contains")
-    distance[inside[of[inside] == k]] = 0.0
-    return distance.reshape(-1, 2, 2).sum(axis=2)
 
 
 def _gap_fault(blocks: Sequence[Block], gap: Gap, body: Index, floating: Mask, tolerance: float) -> Fault:
@@ -263,7 +238,7 @@ def _hint(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: Sequen
     unit = 10.0 ** math.floor(math.log10(ROOM * widest))
     wider = math.ceil(ROOM * widest / unit - 1e-9) * unit
     joints = _joints(blocks, kept, wider)
-    joined = {*map(tuple, np.sort(np.stack([joints.a, joints.b], axis=1)).tolist())}
+    joined = {*map(tuple, np.sort(joints.blocks).tolist())}
     if shapely.is_empty(eroded(polygons[kept], wider)).any() or not joined.issuperset(
         tuple(sorted(gap.pair)) for gap in gaps
     ):
@@ -455,12 +430,6 @@ def _rings(area: shapely.Geometry) -> tuple[Array, ...]:
     parts = shapely.get_parts(area)
     rings = shapely.get_exterior_ring(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON])
     return tuple(shapely.get_coordinates(ring) for ring in rings)
-
-
-def polygons_of(blocks: Sequence[Block]) -> Polygons:
-    """Return the outlines (b,) of blocks."""
-    found: Polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
-    return found
 
 
 def eroded(polygons: Polygons, tolerance: float) -> Polygons:

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError
 from mechanics.faults import FaultyDrawingError
-from mechanics.model.block import Block, default_tolerance
+from mechanics.model.block import Block, default_tolerance, following, preceding
 from mechanics.model.drawing import Layer, Sheet
 from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes
 from mechanics.model.layout import NEAR, misfits, name_of, place_of, survey_layout, touching
@@ -196,9 +196,7 @@ class Fitting:
 
     def _clearance(self, most: float) -> Array:
         """Return distances (n,) m, at most `most`, of vertices from their outline beyond the tolerance."""
-        along = np.arange(len(self.points))
-        after, before = along + 1, along - 1
-        after[self.first[1:] - 1], before[self.first[:-1]] = self.first[:-1], self.first[1:] - 1
+        along, after, before = np.arange(len(self.points)), following(self.owner), preceding(self.owner)
         edges = shapely.linestrings(np.stack([self.points, self.points[after]], axis=1))
         corners, tree = shapely.points(self.points), shapely.STRtree(edges)
         clearance = np.full(len(self.points), most)

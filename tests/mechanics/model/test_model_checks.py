@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mechanics.errors import DrawingError
 from mechanics.faults import FaultyDrawingError
 from mechanics.model.block import Block, Material
-from mechanics.model.layout import survey_layout
+from mechanics.model.layout import survey_layout, touching
 
 STONE = Material(18.0)
 TOLERANCE = 1e-3
@@ -152,6 +152,14 @@ def test_gap_just_above_the_tolerance():
     assert remedy == "gaps of up to 4 mm: geometry.tolerance_m = 0.006 closes all of them"
     assert 'layer "WALL", handle A1' in warning and 'layer "WALL", handle A2' in warning
     assert "(1.002, 0.5) m across 0.004 m" in warning
+
+
+@pytest.mark.parametrize("share", [0.9995, 1.0005])
+def test_what_is_no_joint_by_little_is_told(share):
+    """Between a joint and a gap of which there is a warning there once was nothing."""
+    blocks = [BASE, rectangle(0, 0, 1, 1), rectangle(1 + share * TOLERANCE, 0, 2, 1)]
+    assert ((1, 2) in touching(blocks, TOLERANCE)) == (share < 1.0)
+    assert bool(check_layout(blocks, TOLERANCE)) == (share > 1.0)
 
 
 def test_gaps_that_are_meant():
