@@ -146,7 +146,10 @@ def test_tension_is_determined_where_the_blocks_of_a_tie_move_against_each_other
     )
     still, together, over = np.zeros((2, 3)), np.full((2, 3), [0.1, 0.0, 0.0]), np.zeros((2, 3))
     over[1] = (2.1, -0.3, -1.0)
-    assert determined(model, [still, together, over]).tolist() == [[False], [False], [True]]
+    x, z = model.from_origin(model.ties[0].points[0]) - model.initial.positions[1, :2]
+    about = np.array([[0.0, 0.0, 0.0], [z, -x, 1.0]])  # the end of the tie that the other block holds
+    found = determined(model, [still, together, over, about])
+    assert found.tolist() == [[False], [False], [True], [True]]
 
 
 def test_what_strengthens_the_structure_as_drawn_finds_it_at_rest_on_elastic_joints(tmp_path):

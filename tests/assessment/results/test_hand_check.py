@@ -13,6 +13,7 @@ from assessment.report.tables.mechanisms import hand_check
 from assessment.results.hand_check import (
     MacroBlock,
     figures_of,
+    governing_view,
     hand_checks,
     macro_blocks,
     multiplier,
@@ -33,6 +34,17 @@ def test_the_four_hinges_of_an_arch_leave_three_macro_blocks():
     assert sum(each.weight for each in whole) == pytest.approx(rigid["mechanism"]["moving_weight_kN"])
     members = [block for each in whole for block in each.members]
     assert len(members) == len(set(members))
+
+
+def test_the_mechanism_that_governs_is_that_of_the_least_index_else_of_the_least_multiplier():
+    results = typed(analysed())
+    [least, *_] = sorted(results.summary.rows, key=lambda row: row.alpha_0)
+    none = results.summary.replace(governing=None)
+    assert governing_view(results.replace(summary=none)) == (least.state, least.direction)
+    [other, *_] = (row for row in results.summary.rows if row.state != least.state)
+    governing = results.summary.governing.replace(state=other.state, direction=other.direction)
+    chosen = results.replace(summary=results.summary.replace(governing=governing))
+    assert governing_view(chosen) == (other.state, other.direction)
 
 
 def test_macro_blocks_turn_about_their_centres_and_about_the_hinges_between_them():

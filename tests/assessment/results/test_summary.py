@@ -4,9 +4,11 @@ from typing import Any
 
 import pytest
 
+from assessment.ntc.tables import farthest
 from assessment.results.schema import Results, Summary, SummaryRow
 from assessment.results.schema.part import ratio_decimals
 from assessment.results.summary import summary_of
+from assessment.results.table import strengthened
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed
 
@@ -118,14 +120,21 @@ def test_a_mechanism_has_its_kind(hinges, sliding, kind):
 
 
 def test_a_strengthened_state_has_its_gain_over_the_state_that_it_strengthens():
-    def strengthened(content):
+    def tied(content):
         made = {**content["states"][SETTLED], "strengthening": {"of": SETTLED, "ties": [], "layers": []}}
         made["settlement"] = None
         made["capacity"] = {"+x": {**made["capacity"]["+x"], "SLV": {**made["capacity"]["+x"]["SLV"]}}}
         made["capacity"]["+x"]["SLV"]["zeta_E"] *= 1.25
         content["states"]["tied"] = made
 
-    assert row(changed(strengthened), "tied").checks["SLV"].gain == pytest.approx(0.25)
+    assert row(changed(tied), "tied").checks["SLV"].gain == pytest.approx(0.25)
+    tied(content := analysed())
+    found = typed(content)
+    made = {each.direction: each for each in strengthened(found.states, summary_of(found).rows)}
+    before, after = (found.states[name].capacity["+x"].checks for name in (SETTLED, "tied"))
+    assert farthest(before) == "SLC" and (made["+x"].state, made["+x"].of) == ("tied", SETTLED)
+    assert (made["+x"].limit_state, made["+x"].zeta_E) == ("SLV", after["SLV"].zeta_E)
+    assert made["+x"].zeta_E_before == before["SLV"].zeta_E and made["-x"].zeta_E is None
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from assessment.analyses import paths as settlement
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.tables.mechanisms import balance
+from assessment.results.frames import tie_ends
 from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results
 from assessment.workflow.stages import run as analyse
@@ -98,6 +99,13 @@ def test_capacities_stand_beside_those_of_the_state_before(drawn):
         assert [row.a_g_before_g, row.a_g_g] == a_g and row.gain == a_g[1] / a_g[0] - 1.0
         assert row.zeta_E == after.capacity[direction].SLV.zeta_E
         assert arm > 0.0
+
+
+def test_ends_of_ties_move_with_their_blocks_so_many_times_as_far(drawn):
+    turned = drawn.states["strengthened"].pushover["+x"].rigid.mechanism.displacements
+    still, once, twice = (tie_ends(drawn, "strengthened", turned, times) for times in (0.0, 1.0, 2.0))
+    assert still.tolist() == [[[*tie.start_m], [*tie.end_m]] for tie in drawn.model.ties]
+    assert twice - still == pytest.approx(2.0 * (once - still)) and abs(once - still).max() > 0.1
 
 
 @pytest.fixture(scope="module")
