@@ -83,12 +83,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
         best, stable = _nearer(best, found), found.stable
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
         relaxation = relaxation.after(way)
-        # the next program begins as far from the bounds as this one is from the equilibrium of its geometry
-        now = replace(
-            now,
-            at=before.at + relaxation.factor * (now.at - before.at),
-            distance=max(now.distance, found.certificate.worst(problem.size)),
-        )
+        now = replace(now, at=before.at + relaxation.factor * (now.at - before.at))
     if system.rigid and best is not None and best.certificate.worst(problem.size) <= STEP.slow:
         return best
     assert now.iterate is not None
