@@ -8,7 +8,7 @@ and in the rows of the later blocks that they reach, is stored as one dense pane
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -50,7 +50,8 @@ class Elimination:
 
     `order` (m,): the program's row at each place, `back` (m,) its inverse; `row` (c, 2): first of the three places of
     block a and of block b of each contact point, −1 for a support; `places`: of a column in the band; `fronts`: empty
-    where the matrix is banded.
+    where the matrix is banded; `work_space` (2n,): of both triangles of a matrix, shared by what is taken from it: only
+    one solve at a time may use it.
     """
 
     order: Index
@@ -58,6 +59,7 @@ class Elimination:
     row: Index
     places: int
     fronts: Fronts
+    work_space: Array
 
     @classmethod
     def of(cls, dof: Index, centres: Array | None = None, storage: Storage = CHEAPER) -> Elimination:
@@ -77,20 +79,16 @@ class Elimination:
         rows = (3 * order[:, None] + np.arange(3)).ravel()
         # contiguous by points: compiled loops are compiled once for each layout of their arrays
         row = np.ascontiguousarray(np.where(pairs >= 0, 3 * rank[pairs], -1), dtype=np.intp)
-        return cls(rows, np.argsort(rows), row, width + PADDING, found)
+        entries = found.size or len(rows) * (width + PADDING)
+        return cls(rows, np.argsort(rows), row, width + PADDING, found, np.zeros(2 * entries))
 
     def take(self, index: Index) -> Elimination:
         """Return the same order for the joints `index` (k,)."""
-        return Elimination(self.order, self.back, self.row[index], self.places, self.fronts)
+        return replace(self, row=self.row[index])
 
     def triangle(self) -> Array:
         """Return new work space (n,) for one triangle of a matrix."""
-        return np.zeros(self.fronts.size or len(self.order) * self.places)
-
-    @cached_property
-    def work_space(self) -> Array:
-        """Work space (2n,) for both triangles, used again; only one solve at a time may use it."""
-        return np.concatenate([self.triangle(), self.triangle()])
+        return np.zeros(len(self.work_space) // 2)
 
     @cached_property
     def pattern(self) -> Pattern:

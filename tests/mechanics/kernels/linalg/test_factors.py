@@ -33,7 +33,7 @@ def banded(row: Index, blocks: int, places: int) -> Array:
 def pattern_of(row: Index, blocks: int, places: int) -> Pattern:
     """Of a band."""
     order = np.arange(3 * blocks)
-    return Elimination(order, order, row, places, NO_FRONTS).pattern
+    return Elimination(order, order, row, places, NO_FRONTS, np.zeros(0)).pattern
 
 
 BANDS = [(1, 0), (2, 1), (3, 2), (5, 3), (22, 1), (40, 9), (61, 20)]
