@@ -1,7 +1,7 @@
 """What the scans of records sum up to: fragility, the standard's value, loss of capacity; the incremental analysis."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -72,7 +72,7 @@ def fragility_of(
     """Return the fragility of a state and its `own` rows, of the measure; of few records without ranges and rule."""
     known = [(each, row) for each, row in own if row.reason is None]
     levels = record_levels([(each.record, row) for each, row in known])
-    rule = None if table.levels_g else standard_of([row for _, row in own])
+    rule = None if table.levels_g else standard_of([(each.record, row) for each, row in own])
     fit = None
     if table.levels_g:
         fit = _of_stripes([each for each, _ in known], scans, table.levels_g)
@@ -135,17 +135,21 @@ def _shares(known: Sequence[Asked], scans: Scans) -> Array:
     return np.array([[point.members_collapsed / point.members for point in own] for own in points])
 
 
-def standard_of(rows: Sequence[dynamic.CampaignCombination]) -> fragility.Standard:
-    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest."""
-    worse: list[tuple[float | None, float | None]] = []
-    for name in dict.fromkeys(row.record for row in rows):
-        own = [row for row in rows if row.record == name]
-        if any(row.reason is not None for row in own):
-            worse.append((None, None))
-            continue
-        collapse = min((row.pga_collapse_g for row in own if row.pga_collapse_g is not None), default=None)
-        worse.append((collapse, min(row.pga_safe_g for row in own if row.pga_safe_g is not None)))
-    return fragility.standard_value(worse)
+def standard_of(parts: Sequence[tuple[str, dynamic.Scanned]]) -> fragility.Standard:
+    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest.
+
+    `parts`: records and signs. A record of which a sign was not completed decides nothing.
+    """
+    by_record: dict[str, list[dynamic.Scanned]] = {}
+    for record, part in parts:
+        by_record.setdefault(record, []).append(part)
+    signs = [[] if any(part.reason is not None for part in own) else own for own in by_record.values()]
+
+    def least(levels: Iterable[float | None]) -> float | None:
+        return min((level for level in levels if level is not None), default=None)
+
+    ends = ((least(p.pga_collapse_g for p in own), least(p.pga_safe_g for p in own)) for own in signs)
+    return fragility.standard_value(list(ends))
 
 
 def loss_of(
@@ -317,17 +321,12 @@ def summarise(
             "motions that turn on their last digits would differ by a few percent"
         )
         warnings.append(headed(title, alike))
-    standard = fragility.standard_value([(each.pga_collapse_g, each.pga_safe_g) for each in records])
-    by_sign = {
-        sign: fragility.standard_value(
-            [(p.pga_collapse_g, p.pga_safe_g) for _, p in signs if p.sign == sign]
-        ).pga
-        for sign in DIRECTIONS
-    }
+    standard = standard_of(signs)
+    own = {sign: [each for each in signs if each[1].sign == sign] for sign in DIRECTIONS}
     found = dynamic.Incremental(
         records=list(records), mean_pga_collapse_g=standard.mean, lowest_pga_collapse_g=standard.lowest,
         rule=standard.rule, pga_collapse_g=standard.pga, fragility=_fragility(signs, measures),
-        directions={DIRECTIONS[sign]: pga for sign, pga in by_sign.items()},
+        directions={way: standard_of(own[sign]).pga for sign, way in DIRECTIONS.items()},
     )  # fmt: skip
     ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
     if not ends:

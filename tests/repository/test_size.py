@@ -20,7 +20,7 @@ LINES = {
     "assessment/report": 6006,
     "assessment/results": 3182,
     "assessment/runtime": 1444,
-    "assessment/studies": 2272,
+    "assessment/studies": 2271,
     "assessment/workflow": 919,
     "mechanics": 981,
     "mechanics/kernels": 3642,

@@ -49,9 +49,9 @@ def test_of_fewer_than_three_records_the_standard_takes_nothing(levels):
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
     records = [_record(low, pga_collapse_g_range=[low, high]) for low, high in ((0.3, 0.5), (0.4, 0.4))]
     assert summarise(records, [], "original").pga_collapse_g_range == [0.3, 0.4]
-    seven = [_record(0.3, pga_collapse_g_range=[0.3, 0.4])] * 7
+    seven = [_record(0.3, record=f"{k}", pga_collapse_g_range=[0.3, 0.4]) for k in range(7)]
     assert summarise(seven, [], "original").pga_collapse_g_range == pytest.approx([0.3, 0.4])
-    seven[0] = _record(0.3, pga_collapse_g_range=[0.3, None])
+    seven[0] = _record(0.3, record="0", pga_collapse_g_range=[0.3, None])
     assert summarise(seven, [], "original").pga_collapse_g_range[1] is None
     assert summarise([_record(0.3)], [], "original").pga_collapse_g_range is None
 

@@ -13,6 +13,7 @@ import pytest
 
 from assessment.app.answers import ANSWERS
 from assessment.app.editing import ConflictError
+from assessment.app.pictures import record_picture
 from assessment.app.session import Session
 from assessment.app.worker import Worker, WorkerError
 from assessment.cli.main import main
@@ -145,6 +146,16 @@ def test_a_page_of_another_project_changes_nothing_and_is_told(session):
     assert (session.home / "block" / "records" / "quake.csv").is_file()
     assert ask(session, "state")["content"]["title"] == "Block"
     assert ask(session.held(ask(session, "state")["project"]), "model")["tag"] == ask(session, "state")["tag"]
+
+
+def test_of_a_long_record_the_extremes_are_drawn_at_their_own_times(tmp_path):
+    (tmp_path / "long.txt").write_text("\n".join(f"{0.01 * k:.2f} {k % 7 / 10000:.6f}" for k in range(5000)))
+    lines = (tmp_path / "long.txt").read_text().splitlines()
+    lines[1234] = "12.34 -0.350000"
+    (tmp_path / "long.txt").write_text("\n".join(lines))
+    found = record_picture(tmp_path / "long.txt")
+    assert len(found["time"]) == len(found["acceleration"]) <= 2000 and found["time"][-1] == 49.99
+    assert found["acceleration"][found["time"].index(12.34)] == -0.35 == -found["pga"]
 
 
 def test_a_model_is_looked_at_again_for_all_that_a_run_reads_and_not_for_the_report(session):

@@ -35,11 +35,11 @@ def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_s
     levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
     both = [row(f"{k}", level + extra, sign=sign) for k, level in enumerate(levels)
             for sign, extra in ((1, 0.0), (-1, 0.1))]  # fmt: skip
-    three, seven = (standard_of(both[: 2 * count]) for count in (3, 7))
+    three, seven = (standard_of([(each.record, each) for each in both[: 2 * count]]) for count in (3, 7))
     assert (three.rule, three.pga) == ("lowest", 0.30)
     assert (seven.rule, seven.pga) == ("mean", pytest.approx(np.mean(levels)))
     failed = [*both[:6], row("d", None, safe=None, reason="not solved")]
-    assert standard_of(failed).pga is None
+    assert standard_of([(each.record, each) for each in failed]).pga is None
 
 
 class Levels:
