@@ -155,16 +155,19 @@ def _patch(shape: Shape, chosen: Any, style: dict[str, Any]) -> PathPatch:
     return PathPatch(Path.make_compound_path(*closed), **style)
 
 
-def fill(axes: Axes, shape: Shape, chosen: Any, grey: str) -> None:
-    """Fill some blocks with a grey."""
-    if len(chosen):
-        axes.add_artist(_patch(shape, chosen, FILLED | {"facecolor": grey}))
+def fill(axes: Axes, shape: Shape, chosen: Any, grey: str) -> list[tuple[Any, PathPatch]]:
+    """Fill some blocks with a grey; return these and what is drawn of them, if there are any."""
+    if not len(chosen):
+        return []
+    patch = _patch(shape, chosen, FILLED | {"facecolor": grey})
+    axes.add_artist(patch)
+    return [(chosen, patch)]
 
 
-def fill_roles(axes: Axes, shape: Shape) -> None:
-    """Fill supports dark and all other blocks light."""
-    fill(axes, shape, np.flatnonzero(~shape.supports), MASONRY)
-    fill(axes, shape, np.flatnonzero(shape.supports), SUPPORT)
+def fill_roles(axes: Axes, shape: Shape) -> list[tuple[Any, PathPatch]]:
+    """Fill supports dark and all other blocks light; return as `fill`."""
+    light, dark = np.flatnonzero(~shape.supports), np.flatnonzero(shape.supports)
+    return [*fill(axes, shape, light, MASONRY), *fill(axes, shape, dark, SUPPORT)]
 
 
 def ghost(axes: Axes, shape: Shape) -> None:
@@ -304,13 +307,7 @@ def film(shapes: Sequence[Shape], drawn: Shape, titles: Sequence[str], interval:
     figure = plt.figure(figsize=(WIDE, WIDE * min(1.5, max(0.4, height / width))))
     axes = _axes(figure.add_axes((0.0, 0.0, 1.0, 0.92)), bounds)
     ghost(axes, drawn)
-    roles = [(np.flatnonzero(~drawn.supports), MASONRY), (np.flatnonzero(drawn.supports), SUPPORT)]
-    groups: list[tuple[Any, PathPatch]] = []
-    for chosen, grey in roles:
-        if len(chosen):
-            patch = _patch(shapes[0], chosen, FILLED | {"facecolor": grey})
-            axes.add_patch(patch)
-            groups.append((chosen, patch))
+    groups = fill_roles(axes, shapes[0])
 
     def show(frame: int) -> list[PathPatch]:
         for chosen, patch in groups:

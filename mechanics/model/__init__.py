@@ -13,13 +13,13 @@ from mechanics.model.contacts import (
     relative_motion,
 )
 from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
-from mechanics.model.layout import NEAR, survey_layout
+from mechanics.model.layout import NEAR, connected, survey_layout
 from mechanics.model.polylines import PlacedOutline
 from mechanics.model.repair import Repair, repair_drawing
 
 __all__ = [
     "METRES", "NEAR", "NX", "NZ", "Assembly", "Behaviour", "Block", "Contacts", "Direction", "Drawing",
     "FaceLines", "H", "Layer", "Material", "PlacedOutline", "Repair", "Sheet", "State", "Tie", "V",
-    "default_tolerance", "end_gaps", "end_points", "face_lines", "kinematic_contacts", "of_block",
+    "connected", "default_tolerance", "end_gaps", "end_points", "face_lines", "kinematic_contacts", "of_block",
     "read_drawing", "relative_motion", "repair_drawing", "survey_drawing", "survey_layout",
 ]  # fmt: skip

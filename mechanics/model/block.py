@@ -251,22 +251,17 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
     n = np.stack([-t[:, 1], t[:, 0]], axis=1)
 
     # along the common tangent, from the start of the first edge; the first edge runs forward, the second back
-    along = [_dot(p - start[first], t) for p in (start[first], end[first], end[second], start[second])]
-    across = [_dot(p - start[first], n) for p in (start[first], end[first], end[second], start[second])]
-    low, high = np.maximum(along[0], along[2]), np.minimum(along[1], along[3])
-    overlap = high - low
-    position = [
-        [_interpolate(s, along[k], along[k + 1], across[k], across[k + 1]) for s in (low, high)]
+    points = np.stack([start[first], end[first], end[second], start[second]]) - start[first]
+    along, across = (points * t).sum(axis=2), (points * n).sum(axis=2)
+    low, high = bounds = np.stack([np.maximum(along[0], along[2]), np.minimum(along[1], along[3])])
+    one, other = (
+        across[k] + (across[k + 1] - across[k]) * (bounds - along[k]) / (along[k + 1] - along[k])
         for k in (0, 2)
-    ]
-    gap = np.stack([position[0][e] - position[1][e] for e in (0, 1)], axis=1)
-    keep = (overlap > tolerance) & (abs(gap) <= tolerance).all(axis=1)
-
-    middle = [0.5 * (position[0][e] + position[1][e]) for e in (0, 1)]
-    ends = np.stack(
-        [start[first] + s[:, None] * t + m[:, None] * n for s, m in zip((low, high), middle, strict=True)],
-        axis=1,
     )
+    gap = (one - other).T
+    keep = (high - low > tolerance) & (abs(gap) <= tolerance).all(axis=1)
+    ends = start[first] + bounds[..., None] * t + 0.5 * (one + other)[..., None] * n
+    ends = ends.transpose(1, 0, 2)
     room_a, room_b = (np.stack([along[k] - low, along[k + 1] - low], axis=1) for k in (0, 2))
     a, b, edges = owner[first], owner[second], np.stack([first, second], axis=1)
     order = np.flatnonzero(keep)[np.lexsort((b[keep], a[keep]))]
@@ -302,11 +297,3 @@ def following(owner: Index) -> Index:
 def preceding(owner: Index) -> Index:
     """Return the number of the vertex before each (v,): see `following`."""
     return np.argsort(following(owner))
-
-
-def _dot(p: Array, q: Array) -> Array:
-    return np.einsum("ij,ij->i", p, q)
-
-
-def _interpolate(s: Array, s0: Array, s1: Array, y0: Array, y1: Array) -> Array:
-    return y0 + (y1 - y0) * (s - s0) / (s1 - s0)

@@ -36,8 +36,8 @@ from mechanics.model.polylines import (
 )
 from mechanics.types import Array
 
+INSUNITS = {"mm": units.MM, "cm": units.CM, "m": units.M}
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
-INSUNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters"}  # as ezdxf names them
 SHAPES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY"}
 CRACK_LAYERS = {"fessure", "cracks"}  # by `layer_key`: what was surveyed, no blocks
 LINES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}  # that draw cracks
@@ -150,6 +150,11 @@ class Sheet:
         require(sagitta is None or 0.0 < sagitta < np.inf, "sagitta", sagitta, "positive, in m, or None")
         document, damage = open_document(Path(path))
         return cls(document, damage, Path(path), unit, default, layers, sagitta, tolerance)
+
+    @property
+    def own_unit(self) -> str | None:
+        """The unit that the file itself states, None: none that is known."""
+        return {code: unit for unit, code in INSUNITS.items()}.get(self.document.units)
 
     @property
     def scale(self) -> float:
@@ -404,7 +409,7 @@ class Sheet:
         outlines, clipped, turned = self._shown
         yield from turned
         own = units.unit_name(self.document.units)
-        if own not in {"Unitless", "unitless", INSUNITS[self.unit]}:
+        if own.lower() != "unitless" and self.own_unit != self.unit:
             yield message(
                 "$INSUNITS says {own}, the project {unit}, which is used; check the sizes",
                 own=own,

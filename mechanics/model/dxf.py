@@ -23,6 +23,7 @@ from ezdxf.entities.insert import Insert
 from ezdxf.filemanagement import readfile
 from ezdxf.lldxf.const import DXFError, DXFStructureError
 from ezdxf.math import Matrix44, Vec3
+from ezdxf.render.arrows import _Arrows
 from ezdxf.xclip import (
     ACAD_INVERTEDCLIP_ROUNDTRIP,
     get_roundtrip_vertices,
@@ -57,6 +58,7 @@ SAME_POINT = 1e-6  # of an outline's size: vertices closer than this are one ver
 Seen = Literal["whole", "part", "nothing"]
 
 
+_Arrows.__acad__ = dict.fromkeys(sorted(_Arrows.__acad__))  # type: ignore[assignment]  # a set: handles by chance
 logging.getLogger("ezdxf").addHandler(
     logging.NullHandler()
 )  # its findings are reported here, in our own words
@@ -252,28 +254,26 @@ def placed_entities(document: Document, path: Path) -> list[Placed]:
                 yield Placed(entity, to_model, layer, handle, gone or layer_key(layer) in off, clips)
                 continue
 
-            def refused(why: str, name: str = f"{path}: INSERT {handle}") -> DrawingError:
-                return DrawingError(f"{name}: {why}")
-
+            refused = f"{path}: INSERT {handle}"
             if not has_direction(entity):
-                raise refused("its extrusion is no direction; insert it again")
+                raise DrawingError(f"{refused}: its extrusion is no direction; insert it again")
             if handle.count("/") >= DEEPEST:
-                raise refused(f"more than {DEEPEST} one in another; explode them")
+                raise DrawingError(f"{refused}: more than {DEEPEST} one in another; explode them")
             count += max(1, entity.mcount)
             if count > MOST_ENTITIES:
                 raise DrawingError(
-                    f"{path}: INSERT {handle} ({entity.mcount} copies): more than {MOST_ENTITIES} entities "
+                    f"{refused} ({entity.mcount} copies): more than {MOST_ENTITIES} entities "
                     "in model space, those of INSERTs as often as they are inserted; leave out what is no block"
                 )
             if not gone and _is_undecided(block, states):
                 text = f'which parts of the dynamic block "{visible(block.name)}" its visibility state shows'
-                raise refused(f"{text} cannot be told; explode it")
+                raise DrawingError(f"{refused}: {text} cannot be told; explode it")
             for single in entity.multi_insert() if entity.mcount > 1 else [entity]:
                 inner = single.matrix44() * to_model
                 try:
                     clip = _clip_of(entity, inner, handle)
                 except DrawingError as error:
-                    raise refused(f"{error}; explode it and trim it") from None
+                    raise DrawingError(f"{refused}: {error}; explode it and trim it") from None
                 yield from place(block, inner, layer, f"{handle}/", gone, (*clips, *clip))
 
     return list(place(document.modelspace(), Matrix44(), "0", "", hidden=False, clips=()))

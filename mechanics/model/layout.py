@@ -154,14 +154,18 @@ def _joints(blocks: Sequence[Block], kept: Index, tolerance: float) -> Joints:
     return replace(joints, a=kept[joints.a], b=kept[joints.b])
 
 
+def connected(pairs: Index, count: int) -> Index:
+    """Return the part (count,) to which each of so many things belongs that are linked by pairs (p, 2)."""
+    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
+
+
 def _bodies(pairs: Index, fixed: Mask) -> tuple[Index, Mask]:
     """Return the body (b,) of connected blocks each block belongs to, and which bodies have no support."""
-    n = len(fixed)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    count, body = connected_components(graph, directed=False)
-    floating = np.ones(count, dtype=bool)
+    body = connected(pairs, len(fixed))
+    floating = np.ones(body.max() + 1, dtype=bool)
     floating[body[fixed]] = False
-    return np.asarray(body, dtype=np.intp), floating
+    return body, floating
 
 
 def _floating(blocks: Sequence[Block], adrift: Index, body: Index) -> list[Fault]:

@@ -264,12 +264,8 @@ class Fitting:
 
     def _foot(self, vertex: int, other: int) -> Array:
         """Return the point (2,) of another outline that is nearest to a vertex."""
-        start, place = self.outline(other), self.points[vertex]
-        along = np.roll(start, -1, axis=0) - start
-        length = np.maximum((along**2).sum(axis=1), 1e-300)  # 0 where vertices have become one
-        share = np.clip(((place - start) * along).sum(axis=1) / length, 0.0, 1.0)
-        foot = start + share[:, None] * along
-        return np.asarray(foot[np.linalg.norm(foot - place, axis=1).argmin()])
+        ring, place = shapely.linearrings(self.outline(other)), shapely.Point(self.points[vertex])
+        return np.asarray(shapely.get_coordinates(shapely.shortest_line(ring, place))[0])
 
     def _move(self, vertex: int, place: Array) -> None:
         """Move a vertex, with those at its place, within their room, unless one must stay or two would become one."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mechanics.messages import Field, Message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -13,6 +14,7 @@ from mechanics.procedures.pushover import Pushover
 from mechanics.steps.static_step import Equilibrium
 from mechanics.types import Array, Index
 
+Number = TypeVar("Number", bound=np.generic)
 EXACT = 1e-9  # of the model's extent, and of its loads and stiffnesses: a difference that is rounding
 TURNED = np.array([-1.0, 1.0, -1.0])  # factors on x, z and ω in the image
 
@@ -34,65 +36,54 @@ class Mirror:
     @classmethod
     def of(cls, model: Assembly, behaviour: Behaviour) -> Mirror | None:
         """Return the mirror of a model; None if the image of a block, load, joint or tie is not exactly one of it."""
-        corner = model.from_origin(np.concatenate([block.polygon for block in model.blocks]))
-        x = corner[:, 0]
-        axis, extent = 0.5 * float(x.min() + x.max()), float(np.ptp(x))
+        corner, of = model.from_origin(model.shape.points), model.shape.owner
+        axis, extent = 0.5 * float(corner[:, 0].min() + corner[:, 0].max()), float(np.ptp(corner[:, 0]))
         centre = model.initial.positions[:, :2]
-        block = _matched(centre, [2.0 * axis, 0.0] + centre * [-1.0, 1.0], EXACT * extent)
+        block = _matched(centre, _reflected(centre, axis), EXACT * extent)
         if block is None or (model.movable[block] != model.movable).any():
             return None
-        if not _same(model.dead_load[block], model.dead_load * TURNED):
-            return None
-        if not _same(model.mass[block], model.mass):
-            return None
-        if not _same(model.lateral_load("+x")[block], model.lateral_load("-x") * TURNED):
-            return None
-        contacts = model.contacts
         # corners and joints are shifted by their blocks: only those of the same blocks can match
         apart = 10.0 * extent
-        of = np.repeat(np.arange(len(model.blocks)), [len(block.polygon) for block in model.blocks])
-        flipped = [2.0 * axis, 0.0] + corner * [-1.0, 1.0]
         shapes = _matched(
             np.column_stack([apart * of, corner]),
-            np.column_stack([apart * block[of], flipped]),
+            np.column_stack([apart * block[of], _reflected(corner, axis)]),
             EXACT * apart,
         )
+        contacts = model.contacts
         ties = np.array([tie.points for tie in model.ties]).reshape(-1, 2, 2)
         ends = model.from_origin(np.concatenate([model.joints.ends, ties]))
-        owner = np.sort(np.stack([contacts.a, contacts.b], axis=1), axis=1)
         middle, along = ends.mean(axis=1), _along(ends)
+        kind = apart * contacts.ties
         joint = _matched(
-            np.column_stack([apart * owner, middle, along, apart * contacts.ties]),
+            np.column_stack([apart * np.sort(contacts.blocks), middle, along, kind]),
             np.column_stack(
                 [
-                    apart * np.sort(block[owner], axis=1),
-                    [2.0 * axis, 0.0] + middle * [-1.0, 1.0],
-                    along * [1.0, 1.0, -1.0],
-                    apart * contacts.ties,
+                    apart * np.sort(block[contacts.blocks]),
+                    _reflected(middle, axis),
+                    along * (1.0, 1.0, -1.0),
+                    kind,
                 ]
             ),
             EXACT * apart,
         )
-        if shapes is None:
-            return None
-        if joint is None or not _same(contacts.friction[joint], contacts.friction):
-            return None
-        if not _same(contacts.strength[joint], contacts.strength):
-            return None
-        if behaviour == "elastic" and not (
-            _same(contacts.bed[joint], contacts.bed) and _same(contacts.shear[joint], contacts.shear)
-        ):
+        if shapes is None or joint is None:
             return None
         held = np.zeros((len(contacts), 2))
         held[contacts.ties] = [(tie.taut_length, tie.pretension) for tie in model.ties] or 0.0
-        if not _same(held[joint], held):
+        alike = [contacts.friction, contacts.strength, held]
+        alike += [contacts.bed, contacts.shear] if behaviour == "elastic" else []
+        if not (
+            _same(model.dead_load[block], model.dead_load * TURNED)
+            and _same(model.mass[block], model.mass)
+            and all(_same(each[joint], each) for each in alike)
+        ):
             return None
         moment = np.where(contacts.a[joint] == block[contacts.a], -1.0, 1.0)
         return cls(model, axis, block, joint, moment)
 
     def swaps(self, one: ArrayLike, other: ArrayLike) -> bool:
         """Whether two control points (2,) m, and the blocks that they are fixed to, are each other's image."""
-        image = self.model.from_origin(one) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
+        image = _reflected(self.model.from_origin(one), self.axis)
         if abs(image - self.model.from_origin(other)).max() > EXACT * self.model.size:
             return False
         return bool(self.block[self.model.block_at(one)] == self.model.block_at(other))
@@ -106,7 +97,7 @@ class Mirror:
         met = [step.forces[drawn:, 0].max(initial=0.0) for step in path.steps]
         if max([*met, path.forces[drawn:, 0].max(initial=0.0)]) > 0.0:
             return None
-        control = self.model.from_origin(path.control) * [-1.0, 1.0] + [2.0 * self.axis, 0.0]
+        control = _reflected(self.model.from_origin(path.control), self.axis)
         return replace(
             path,
             control=self.model.as_drawn(control),
@@ -133,42 +124,22 @@ class Mirror:
 
     def _motion(self, motion: Array) -> Array:
         """Return the image of displacements or loads (b, 3) of the blocks."""
-        image = np.empty_like(motion)
-        image[self.block] = motion * TURNED
-        return image
-
-    def _positions(self, positions: Array) -> Array:
-        return self._motion(positions) + np.array([2.0 * self.axis, 0.0, 0.0])
+        return _sent(motion * TURNED, self.block)
 
     def _forces(self, forces: Array) -> Array:
         """Return the image of N, P and T (j, 3) of the drawn joints."""
-        image = np.empty_like(forces)
-        image[self.joint] = forces * np.column_stack(
-            [np.ones(len(forces)), self.moment, -np.ones(len(forces))]
-        )
-        return image
+        factors = np.column_stack([np.ones(len(forces)), self.moment, -np.ones(len(forces))])
+        return _sent(forces * factors, self.joint)
 
     def _state(self, state: State) -> State:
-        shear = carrying = None
-        if state.shear is not None:
-            shear = np.empty_like(state.shear)
-            shear[self.joint] = -state.shear
-        if state.carrying is not None:
-            carrying = np.empty_like(state.carrying)
-            carrying[self.joint] = state.carrying
-        lengthened = None
-        if state.lengthened is not None:
-            ties = self.model.contacts.ties
-            lengthened = np.zeros(len(ties))
-            lengthened[self.joint[ties]] = state.lengthened
-            lengthened = lengthened[ties]
+        ties = self.model.contacts.ties
+        among = np.searchsorted(np.flatnonzero(ties), self.joint[ties])  # the ties
         return State(
-            self._positions(state.positions),
+            self._motion(state.positions) + np.array([2.0 * self.axis, 0.0, 0.0]),
             self._motion(state.velocities),
-            shear,
-            None,
-            carrying,
-            lengthened,
+            shear=None if state.shear is None else _sent(-state.shear, self.joint),
+            carrying=None if state.carrying is None else _sent(state.carrying, self.joint),
+            lengthened=None if state.lengthened is None else _sent(state.lengthened, among),
         )
 
     def _step(self, step: Equilibrium) -> Equilibrium:
@@ -177,6 +148,18 @@ class Mirror:
         places = system.places(state.positions, state)
         forces = self._forces(step.forces[: len(contacts)])
         return replace(step, state=state, system=system, places=places, forces=forces, iterate=None)
+
+
+def _reflected(points: Array, axis: float) -> Array:
+    """Return the images (…, 2) m of points in the plane x = axis."""
+    return np.asarray([2.0 * axis, 0.0] + points * [-1.0, 1.0])
+
+
+def _sent(values: NDArray[Number], index: Index) -> NDArray[Number]:
+    """Return values (k, …) where their images are, at `index` (k,)."""
+    image = np.empty_like(values)
+    image[index] = values
+    return image
 
 
 def _along(ends: Array) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from mechanics.errors import ConvergenceError, is_between, require
 from mechanics.messages import message
 from mechanics.records.record import Record
-from mechanics.types import GRAVITY, Array, Mask
+from mechanics.types import GRAVITY, Array
 
 STEPS_PER_PERIOD = (
     20  # with a parabola through the highest sample: 0.02 % of a sine's peak, 0.2 % under white noise
@@ -138,12 +138,30 @@ def compatible_record(
     intensity = _intensity(time, plateau)
     spacing = periods[1] / periods[0]  # the first periods outside the band count too: no gap at its ends
     matched = (periods > band[0] / spacing) & (periods < band[1] * spacing)
+    frequency = np.fft.rfftfreq(time.size, time_step)
+    passed = (frequency > 1.0 / LONGEST) & (frequency < 1.0 / SHORTEST)
+    period = 1.0 / frequency.clip(1.0 / LONGEST, 1.0 / SHORTEST)
+    amplitude = passed * np.interp(period, periods, target) * np.sqrt(period)
     random = np.random.default_rng(seed)
-    error = np.inf
     for _ in range(ATTEMPTS):
-        motion, error = _matched(random, time, intensity, periods, target, matched, tolerance)
+        phase = random.uniform(0.0, 2.0 * np.pi, frequency.size)
+        motion = intensity * np.fft.irfft(amplitude * np.exp(1j * phase), time.size)
+        best, error = motion, np.inf
+        for _ in range(ITERATIONS):
+            motion = _at_rest(motion, intensity, time)
+            ratio = response_spectrum(motion, time_step, periods)[0] / target
+            level = 0.5 * float(ratio[matched].min() + ratio[matched].max())
+            motion, ratio = motion / level, ratio / level  # as far above the target as below it
+            worst = float(np.abs(ratio[matched] - 1.0).max())
+            if worst < error:
+                best, error = motion, worst
+            if error < ENOUGH * tolerance:
+                break
+            correction = 1.0 / ratio.clip(1.0 / STRONGEST_CORRECTION, STRONGEST_CORRECTION)
+            motion = np.fft.irfft(np.fft.rfft(motion) * np.interp(period, periods, correction), time.size)
+            motion *= np.minimum(intensity / FAINT, 1.0)
         if error <= tolerance:
-            return Record(motion, time_step, name)
+            return Record(best, time_step, name)
     missed = message(
         "seed = {seed}: the last motion is within {error:.1%} of the spectrum, not {tolerance:.1%}; "
         "try another seed, a longer plateau or a wider tolerance",
@@ -152,40 +170,6 @@ def compatible_record(
         tolerance=tolerance,
     )
     raise ConvergenceError(missed)
-
-
-def _matched(
-    random: np.random.Generator,
-    time: Array,
-    intensity: Array,
-    periods: Array,
-    target: Array,
-    matched: Mask,
-    tolerance: float,
-) -> tuple[Array, float]:
-    """Correct one draw of phases: the best motion (n,), g, and its largest relative error where `matched`."""
-    frequency = np.fft.rfftfreq(time.size, time[1])
-    passed = (frequency > 1.0 / LONGEST) & (frequency < 1.0 / SHORTEST)
-    period = 1.0 / frequency.clip(1.0 / LONGEST, 1.0 / SHORTEST)
-    phase = random.uniform(0.0, 2.0 * np.pi, frequency.size)
-    amplitude = passed * np.interp(period, periods, target) * np.sqrt(period)
-    motion = intensity * np.fft.irfft(amplitude * np.exp(1j * phase), time.size)
-
-    best, error = motion, np.inf
-    for _ in range(ITERATIONS):
-        motion = _at_rest(motion, intensity, time)
-        ratio = response_spectrum(motion, float(time[1]), periods)[0] / target
-        level = 0.5 * float(ratio[matched].min() + ratio[matched].max())
-        motion, ratio = motion / level, ratio / level  # as far above the target as below it
-        worst = float(np.abs(ratio[matched] - 1.0).max())
-        if worst < error:
-            best, error = motion, worst
-        if error < ENOUGH * tolerance:
-            break
-        correction = 1.0 / ratio.clip(1.0 / STRONGEST_CORRECTION, STRONGEST_CORRECTION)
-        motion = np.fft.irfft(np.fft.rfft(motion) * np.interp(period, periods, correction), time.size)
-        motion *= np.minimum(intensity / FAINT, 1.0)
-    return best, error
 
 
 def _intensity(time: Array, plateau: float) -> Array:

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from assessment.project.catalogue.new_project import new_folder
 from assessment.project.formats import TOML, source_bytes
@@ -17,7 +15,7 @@ from assessment.runtime.errors import ProjectError
 from mechanics import Layer, Material
 from mechanics.faults import FaultyDrawingError
 from mechanics.messages import Message, layer_key, message
-from mechanics.model import METRES, NEAR, PlacedOutline, Sheet, default_tolerance
+from mechanics.model import METRES, NEAR, PlacedOutline, Sheet, connected, default_tolerance
 from mechanics.types import Mask
 
 BLOCK = (0.05, 0.4, 3.0)  # m: least, usual and largest size of most blocks of masonry
@@ -57,9 +55,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     unit, why = (unit, message("as given")) if unit else _unit(sheet)
     scale = METRES[unit]
     enclosed = replace(sheet, unit=unit).enclosed
-    meant = [
-        o for o in sheet.outlines if o.source.handle in sheet.wrong and _is_meant(o) and o.is_near(scale)
-    ]
+    wrong = [o for o in sheet.outlines if o.source.handle in sheet.wrong and _is_meant(o)]
+    meant = [o for o in wrong if o.is_near(scale)]
     layers = [block.layer for block in drawn.blocks] + [outline.source.layer for outline in meant]
     layers += [layer for layer, _ in enclosed]
     faulty = [*(outline.points[:, :2] for outline in meant), *(line for _, line in enclosed)]
@@ -70,7 +67,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     reach = NEAR * scale * default_tolerance(drawn.blocks)
     masonry = _masonry(rings, reach)
     read = len(drawn.blocks)
-    ignored, unclosed = _no_masonry(sheet, layers[:read], masonry[:read])
+    faulty_layers = {layer_key(outline.source.layer) for outline in wrong}
+    ignored, unclosed = _no_masonry(sheet, layers[:read], masonry[:read], faulty_layers)
     masonry &= ~np.isin(layers, ignored)
     walls, openings = _openings(rings, layers, masonry)
     masonry &= ~openings
@@ -122,7 +120,7 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
 def _unit(sheet: Sheet) -> tuple[str, Message]:
     """Return the unit that makes the blocks a size of blocks: the drawing's own if it does, and what tells so."""
     size = float(np.median([np.sqrt(block.area) for block in sheet.drawing.blocks]))
-    own = {4: "mm", 5: "cm", 6: "m"}.get(sheet.document.units)
+    own = sheet.own_unit
     least, usual, largest = BLOCK
     if own and least <= METRES[own] * size <= largest:
         return own, message("as $INSUNITS says")
@@ -139,8 +137,7 @@ def _masonry(rings: Any, reach: float) -> Mask:
     frames = np.bincount(frame, minlength=len(rings)) > max(2.0, FRAME * len(rings))
     one, other = tree.query(rings, predicate="dwithin", distance=reach)
     kept = ~frames[one] & ~frames[other]
-    links = coo_array((np.ones(kept.sum()), (one[kept], other[kept])), shape=(len(rings), len(rings)))
-    _, part = connected_components(links, directed=False)
+    part = connected(np.column_stack([one[kept], other[kept]]), len(rings))
     areas = np.bincount(part, weights=np.where(frames, 0.0, shapely.area(rings)))
     return np.asarray(~frames & (areas[part] >= STRUCTURE * areas.max()))
 
@@ -165,13 +162,11 @@ def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], 
     return sorted({layers[k] for k in outer[chosen].tolist()}), openings
 
 
-def _no_masonry(sheet: Sheet, layers: list[str], masonry: Mask) -> tuple[list[str], list[str]]:
-    """Return the layers, sorted, that are to be ignored, and those that show nothing but outlines with faults."""
+def _no_masonry(
+    sheet: Sheet, layers: list[str], masonry: Mask, faulty: set[str]
+) -> tuple[list[str], list[str]]:
+    """Return the layers, sorted, that are to be ignored, and the `faulty` ones that show nothing else."""
     holding = {layer_key(layer) for layer, is_one in zip(layers, masonry, strict=True) if is_one}
-    wrong = (
-        outline for outline in sheet.outlines if outline.source.handle in sheet.wrong and _is_meant(outline)
-    )
-    faulty = {layer_key(outline.source.layer) for outline in wrong}
     drawn = (each.layer for each in sheet.placed if not each.hidden and each.entity.dxftype() in DRAWN)
     shown = {layer_key(layer): layer for layer in drawn}
     told = {key: shown[key] for key in shown.keys() - holding}
@@ -196,8 +191,7 @@ def _supports(
     chosen = np.flatnonzero(ground)
     tree = shapely.STRtree(shapes[chosen])
     near = tree.query(shapes[chosen], predicate="dwithin", distance=reach + 0.5 * size)
-    links = coo_array((np.ones(near.shape[1]), near), shape=(len(chosen),) * 2)
-    _, part = connected_components(links, directed=False)
+    part = connected(near.T, len(chosen))
     groups = sorted((chosen[part == k] for k in range(part.max() + 1)), key=lambda own: bounds[own, 0].min())
     calls = {1: ["base"], 2: ["sinistro", "destro"]}.get(len(groups))
     calls = calls or [f"appoggio {k}" for k in range(1, len(groups) + 1)]
