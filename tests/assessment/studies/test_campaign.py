@@ -38,7 +38,7 @@ def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_s
     three, seven = (standard_of([(each.record, each) for each in both[: 2 * count]]) for count in (3, 7))
     assert (three.rule, three.pga) == ("lowest", 0.30)
     assert (seven.rule, seven.pga) == ("mean", pytest.approx(np.mean(levels)))
-    failed = [*both[:6], row("d", None, safe=None, reason="not solved")]
+    failed = [*both[:6], row("d", 0.2), row("d", None, safe=None, sign=-1, reason="not solved")]
     assert standard_of([(each.record, each) for each in failed]).pga is None
 
 
