@@ -98,10 +98,12 @@ class Assembly:
     origin: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        require(isinstance(self.blocks, Iterable), "blocks", self.blocks, "a sequence of Block")
-        object.__setattr__(self, "blocks", tuple(self.blocks))
-        odd = next((each for each in self.blocks if not isinstance(each, Block)), None)
-        require(odd is None, "blocks", odd, "a sequence of Block")
+        for name, kind in (("blocks", Block), ("ties", Tie)):
+            given, must_be = getattr(self, name), f"a sequence of {kind.__name__}"
+            require(isinstance(given, Iterable), name, given, must_be)
+            object.__setattr__(self, name, tuple(given))
+            odd = [each for each in getattr(self, name) if not isinstance(each, kind)]
+            require(not odd, name, odd[:1], must_be)
         require(len(self.blocks) > 0, "blocks", 0, "at least one block")
         object.__setattr__(self, "origin", _origin(self.blocks) if self.origin is None else self.origin)
         n = self.segments_per_joint
@@ -118,10 +120,6 @@ class Assembly:
         told = f"weight times size of block {lightest} is {share:.2g} of the mean block's"
         least = f"at least {LIGHTEST:g} (less is lost in the accuracy of equilibrium): leave the block out"
         require(share >= LIGHTEST, "blocks", told, least)
-        require(isinstance(self.ties, Iterable), "ties", self.ties, "a sequence of Tie")
-        object.__setattr__(self, "ties", tuple(self.ties))
-        wrong = next((each for each in self.ties if not isinstance(each, Tie)), None)
-        require(wrong is None, "ties", wrong, "a sequence of Tie")
         for tie, (one, other) in zip(self.ties, self.tie_blocks.tolist(), strict=True):
             told = f"both ends in block {one}" if one == other else "both ends in supports"
             joins = one != other and bool(self.movable[[one, other]].any())

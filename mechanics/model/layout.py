@@ -297,8 +297,8 @@ def _overlapping(
     blocks: Sequence[Block], polygons: Polygons, tolerance: float, most: int
 ) -> tuple[Index, bool]:
     """Return the pairs (p, 2) of blocks that overlap, in order, and whether there are more than the `most`."""
-    owner = np.repeat(np.arange(len(blocks)), [len(b.polygon) for b in blocks])
-    vertices = shapely.points(np.concatenate([b.polygon for b in blocks]))
+    corners, _, owner = ring_edges([b.polygon for b in blocks])
+    vertices = shapely.points(corners)
     rims = shapely.boundary(polygons)
     for prepared in (polygons, rims):
         shapely.prepare(prepared)

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError
 from mechanics.faults import FaultyDrawingError
-from mechanics.model.block import Block, default_tolerance, following, preceding
+from mechanics.model.block import Block, default_tolerance, following, preceding, ring_edges
 from mechanics.model.drawing import Layer, Sheet
 from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes
 from mechanics.model.layout import NEAR, misfits, name_of, place_of, survey_layout, touching
@@ -175,10 +175,9 @@ class Fitting:
     def __init__(
         self, outlines: Sequence[Array], free: Sequence[Mask], reach: float, tolerance: float
     ) -> None:
-        self.points, self.free = np.concatenate(outlines), np.concatenate(free)
-        self.drawn, self.tree = self.points.copy(), cKDTree(self.points)
-        self.first = np.concatenate([[0], np.cumsum([len(o) for o in outlines])])
-        self.owner = np.repeat(np.arange(len(outlines)), np.diff(self.first))
+        self.points, _, self.owner = ring_edges(outlines)
+        self.drawn, self.tree, self.free = self.points.copy(), cKDTree(self.points), np.concatenate(free)
+        self.first = np.searchsorted(self.owner, np.arange(len(outlines) + 1))
         self.reach, self.tolerance = reach, tolerance
         self.exact = EXACT * float(np.ptp(self.points, axis=0).max())
         self.room = np.minimum(reach, SHARE * self._clearance(reach / SHARE))

@@ -210,7 +210,7 @@ REST = np.zeros(5)
         ("friction", lambda _: Material(18.0, None)), ("material", lambda _: Block(FOOT, 1.0, "stone")),
         ("support", lambda _: Block(FOOT, 1.0, STONE, support=3)),
         ("segments", lambda _: Block(FOOT, 1.0, STONE, segments=1.5)),
-        ("blocks", lambda m: Assembly([*m.blocks, "wall"])),
+        ("blocks", lambda m: Assembly([*m.blocks, "wall"])), ("blocks", lambda m: Assembly([*m.blocks, None])),
         ("block", lambda m: m.rotated(1.0, (0.0, 0.0), 0.1)),
         ("about", lambda m: m.rotated(1, "corner", 0.1)), ("model", lambda m: limit_analysis(list(m.blocks))),
         ("control", lambda m: pushover(m, "C1")), ("until", lambda m: pushover(m, TOP, until="0")),

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import intersection
+from shapely import intersection, is_ccw, linearrings
 from shapely.geometry import Polygon
 from shapely.ops import unary_union
 
@@ -179,9 +179,7 @@ def _tidy(polygon: Array) -> Array:
     p = p[np.hypot(*(p - np.roll(p, 1, axis=0)).T) > 1e-9]
     back, ahead = p - np.roll(p, 1, axis=0), np.roll(p, -1, axis=0) - p
     p = p[np.abs(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0]) > 1e-9]
-    following = np.roll(p, -1, axis=0)
-    clockwise = float((p[:, 0] * following[:, 1] - following[:, 0] * p[:, 1]).sum()) < 0.0
-    return p[::-1] if clockwise else p
+    return p if is_ccw(linearrings(p)) else p[::-1]
 
 
 Made = tuple[Layout, dict[str, Any]]
