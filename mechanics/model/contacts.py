@@ -331,14 +331,13 @@ def near(outlines: Outlines, drawn: Contacts, now: Contacts, positions: Array, r
     edges, at = _pairs(outlines, positions, reach)
     places = now.places(positions)
     kept = places[:, H] > 0.0
-    known = {tuple(e): k for k, e in enumerate(map(tuple, drawn.edges.tolist()))}
-    found = {tuple(e) for e in edges.tolist()}
-    alive = np.array([tuple(e) in found for e in drawn.edges.tolist()], dtype=bool)
-    alive |= kept[: len(drawn)]
+    base = (len(outlines.owner), 1)
+    found, known = edges @ base, drawn.edges @ base  # a number for each pair of edges
+    alive = np.isin(known, found) | kept[: len(drawn)]
     faces = drawn.faces.copy()
     faces[~alive, A2] = faces[~alive, A1] - 1.0
     first = replace(drawn, faces=faces)
-    new = np.array([tuple(e) not in known for e in edges.tolist()], dtype=bool)
+    new = ~np.isin(found, known)
     if not new.any():
         return first
     return first.joined(_met(outlines, drawn, edges[new], at[new]))

@@ -306,9 +306,9 @@ def _clip_of(insert: Insert, to_model: Matrix44, handle: str) -> list[Clip]:
     if kept.dxf.has_front_clipping_plane or kept.dxf.has_back_clipping_plane:
         raise DrawingError("is clipped in depth")
     try:
-        back = [np.array(list(m)).reshape(4, 4) for m in (to_model, kept.inverse_insert_matrix)]
-        own = np.array(list(kept.transform_matrix)).reshape(4, 4)
-        to_clip = np.linalg.inv(back[0]) @ np.linalg.inv(back[1]) @ own
+        matrices = (to_model, kept.inverse_insert_matrix, kept.transform_matrix)
+        placed, back, own = (np.array(list(m)).reshape(4, 4) for m in matrices)
+        to_clip = np.linalg.inv(placed) @ np.linalg.inv(back) @ own
     except np.linalg.LinAlgError:
         raise DrawingError("has a clip, and no extent") from None
     if not (polygon.area > 0.0 and polygon.is_valid and np.isfinite(to_clip).all()):

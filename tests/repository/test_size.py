@@ -24,7 +24,7 @@ LINES = {
     "assessment/workflow": 919,
     "mechanics": 978,
     "mechanics/kernels": 3642,
-    "mechanics/model": 3002,
+    "mechanics/model": 3001,
     "mechanics/procedures": 3370,
     "mechanics/records": 1004,
     "mechanics/solvers": 1069,
