@@ -104,11 +104,24 @@ def test_a_bond_fills_any_outline_without_overlap(scale):
     assert len(blocks) > 60
 
 
+@pytest.mark.parametrize("long", [0.6, 0.62])
+def test_a_pier_is_as_wide_as_its_blocks_and_a_plinth_as_high_as_its_course(long):
+    """A whole number of blocks is fitted to what was drawn: one where the outline is a little less than a block."""
+    bond = BondTable(course_m=0.3, block_m=long)
+    assert len(running(box(0, 0, 0.6, 1.5), [], [], bond)) == 5 + 2  # two courses of halves
+    assert len(running(box(0, 0, 3.0, 0.29), [], [], bond)) == 5
+
+
 @pytest.mark.parametrize(
     ("bond", "said"),
     [
         ("course_m = 0.01, block_m = 0.6", "layers.WALL.bond.course_m: 0.01 makes 300 courses, at most 100"),
         ("course_m = 0.3, block_m = 0.001", "layers.WALL.bond.block_m: 0.001 makes more than 10000 blocks"),
+        (
+            "course_m = 300, block_m = 600",
+            "project.toml: layers.WALL.bond.course_m: 300 m is more than the outline, 4 m wide and 3 m high,",
+        ),
+        ("course_m = 0.3, block_m = 60", "layers.WALL.bond.block_m: 60 m is more than the outline, 4 m wide"),
         ("course_m = 3.0, block_m = 4.0", "layers.WALL.bond.block_m: a block would enclose an opening"),
         (
             'pattern = "english", course_m = 0.3, block_m = 0.6',
