@@ -37,8 +37,7 @@ def as_built(project: Project, drawing: Drawing) -> Drawing:
 
     Raises ProjectError for a region that is no outline or holds no block, and for a bond as `running`.
     """
-    tables = (*project.layers.values(), *project.region)
-    if not project.region and not any(each.bond for each in tables):
+    if not project.region and not any(each.bond for each in project.layers.values()):
         return drawing
     keys = [f"{project.source}: region.{region.name}.outline_m" for region in project.region]
     outlines = [Polygon(region.outline_m) for region in project.region]
@@ -106,11 +105,8 @@ def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block
     for k in sorted(range(len(blocks)), key=lambda k: -shapes[k].area):
         if (bond := tables[k].bond) is None or k in gone:
             continue
-        margin = TOUCHING * float(np.ptp(blocks[k].polygon))
-        near, around = (
-            shapely.STRtree(shapes).query(shapes[k], predicate="intersects"),
-            shapes[k].buffer(margin),
-        )
+        near = shapely.STRtree(shapes).query(shapes[k], predicate="intersects")
+        around = shapes[k].buffer(TOUCHING * float(np.ptp(blocks[k].polygon)))
         inside = [j for j in near.tolist() if j != k and around.contains(shapes[j])]
         openings = [j for j in inside if layer_key(blocks[j].layer) == layer_key(blocks[k].layer)]
         gone |= {k, *openings}
@@ -135,21 +131,14 @@ def running(
     and for a course or block that is larger than the outline by more than a sliver: it would stay one block.
     """
     low, bottom, high, top = outline.bounds
-    for key, length, room in (
-        ("course_m", bond.course_m, top - bottom),
-        ("block_m", bond.block_m, high - low),
-    ):
-        if room < (1.0 - SLIVER) * length:
+    for key, room in (("course_m", top - bottom), ("block_m", high - low)):
+        if room < (1.0 - SLIVER) * (length := getattr(bond, key)):
             panel = f"the outline, {high - low:.4g} m wide and {top - bottom:.4g} m high, one block that way"
             raise ValueError(f"{key}: {length:g} m is more than {panel}; write it in m, or draw its blocks")
-    try:
-        levels = courses(bottom, top, bond.course_m)
-    except ValueError as error:
-        raise ValueError(f"course_m: {str(error).partition(': ')[2]}") from None
+    levels = courses(bottom, top, bond.course_m, "course_m")
     along = max(1, round((high - low) / bond.block_m))
     if along * len(levels) > MOST_BLOCKS:
-        text = f"{bond.block_m:g} makes more than {MOST_BLOCKS} blocks; write a longer one"
-        raise ValueError(f"block_m: {text}")
+        raise ValueError(f"block_m: {bond.block_m:g} makes more than {MOST_BLOCKS} blocks; lengthen it")
     walled = outline.difference(unary_union([*openings, *others]))
     lintels = []
     for opening in openings:
@@ -169,8 +158,8 @@ def running(
     pieces = fitted(cells, walled.difference(joined), thinnest)
     pieces += [np.array(beam.exterior.coords[:-1]) for beam in beams]
     if sum(Polygon(piece).area for piece in pieces) > walled.area * (1.0 + 1e-6):
-        text = "a block would enclose an opening, or another block; write a shorter one, or draw these blocks"
-        raise ValueError(f"block_m: {text}")
+        text = "a block would enclose an opening, or another block"
+        raise ValueError(f"block_m: {text}; write a shorter one, or draw these blocks")
     return tidied(blocks=pieces)["blocks"]
 
 
@@ -285,14 +274,12 @@ def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
             end, block = int(np.argmin(np.hypot(*(ends[joint] - point).T))), int(model.joints.a[joint])
             found.append(Gauge(each.kind, each.point_m, block, joint, end))
             continue
-        gauge = Gauge(each.kind, each.point_m, block_at(model, f"{key}.point_m", each.point_m))
-        if each.kind == "relative":
-            gauge = replace(gauge, axis=0 if each.component == "x" else 1)
+        block = block_at(model, f"{key}.point_m", each.point_m)
+        gauge = Gauge(each.kind, each.point_m, block, axis=int(each.component == "z"))
         if isinstance(each.from_m, tuple):
             other = block_at(model, f"{key}.from_m", each.from_m)
             if other == gauge.block:
-                text = "in the same block as point_m; write a point of another one"
-                raise ProjectError(f"{key}.from_m: {text}")
+                raise ProjectError(f"{key}.from_m: in the same block as point_m; write a point of another")
             gauge = replace(gauge, origin=each.from_m, origin_block=other)
         found.append(gauge)
     return tuple(found)

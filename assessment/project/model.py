@@ -94,8 +94,7 @@ def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Asse
         key = f"{project.source}: tie.{each.name}"
         blocks = [masonry.block_at(model, f"{key}.{end}", getattr(each, end)) for end in ("from_m", "to_m")]
         if blocks[0] == blocks[1]:
-            text = f"both ends are in block {blocks[0]}; write a point of another one"
-            raise ProjectError(f"{key}.to_m: {text}")
+            raise ProjectError(f"{key}.to_m: both ends are in block {blocks[0]}; write a point of another")
         if not model.movable[blocks].any():
             text = "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
             raise ProjectError(f"{key}.to_m: {text}")

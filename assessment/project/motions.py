@@ -18,9 +18,11 @@ from mechanics.records import SAME_TIME, Record, read_record
 from mechanics.types import Array
 
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
+HIGHEST = 5.0  # g: more than any ground has moved with
 COARSEST = 0.05  # s: frequencies above 10 Hz, which records have, would be lost
 SHORTEST = 5.0  # s
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
+KEPT = 0.02  # of the PGA: a step that changes it by more leaves another motion
 SAME = 1e-4  # of the PGA: closer than this two records are one
 MOST_SAMPLES = 200_000  # of a motion: a hundred seconds at half a millisecond
 WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it holds the strong motion
@@ -114,12 +116,13 @@ def _motion(
 ) -> BaseMotion:
     scale = history.scale if history else 1.0
     record = _read(path, table.time_step_s).scaled(scale)
+    if abs(scale) > 1.0 and record.pga > HIGHEST:
+        raise ProjectError(f"{project.source}: {key}.scale: makes a PGA of {record.pga:.3g} g; write less")
     original = replace(record, name=history.name if history and history.name else visible(record.name))
     motion = replace(motion_of(project, key, table, original, path.name), scale=scale)
     if history and history.vertical_record:
         path = project.path(history.vertical_record)
-        vertical = _vertical(project, key, history, path, motion.record, motion.start)
-        return replace(motion, vertical=vertical)
+        return replace(motion, vertical=_vertical(project, key, history, path, motion.record, motion.start))
     return motion
 
 
@@ -130,17 +133,16 @@ def motion_of(
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
+    where = f"{project.source}: {key}: {source or original.name}"
     try:
         window = original.strong_window() if table.window_s == "arias" else table.window_s
         cut = original.windowed(*window) if window else original
         if table.time_step_s and cut.duration > MOST_SAMPLES * table.time_step_s:
-            raise ValueError(
-                f"time_step_s = {table.time_step_s:g} makes more than {MOST_SAMPLES} samples of {cut.duration:g} s; "
-                "write a longer one, or a window_s"
-            )
-        record = cut.resampled(table.time_step_s or cut.time_step)
+            most = f"more than {MOST_SAMPLES} samples of {cut.duration:g} s; write more, or a window_s"
+            raise ValueError(f"time_step_s = {table.time_step_s:g} makes {most}")
     except ValueError as error:
-        raise ProjectError(f"{project.source}: {key}: {source or original.name}: {error}") from None
+        raise ProjectError(f"{where}: {error}") from None
+    record = _at_step(cut, table.time_step_s or cut.time_step, where)
     start = 0.0
     if window:  # it begins at the first sample inside it
         start = float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0])
@@ -154,21 +156,31 @@ def motion_of(
     return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
 
 
+def _at_step(record: Record, step: float, where: str) -> Record:
+    """Return the record at another step (s). Raises ProjectError for one between whose instants its peaks fall."""
+    if step <= min(max(COARSEST, (1.0 + SAME_TIME) * record.time_step), record.duration):
+        found = record.resampled(step)
+        if abs(found.pga - record.pga) <= KEPT * record.pga:
+            return found
+    text = f"a step of {step:g} s does not keep its PGA of {record.pga:.3g} g"
+    raise ProjectError(f"{where}: {text}; write time_step_s = {record.time_step:g}, its own, or half of it")
+
+
 def _vertical(
     project: Project, key: str, history: HistoryTable, path: Path, horizontal: Record, start: float
 ) -> Array:
     """Vertical acceleration (n,) g at the samples of the horizontal one; both files begin at the same instant."""
     whole = _read(path, history.time_step_s).scaled(history.scale)
     missing = start + horizontal.duration - whole.duration
+    where = f"{project.source}: {key}.vertical_record: {path.name}"
     if missing > horizontal.time_step:
-        text = f"{path.name} ends {missing:.3g} s before the horizontal motion; give a longer record or a window_s"
-        raise ProjectError(f"{project.source}: {key}.vertical_record: {text}")
+        raise ProjectError(f"{where} ends {missing:.3g} s before the horizontal one; give more or a window_s")
     time: Array = start + horizontal.time
     if horizontal.time_step > (1.0 + SAME_TIME) * whole.time_step:  # what the step cannot carry is damped
         count = int(np.ceil(horizontal.duration / whole.time_step - SAME_TIME)) + 1
         begun = _at(whole, start + whole.time_step * np.arange(count, dtype=float))
-        found = replace(whole, acceleration=begun).resampled(horizontal.time_step).acceleration
-        return found[: time.size]
+        found = _at_step(replace(whole, acceleration=begun), horizontal.time_step, where)
+        return found.acceleration[: time.size]
     return _at(whole, time)
 
 
@@ -181,20 +193,15 @@ def _at(record: Record, time: Array) -> Array:
 def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
     """Raise ProjectError where two records of [campaign] have one name, or are one motion but for a factor."""
     for one, other in combinations(motions, 2):
-        text = ""
-        a, b = one.original, other.original
+        key, a, b = f"{project.source}: campaign.records", one.original, other.original
         if one.name == other.name:
-            text = (
-                f'two records are called "{one.name}"; rename a file, tables tell them apart by their names'
-            )
-        elif a.acceleration.size == b.acceleration.size and a.time_step == b.time_step:
+            called = f'two records are called "{one.name}"'
+            raise ProjectError(f"{key}: {called}; rename a file, tables tell them apart by their names")
+        if a.acceleration.size == b.acceleration.size and a.time_step == b.time_step:
             x, y = (each.acceleration / each.pga for each in (a, b))
             if min(np.abs(x - y).max(), np.abs(x + y).max()) < SAME:
-                text = (
-                    f"{one.name} and {other.name} are the same motion; keep one, or both count as two records"
-                )
-        if text:
-            raise ProjectError(f"{project.source}: campaign.records: {text}")
+                same = f"{one.name} and {other.name} are the same motion"
+                raise ProjectError(f"{key}: {same}; keep one, or both count as two records")
 
 
 def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:

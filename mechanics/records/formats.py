@@ -305,7 +305,7 @@ def _columns(text: RecordText, time_step: float | None) -> Samples:
     if times is not None:
         step = _uniform_step(text, start, columns[times].size * values[:, times])
     elif time_step is None:
-        raise text.error(None, "one column of accelerations needs its time step; give time_step, in s")
+        raise text.error(None, "one column of accelerations needs its time step; give time_step_s, in s")
     else:
         step = time_step
     return Samples(acceleration, step, columns[which].unit)
@@ -400,8 +400,8 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
     drift = np.abs(times - times[0] - step * np.arange(times.size)).max()
     if not drift < 0.1 * step:
         line = header + int(np.abs(steps - np.median(steps)).argmax()) + 2
-        message = "the times are not evenly spaced; interpolate the record or give one column and time_step"
-        raise text.error(line, message)
+        wrong = "the times are not evenly spaced; interpolate the record, or give one column and time_step_s"
+        raise text.error(line, wrong)
     text.step(step, None)
     return float(f"{step:.9g}")  # the times are printed decimals: 0.005, not 0.00499999999
 

@@ -119,12 +119,11 @@ def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array
     ]
 
 
-def courses(z0: float, z1: float, course_height: float) -> Array:
-    """Return the levels, m, of the nearest whole number of equal courses. Raises ValueError for too many."""
-    count = max(1, round((z1 - z0) / course_height))
+def courses(z0: float, z1: float, height: float, key: str = "course_height_m") -> Array:
+    """Return the levels, m, of the nearest whole number of equal courses. Too many raise ValueError naming the key."""
+    count = max(1, round((z1 - z0) / height))
     if count > MOST_COURSES:
-        text = f"{course_height:g} makes {count} courses, at most {MOST_COURSES}; write more"
-        raise ValueError(f"course_height_m: {text}")
+        raise ValueError(f"{key}: {height:g} makes {count} courses, at most {MOST_COURSES}; write more")
     return np.linspace(z0, z1, count + 1)
 
 

@@ -92,13 +92,13 @@ class FloorTable(ProjectTable):
     )
     building_height_m: kinds.Length = entry("height H of the building, m")
     storeys: Annotated[int, Field(ge=1, le=1000)] = entry("number of storeys n")
-    period_s: kinds.Seconds | None = absent(
+    period_s: kinds.Period | None = absent(
         "period T_1 of the building's first mode, s; default 0.05 H^(3/4), C7.3.3.2, H up to 40 m"
     )
-    damping_ratio: Annotated[float, Field(ge=1e-3, lt=1)] = entry(
+    damping_ratio: Annotated[float, Field(ge=1e-3, le=0.3)] = entry(
         "viscous damping ratio of the building's modes", 0.05
     )
-    higher_periods_s: Annotated[tuple[kinds.Seconds, ...], Field(strict=False, max_length=100)] = entry(
+    higher_periods_s: Annotated[tuple[kinds.Period, ...], Field(strict=False, max_length=100)] = entry(
         "periods T_k of further modes, s", ()
     )
     higher_participations: Annotated[tuple[kinds.Ratio, ...], Field(strict=False, max_length=100)] = entry(

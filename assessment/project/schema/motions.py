@@ -65,7 +65,7 @@ class HistoryTable(StatesTable):
         "file of the horizontal ground acceleration; records/artificial.csv comes with a new project"
     )
     name: kinds.Name | None = absent("name in tables and figures; default the record's file name")
-    scale: kinds.Ratio = entry("factor on the accelerations, the vertical ones too; not zero", 1.0)
+    scale: kinds.Ratio = entry("factor on the accelerations, vertical too; not zero; negative: reversed", 1.0)
     vertical_record: Annotated[kinds.Name | None, FileName()] = absent(
         "file of the vertical ground acceleration"
     )
@@ -102,7 +102,7 @@ class CampaignTable(MotionTable):
     measure: Literal["PGA", "Sa(T)"] = entry(
         "intensity: PGA, or Sa(T), the spectral acceleration at period_s, 5 % damping", "PGA"
     )
-    period_s: kinds.Seconds | None = absent("period T of Sa(T), s")
+    period_s: kinds.Period | None = absent("period T of Sa(T), s")
     method: Literal["incremental", "stripes"] = entry(
         "incremental: the level at collapse of each combination is searched; stripes: all at levels_g",
         "incremental",

@@ -193,8 +193,7 @@ class SettlementTable(ProjectTable):
             text = f"{least:g} m (or rad) moves nothing; write {LEAST_MOVEMENT:g} or more"
             yield "displacement_m", text if self.steps is None else f"in steps, {text}"
         elif "increment_m" in self.model_fields_set and self.increment_m > shift > 0.0:
-            text = f"{self.increment_m:g} is larger than the movement; write {shift:g} or less"
-            yield "increment_m", text
+            yield "increment_m", f"{self.increment_m:g} is larger than the movement; write {shift:g} or less"
         if self.increments > MOST_INCREMENTS:
             text = f"the movement takes {self.increments} increments; write longer ones, for {MOST_INCREMENTS} or fewer"
             turns = abs(self.rotation_rad) / self.increment_rad > shift / self.increment_m

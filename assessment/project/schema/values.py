@@ -116,7 +116,8 @@ Instant = Annotated[float, Field(ge=-1e6, le=1e6)]  # s
 Acceleration = Annotated[float, Field(ge=1e-6, le=1e3)]  # g
 Factor = Annotated[float, Field(ge=1e-4, le=1e4)]
 Ratio = Annotated[float, Field(ge=-1e4, le=1e4)]
-Damping = Annotated[float, Field(ge=0, lt=1)]
+Damping = Annotated[float, Field(ge=0, le=0.3)]
+Period = Annotated[float, Field(ge=1e-6, le=10)]  # s, of a structure
 BlockNumber = Annotated[int, Field(ge=0, le=10**9)]
 Strength = Annotated[float, Field(ge=1, allow_inf_nan=True)]  # kN/m²; inf: no limit
 Yield = Annotated[float, Field(ge=1e-3, allow_inf_nan=True)]  # kN; inf: no limit
@@ -152,7 +153,7 @@ Shares = Annotated[tuple[Share, ...], ENTRIES, AfterValidator(unique)]
 Signs = Annotated[tuple[Literal[1, -1], ...], ENTRIES, AfterValidator(unique)]
 MemberNumbers = Annotated[tuple[Members, ...], ENTRIES, AfterValidator(unique)]
 Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(unique)]
-Periods = Annotated[tuple[Seconds, Seconds], Field(strict=False)]
+Periods = Annotated[tuple[Period, Period], Field(strict=False)]
 
 
 def entry(meaning: str, default: Any = ..., **more: Any) -> Any:

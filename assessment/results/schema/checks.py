@@ -71,7 +71,7 @@ class NominalCheck(Check):
 class _Checked(Part):
     """What has checks of limit states, each a key of its name."""
 
-    SLO: Check | None = optional("check at SLO")
+    SLO: Check | None = optional("check at SLO, in Python alone: `limit_states` of a project lack it")
     SLO_elastic: Check | None = optional("end of the elastic branch at SLO", alias="SLO elastic")
     SLD: Check | None = optional("linear check at SLD: a_0* of the rigid multiplier")
     SLD_elastic: Check | None = optional("end of the elastic branch at SLD", alias="SLD elastic")

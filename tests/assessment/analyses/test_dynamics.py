@@ -211,15 +211,49 @@ def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, 
         ("window_s = [0.5, 9.0]\n", r"history\[1\].*wave.csv.*window"),
         ("damping_ratio = 0.05\n", r"history\[1\]\.damping_ratio"),
         ('vertical_record = "short.csv"\n', r"history\[1\]\.vertical_record.*short.csv"),
+        (
+            'vertical_record = "knock.csv"\n',
+            r"knock.csv: .* of 0.02 s .*PGA of 1 g; write time_step_s = 0.005,",
+        ),
+        (
+            "time_step_s = 0.25\n",
+            r"history\[1\]: wave.csv: a step of 0.25 s .* write time_step_s = 0.02, its own",
+        ),
+        ("time_step_s = 9.0\n", r"history\[1\]: wave.csv: a step of 9 s does not keep its PGA"),
+        (
+            '[incremental]\nrecords = ["knock.csv"]\ntime_step_s = 0.01\n',
+            r"incremental: knock.csv: a step of 0.01 s",
+        ),
     ],
 )
 def test_motions_that_do_not_fit_are_refused_by_key(tmp_path, extra, named):
     _project(tmp_path / "block")
     np.savetxt(tmp_path / "block" / "short.csv", np.column_stack([TIME, WAVE])[:50], delimiter=",")
+    knock = np.column_stack(
+        [0.005 * np.arange(401), np.arange(401) == 201]
+    )  # one sample, between those at 0.01 s
+    np.savetxt(tmp_path / "block" / "knock.csv", knock, delimiter=",")
     path = tmp_path / "block" / "project.toml"
     path.write_text(path.read_text(encoding="utf-8") + TAIL.format(scale=1.0) + extra, encoding="utf-8")
     with pytest.raises(ProjectError, match=named):
         read_motions(load_project(tmp_path / "block"))
+
+
+def test_a_coarse_step_is_refused_though_its_samples_have_the_peak(tmp_path):
+    """A rise and fall in 0.2 s each is a broken line at 0.1 s too: no instant of it would be followed in between."""
+    _project(tmp_path / "block", TAIL.format(scale=1.0), "time_step_s = 0.1\n")
+    pulse = np.column_stack([TIME, np.interp(TIME, [0.0, 0.2, 0.4], [0.0, 0.3, 0.0])])
+    np.savetxt(tmp_path / "block" / "wave.csv", pulse, delimiter=",")
+    with pytest.raises(ProjectError, match=r"a step of 0\.1 s"):
+        history_motions(load_project(tmp_path / "block"))
+    project = _edited(tmp_path / "block", "time_step_s = 0.1", "time_step_s = 0.04")
+    assert history_motions(project)[0].record.time_step == 0.04
+
+
+def test_a_scale_to_what_no_ground_does_is_refused(tmp_path):
+    project = _project(tmp_path / "block", TAIL.format(scale=-100.0))
+    with pytest.raises(ProjectError, match=r"history\[1\]\.scale: makes a PGA of 4\d\.\d g; write less"):
+        history_motions(project)
 
 
 def _motion(record):

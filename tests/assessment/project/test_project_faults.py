@@ -64,6 +64,8 @@ friction = 0.6 | friction = -inf | material.friction | -inf is wrong; write a nu
 depth_m = 0.10 | depth_m = 0.10\nsagitta_m = 1e-12 | geometry.sagitta_m | not less than 1e-07
 increment_m = 0.001\nto | increment_m = 0.0\nto | settlements[1].increment_m | greater than 0
 time_step_s = 0.005 | time_step_s = 0 | history[1].time_step_s | greater than 0
+time_step_s = 0.005 | damping_ratio = 0.5 | history[1].damping_ratio | not greater than 0.3
+[incremental] | [campaign]\nrecords = "a"\nperiod_s = 350\n[incremental] | campaign.period_s | not greater than 10
 tolerance_g = 0.01 | tolerance_g = 0 | incremental.tolerance_g | greater than 0
 confidence_factor = 1.35 | confidence_factor = 0.9 | assessment.confidence_factor | not less than 1
 nominal_life_years = 50 | nominal_life_years = 0 | assessment.site.nominal_life_years | not less than 1
