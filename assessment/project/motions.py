@@ -18,7 +18,7 @@ from mechanics.records import SAME_TIME, Record, read_record
 from mechanics.types import Array
 
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
-HIGHEST = 5.0  # g: more than any ground has moved with
+HIGHEST = 10.0  # g: a file whose peak is larger is refused too
 COARSEST = 0.05  # s: frequencies above 10 Hz, which records have, would be lost
 SHORTEST = 5.0  # s
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
