@@ -264,17 +264,12 @@ def tie_contacts(
     faces[:, LENGTH] = [tie.taut_length for tie in ties]
     number = np.arange(count)
     return Contacts(
-        a=blocks[:, 0],
-        b=blocks[:, 1],
-        faces=faces,
-        friction=np.full(count, ACROSS),
-        bed=np.array([tie.stiffness or stiffest for tie in ties]).reshape(count),
-        shear=np.full(count, np.inf),
+        a=blocks[:, 0], b=blocks[:, 1], faces=faces, friction=np.full(count, ACROSS), tolerance=drawn.tolerance,
+        bed=np.array([tie.stiffness or stiffest for tie in ties]).reshape(count), shear=np.full(count, np.inf),
         strength=np.array([tie.yield_force for tie in ties]).reshape(count),
         segments=np.zeros(count, dtype=np.intp),
         edges=np.stack([-1 - number, -1 - number], axis=1),  # no edges of blocks: numbers of its own
-        tolerance=drawn.tolerance,
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

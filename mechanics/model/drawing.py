@@ -44,6 +44,7 @@ LINES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}
 CHORD = 1e-3  # m: of a curved crack from its chords
 UNEVEN = 1e-6  # m: heights out of the drawing's plane of which there is a warning
 SHAPES |= {"3DSOLID", "SURFACE", "MESH", "POLYLINE", "INSERT"}  # here: a mesh, an external reference
+SHAPES |= {"HATCH", "MPOLYGON"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -311,10 +312,7 @@ class Sheet:
 
     def _layer_faults(self) -> Iterator[Fault]:
         """Name the layers of the project that the drawing does not have or does not show."""
-        names = [
-            *(visible(layer.dxf.name) for layer in self.document.layers),
-            *(p.layer for p in self._entities),
-        ]
+        names = [visible(each.dxf.name) for each in self.document.layers] + [p.layer for p in self._entities]
         drawn = {layer_key(name): name for name in names}
         hidden = Counter(layer_key(p.layer) for p in self._hidden())
         for key, (name, _) in self.named.items():
@@ -412,16 +410,14 @@ class Sheet:
         if own.lower() != "unitless" and self.own_unit != self.unit:
             yield message(
                 "$INSUNITS says {own}, the project {unit}, which is used; check the sizes",
-                own=own,
-                unit=self.unit,
-            )
+                own=own, unit=self.unit,
+            )  # fmt: skip
         heights = [np.ptp(o.points[:, 2]) for o in self.sources]
         if uneven := [h for h in heights if h > 0.0 and h * self.scale > UNEVEN]:
             yield message(
                 "heights out of the plane are left out, of up to {height:.3g} m; outlines: {count}",
-                height=self.scale * max(uneven),
-                count=len(uneven),
-            )
+                height=self.scale * max(uneven), count=len(uneven),
+            )  # fmt: skip
         holding = {layer_key(o.source.layer) for o in self.closed}
         for key, (name, layer) in self.named.items():
             if key not in holding and not layer.ignore:
@@ -441,9 +437,8 @@ class Sheet:
         if open_ := [o for o in outlines if not o.closed]:
             yield message(
                 "open polylines on layers without blocks left out: {count}, first: {where}",
-                count=len(open_),
-                where=open_[0].source.at(*open_[0].points[[0, -1]]),
-            )
+                count=len(open_), where=open_[0].source.at(*open_[0].points[[0, -1]]),
+            )  # fmt: skip
         rest = [p for p in self.placed if not (p.hidden or is_polyline(p.entity))]
         shapes = [p for p in rest if p.entity.dxftype() in SHAPES or isinstance(p.entity, DXFTagStorage)]
         if shapes:

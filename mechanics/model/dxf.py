@@ -100,14 +100,12 @@ def open_document(path: Path) -> tuple[Document, list[Message]]:
     if fatal := [visible(fault.message)[:LONGEST_REASON] for fault in faults if fault.code in MISLEADING]:
         raise DrawingError(f"{path}: the file is damaged: {'; '.join(fatal[:3])}; export it again")
     if faults:
-        warnings.append(
-            message(
-                "the file was damaged and has been repaired ({count} faults, first: {found}); "
-                "compare the model with the drawing",
-                count=len(faults),
-                found=visible(faults[0].message)[:LONGEST_REASON],
-            )
-        )
+        repaired = message(
+            "the file was damaged and has been repaired ({count} faults, first: {found}); "
+            "compare the model with the drawing",
+            count=len(faults), found=visible(faults[0].message)[:LONGEST_REASON],
+        )  # fmt: skip
+        warnings.append(repaired)
     return document, warnings
 
 
@@ -156,9 +154,8 @@ def _as_of_today(data: bytes) -> tuple[bytes, list[Message]]:
         data = b"  0\nSECTION\n  2\nHEADER\n" + variable + b"  0\nENDSEC\n" + data
     told = message(
         "LWPOLYLINEs without their subclass, or in a file of version {version}: {count}, read as what they are",
-        version=named[2].decode() if named else "–",
-        count=changed,
-    )
+        version=named[2].decode() if named else "–", count=changed,
+    )  # fmt: skip
     return data, [told]
 
 

@@ -17,6 +17,7 @@ from mechanics.faults import Fault, FaultyDrawingError, listed
 from mechanics.messages import Message, message
 from mechanics.model.block import Block, Joints, Polygons, find_joints, polygons_of, ring_edges
 from mechanics.model.dxf import can_change
+from mechanics.model.polylines import SAGITTA
 from mechanics.types import Array, Index, Mask
 
 NEAR = 20.0  # edges that face each other within this many tolerances were likely meant to touch
@@ -239,8 +240,7 @@ def _hint(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: Sequen
     if not gaps:
         return []
     widest = max(gap.most for gap in gaps)
-    unit = 10.0 ** math.floor(math.log10(ROOM * widest))
-    wider = math.ceil(ROOM * widest / unit - 1e-9) * unit
+    wider = _wider(widest)
     joints = _joints(blocks, kept, wider)
     joined = {*map(tuple, np.sort(joints.blocks).tolist())}
     if shapely.is_empty(eroded(polygons[kept], wider)).any() or not joined.issuperset(
@@ -253,6 +253,12 @@ def _hint(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: Sequen
             width=1e3 * widest, wider=f"{wider:g}",
         )
     ]  # fmt: skip
+
+
+def _wider(width: float) -> float:
+    """Return the tolerance (m) to propose where blocks overlap by so much, or leave such a gap, m: one digit of it."""
+    unit = 10.0 ** math.floor(math.log10(ROOM * width))
+    return math.ceil(ROOM * width / unit - 1e-9) * unit
 
 
 def _idle_supports(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> list[Message]:
@@ -385,18 +391,25 @@ def _overlap_faults(
             yield Fault("frame", text, corner, (np.concatenate([blocks[i].polygon, corner]),))
             continue
         common, where = _common(polygons[i], shapely.union_all(polygons[others]))
-        text = (
-            f"{name_of(blocks, i)} around {place_of(where[0])} overlaps {len(others)} other blocks ({some})"
-        )
-        yield Fault("overlap", f"{text}; correct its outline", where, _rings(common))
+        width = max(depth_of(polygons[i], polygons[j]) for j in others)
+        mend = _mend("its outline", width, polygons[[i, *others]], tolerance)
+        text = f"{name_of(blocks, i)} around {place_of(where[0])} overlaps {len(others)} other blocks"
+        yield Fault("overlap", f"{text} ({some}){mend}", where, _rings(common))
     for i, j in sorted((i, j) for i, others in partners.items() for j in others if i < j):
-        common, where = _common(polygons[i], polygons[j])
+        (common, where), width = _common(polygons[i], polygons[j]), depth_of(polygons[i], polygons[j])
         text = (
             f"{name_of(blocks, i)} and {name_of(blocks, j)} overlap by {common.area:.3g} m² "
-            f"around {place_of(where[0])}; correct their outlines"
+            f"around {place_of(where[0])}{_mend('their outlines', width, polygons[[i, j]], tolerance)}"
         )
-        fits = can_fit(blocks, (i, j), depth_of(polygons[i], polygons[j]), tolerance)
+        fits = can_fit(blocks, (i, j), width, tolerance)
         yield Fault("overlap", text, where, _rings(common), "fit" if fits else "")
+
+
+def _mend(what: str, width: float, polygons: Polygons, tolerance: float) -> str:
+    """Return what to do about blocks that overlap by a width, m: a little of it may be the chords of a shared arc."""
+    arc = f", or write geometry.tolerance_m = {_wider(width):g} if one arc is divided at different points"
+    little = width <= max(NEAR * tolerance, 0.5 * SAGITTA * float(shapely.length(polygons).max()))
+    return f"; correct {what}{arc if little else ''}"
 
 
 def can_fit(blocks: Sequence[Block], pair: Sequence[int], width: float, tolerance: float) -> bool:

@@ -1,14 +1,17 @@
 """DXF to blocks: what is read, and where it ends up."""
 
 import math
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.model.block import Material
+from mechanics.model.block import Material, default_tolerance, find_joints, polygons_of
 from mechanics.model.drawing import Layer
+from mechanics.model.layout import find_overlaps
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
 
 
@@ -146,6 +149,42 @@ def test_sagitta_is_kept_where_an_insert_stretches_the_arc(tmp_path):
     assert 0.0 < math.pi * 10.0 - result.blocks[0].area <= 1e-3 * 2.0 * math.pi * 5.0
 
 
+@pytest.mark.parametrize("cut", [1, 4])
+def test_an_arc_that_blocks_divide_at_different_points_is_told_with_its_remedy(cut, tmp_path):
+    """The chords of the one lie within the other by less than the sagitta: the tolerance that is named makes joints."""
+    document, space = drawing(unit="m")
+
+    def at(degrees, radius):
+        return radius * math.cos(math.radians(degrees)), radius * math.sin(math.radians(degrees))
+
+    ends = [180.0 - k * 180.0 / cut for k in range(cut + 1)]
+    bulge = math.tan(math.radians(180.0 / cut) / 4.0)
+    for left, right in pairwise(ends):
+        outline(
+            space, [(*at(left, 1.0), -bulge), (*at(right, 1.0), 0), (*at(right, 0.5), 0), (*at(left, 0.5), 0)]
+        )
+    above = [
+        (*at(155.0, 1.0), -math.tan(math.radians(130.0) / 4.0)),
+        (*at(25.0, 1.0), 0),
+        (2, 2, 0),
+        (-2, 2, 0),
+    ]
+    outline(space, above)
+    blocks = read(document, tmp_path, "m").blocks
+    polygons, tolerance = polygons_of(blocks), default_tolerance([block.polygon for block in blocks])
+    [fault] = find_overlaps(blocks, polygons, tolerance).faults
+    correct, _, wider = fault.text.rpartition(", or write geometry.tolerance_m = ")
+    assert correct.endswith("correct its outline" if cut > 1 else "correct their outlines")
+    wider = float(wider.removesuffix(" if one arc is divided at different points"))
+    assert not find_overlaps(blocks, polygons, wider).faults
+    joints = find_joints(blocks, wider)
+    assert set(range(cut)) == {*joints.a[joints.b == cut], *joints.b[joints.a == cut]}
+    apart = [*blocks[:1], replace(blocks[-1], vertices=blocks[-1].polygon - (0.0, 0.1))]
+    assert all(
+        f.text.endswith("outlines") for f in find_overlaps(apart, polygons_of(apart), tolerance).faults
+    )
+
+
 def test_other_shapes_are_counted_and_annotation_is_not(tmp_path):
     document, space = drawing()
     outline(space, SQUARE)
@@ -154,11 +193,13 @@ def test_other_shapes_are_counted_and_annotation_is_not(tmp_path):
     space.add_circle((0, 0), 1, dxfattribs={"layer": "STONES"})
     space.add_text("pier")
     space.add_hatch().paths.add_polyline_path(SQUARE)
+    space.add_mpolygon().paths.add_polyline_path(SQUARE)
     space.add_linear_dim(base=(0, 20), p1=(0, 0), p2=(10, 0)).render()
     result = read(document, tmp_path)
     assert len(result.blocks) == 1
     assert result.warnings == (
-        "geometry.dxf: left out, being no closed polylines: 3 LINE, 1 CIRCLE, on layers AXES, STONES",
+        "geometry.dxf: left out, being no closed polylines: 3 LINE, 1 CIRCLE, 1 HATCH, 1 MPOLYGON, on layers 0, AXES, "
+        "STONES",
     )
 
 
