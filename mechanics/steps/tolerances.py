@@ -36,7 +36,7 @@ class StepTolerances:
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
     elastic: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)
-    rounds: int = 8
+    rounds: int = 16
     go_on: float = 0.1
     yielding: float = 3e-4
     memory: int = 2
