@@ -43,7 +43,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     them. The time step follows the motion: blocks that fall move by `way` or a `stride` in a step, blocks that creep
     take longer steps, unless these have no program with the geometry that changes. Raises RunawayError if a block moves
     farther than `farthest`, or if the motion does not slow down within `steps`, or if it stops at an unstable
-    equilibrium; ConvergenceError if it still slows down then.
+    equilibrium; ConvergenceError if it still slows down then, or has without a certified equilibrium.
     """
     model, solves = problem.system.model, 0
     still, least = STEP.slow * model.size, tolerances.way * model.size
@@ -83,6 +83,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             raise RunawayError(UNSTABLE)
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
+        if force <= np.finfo(float).eps * model.size:
+            break  # inertia is below the last digit of the weight: further steps are the same static program
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
     raise kind(_goes_on(left))
 

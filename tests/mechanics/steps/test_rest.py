@@ -19,6 +19,7 @@ from mechanics import (
 from mechanics.errors import RunawayError
 from mechanics.kernels.joint import H
 from mechanics.steps import geometry_iteration
+from mechanics.steps import rest as module
 from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
@@ -103,6 +104,26 @@ def test_what_comes_to_no_rest_is_refused():
     problem = raised(model, 0.1)
     with pytest.raises(ConvergenceError, match="does not come to rest"):
         motion_to_rest(problem, problem.start.positions, replace(REST, steps=1))
+
+
+def test_a_motion_without_inertia_left_is_not_repeated(monkeypatch):
+    """Blocks that rest, to rounding, where no static program is certified: the rest is undecided, and told at once."""
+    problem = raised(block_on_base(0.6, 4.2, stiffness=1e6), 0.0)
+    steps = []
+
+    def undecided(*_):
+        steps.append(1)
+        raise ConvergenceError("undecided")
+
+    monkeypatch.setattr(module, "find_equilibrium", undecided)
+    monkeypatch.setattr(
+        module, "certified", lambda *_: replace(rested, certificate=replace(good, equilibrium=1.0))
+    )
+    rested = rest(static_system(problem.system.model, "elastic"), problem.system.model.initial)
+    good = rested.certificate
+    with pytest.raises(ConvergenceError, match="does not come to rest"):
+        motion_to_rest(problem, problem.start.positions)
+    assert len(steps) < 60
 
 
 def test_a_lift_counts_from_the_compression_that_forces_ask_for():
