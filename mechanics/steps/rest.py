@@ -14,7 +14,7 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
-from mechanics.messages import Message, message
+from mechanics.messages import message
 from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
@@ -58,7 +58,12 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         moved, solves = last.at, solves + last.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
-            raise _falls(far)
+            raise RunawayError(
+                message(
+                    "the structure falls: left to itself it moves by {moved:.2g} m and does not rest",
+                    moved=far,
+                )
+            )
         force = left / time**2  # unbalanced force per mass
         if 0 < step == tolerances.steps // 2:
             half_way = force
@@ -86,20 +91,11 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if force <= np.finfo(float).eps * model.size:
             break  # inertia is below the last digit of the weight: further steps are the same static program
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
-    raise kind(_goes_on(left))
-
-
-def _falls(moved: float) -> RunawayError:
-    return RunawayError(
+    raise kind(
         message(
-            "the structure falls: left to itself it moves by {moved:.2g} m and does not rest", moved=moved
+            "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step",
+            moved=left,
         )
-    )
-
-
-def _goes_on(moved: float) -> Message:
-    return message(
-        "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step", moved=moved
     )
 
 
