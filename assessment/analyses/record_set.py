@@ -11,13 +11,13 @@ from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import farthest
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.project.schema import CampaignTable
+from assessment.project.schema.motions import GENERATED_STEP, CampaignTable
 from assessment.results.schema.dynamic import CampaignSpectrum, MeasureFit
 from mechanics.messages import message
 from mechanics.records import Record, compatible_record, response_spectrum
 from mechanics.types import GRAVITY, Array
 
-DURATION, PLATEAU, TIME_STEP = 25.0, 10.0, 0.01  # s: NTC 2018 §3.2.3.6 [k]
+DURATION, PLATEAU = 25.0, 10.0  # s: NTC 2018 §3.2.3.6 [k]
 DAMPING = 0.05  # of spectra and of Sa(T)
 LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mean spectrum
 PERIODS = 60  # at which spectra are compared
@@ -33,7 +33,7 @@ def target_of(spectra: Mapping[str, Spectrum]) -> tuple[str, Spectrum]:
 
 def made_record(spectrum: Spectrum, seed: int) -> Record:
     """Return a record whose spectrum is within 10 % of a given one; the same seed gives the same record."""
-    made = compatible_record(spectrum.acceleration, DURATION, TIME_STEP, seed, plateau=PLATEAU)
+    made = compatible_record(spectrum.acceleration, DURATION, GENERATED_STEP, seed, plateau=PLATEAU)
     return replace(made, name=f"generated {seed}")
 
 

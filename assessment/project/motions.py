@@ -69,8 +69,7 @@ def records_of(project: Project) -> list[Record]:
     files = [
         (project.path(name), each.time_step_s)
         for each in project.history
-        for name in (each.record, each.vertical_record)
-        if name is not None
+        for name in filter(None, (each.record, each.vertical_record))
     ]
     for table in (project.incremental, project.campaign):
         files += [(path, table.time_step_s) for path in project.record_files(table)] if table else []

@@ -105,7 +105,7 @@ def read_drawing(
     mirrored, arrays). `unit` ("mm", "cm", "m") is the drawing's. `layers` replaces `default` by layer name, in any case
     of letters. A front view, drawn in a vertical plane, is turned: z is up. Layers FESSURE and CRACKS hold surveyed
     cracks. Arcs become chords no farther than `sagitta` (m) from them, by default a thousandth of the arc's width; one
-    shared by two blocks gives both the same vertices. What is hidden, clipped away or no polyline is left out with a
+    edge of two blocks gives both the same vertices. What is hidden, clipped away or no polyline is left out with a
     warning; so is an open polyline on a layer that is not named and has no closed one.
 
     Raises DrawingError listing all that is wrong, with file, layer, handle and coordinates in drawing units; ValueError

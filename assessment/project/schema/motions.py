@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 GENERATED = "generate:"
 """In the place of record files, with a number behind it: so many records are made."""
+GENERATED_STEP = 0.01  # s: their time step
 
 VARIED = ("friction", "stiffness", "unit_weight", "depth")
 """The properties that [sensitivity] can vary."""
@@ -117,7 +118,6 @@ class CampaignTable(MotionTable):
     )
     periods_s: kinds.Periods = entry("first and last period of that spectrum, s", (0.15, 2.0))
     scale_limits: kinds.Factors = entry("least and largest factor of that scaling", (0.5, 2.0))
-
     curve_members: kinds.MemberNumbers | None = absent(
         "members of the ensembles whose displacement over time is kept, 1: the record itself; default none"
     )
@@ -136,6 +136,8 @@ class CampaignTable(MotionTable):
             yield "records", text
         elif generated and len(self.records) > 1:
             yield "records", f'"{generated[0]}" stands alone; write it, or files'
+        if self.generated and (self.time_step_s or 0.0) > GENERATED_STEP:
+            yield "time_step_s", f"records are made at {GENERATED_STEP:g} s; write that, or leave it out"
         yield from super().contradictions(project)
         if not project.settlements:
             yield "settlements", "no movement; add [[settlements]] with name and support"
@@ -196,8 +198,7 @@ class SensitivityTable(ProjectTable):
         if project.assessment is None:
             yield (), "there is no capacity to vary; add [assessment] or leave [sensitivity] out"
         elif project.assessment.model == "none" and self.stiffness:
-            text = 'assessment.model = "none" uses no stiffness; leave it out or write another model'
-            yield "stiffness", text
+            yield "stiffness", 'model = "none" uses no stiffness; leave it out or write another model'
         if not self.factors:
             yield (), f"nothing varies; write low and high factors of {', '.join(VARIED)}"
         for key, (low, high) in self.factors.items():

@@ -313,6 +313,11 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
     ("old", "new", "text"),
     [
         ('records = ["wave*.csv"]', 'records = "generate:0"', 'campaign.records: "generate:0" is no number'),
+        (
+            'records = ["wave*.csv"]',
+            'records = "generate:7"\ntime_step_s = 0.02',
+            "campaign.time_step_s: records are made at 0.01 s",
+        ),
         ("signs = [1]", 'settlements = ["base turnt"]', 'did you mean "base turned"'),
         ("signs = [1]", 'measure = "Sa(T)"', "campaign.period_s: missing"),
         ("signs = [1]", 'method = "stripes"', "campaign.levels_g: missing"),
