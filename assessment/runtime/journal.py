@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from assessment.runtime.errors import WRONG_INPUT, ProjectError
-from assessment.runtime.progress import Show, Stage, clock, heard
+from assessment.runtime.progress import Event, Show, Stage, clock, heard
 
 LOCK = ".assesto.lock"  # in the output folder, while a run writes there
 PATIENCE = 0.2  # s: `holder` takes the lock for an instant, to see whether it is free
@@ -109,7 +109,7 @@ class Journal(Show):
         self.title: str | None = None  # of the analysis under way, not written yet
         self.path.unlink(missing_ok=True)
 
-    def tell(self, event: str, **fields: Any) -> None:
+    def tell(self, event: Event, **fields: Any) -> None:
         """Write an event, and pass it on."""
         now = time.time()
         if event == "begin":

@@ -8,13 +8,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 LATE = "longer than expected"  # what is left once the time that was expected is over
 OVER = 1.0  # s: since when
+Event = Literal["begin", "under_way", "reached", "done", "fault", "end"]
 
 
 class Show:
@@ -28,7 +29,7 @@ class Show:
 
     interval = 0.25
 
-    def tell(self, event: str, **fields: Any) -> None:
+    def tell(self, event: Event, **fields: Any) -> None:
         """Receive an event."""
 
 
@@ -81,8 +82,8 @@ class Stage:
 def heard(stages: list[Stage], now: float, event: str, /, **fields: Any) -> Stage:
     """Add an event to the last of the stages and return that. One that is no event raises and changes nothing."""
     work = float(fields["work"]) if event in {"begin", "reached", "done"} else 0.0
-    if not math.isfinite(now) or not math.isfinite(work):
-        raise ValueError(f"time: {now}, work: {work}")
+    if not math.isfinite(now) or not math.isfinite(work) or event not in get_args(Event):
+        raise ValueError(f"{event}: time: {now}, work: {work}")
     if event == "begin":
         stages.append(Stage(str(fields["stage"]), int(fields["total"]), int(fields["taken"]), work, now))
     stage = stages[-1]
@@ -131,7 +132,7 @@ class Bars(Show):
         self.progress = Progress(*columns, console=console, transient=True, expand=True)
         self.stages: list[Stage] = []
 
-    def tell(self, event: str, **fields: Any) -> None:
+    def tell(self, event: Event, **fields: Any) -> None:
         """Draw an event."""
         stage, lines = heard(self.stages, time.perf_counter(), event, **fields), list[str]()
         count = f"{stage.taken + stage.done}/{stage.total}"
@@ -144,8 +145,7 @@ class Bars(Show):
         elif event == "end":
             self.progress.remove_task(self.task)
             kept = f", {stage.taken} taken over, inputs unchanged" if stage.taken else ""
-            seconds = time.perf_counter() - stage.began
-            lines = [f"· {stage.name}: {stage.total}{kept}, {seconds:.1f} s"]
+            lines = [f"· {stage.name}: {stage.total}{kept}, {time.perf_counter() - stage.began:.1f} s"]
         elif event in {"reached", "done"}:
             self.progress.update(self.task, completed=stage.reached, count=count)
         for line in lines:

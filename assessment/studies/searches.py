@@ -321,20 +321,20 @@ def summarise(
             "motions that turn on their last digits would differ by a few percent"
         )
         warnings.append(headed(title, alike))
-    standard = standard_of(signs)
-    own = {sign: [each for each in signs if each[1].sign == sign] for sign in DIRECTIONS}
+    # each its own, though files in two folders have one name
+    own = [(f"{k}", part) for k, each in enumerate(records) for part in each.signs]
+    standard = standard_of(own)
     found = dynamic.Incremental(
         records=list(records), mean_pga_collapse_g=standard.mean, lowest_pga_collapse_g=standard.lowest,
         rule=standard.rule, pga_collapse_g=standard.pga, fragility=_fragility(signs, measures),
-        directions={way: standard_of(own[sign]).pga for sign, way in DIRECTIONS.items()},
+        directions={way: standard_of([p for p in own if p[1].sign == sign]).pga for sign, way in DIRECTIONS.items()},
     )  # fmt: skip
     ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
     if not ends:
         return found
     reached = [end for end in ends if end is not None]
-    upper = min(reached, default=None)
-    if standard.rule == "mean":
-        upper = sum(reached) / len(reached) if len(reached) == len(records) else None
+    mean = sum(reached) / len(reached) if len(reached) == len(records) else None
+    upper = mean if standard.rule == "mean" else min(reached, default=None)
     return found.replace(pga_collapse_g_range=[standard.pga, upper])
 
 

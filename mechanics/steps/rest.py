@@ -86,10 +86,10 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
             return replace(held, solves=solves)
         if left <= STEP.rounding * model.size and not held.stable:
             raise RunawayError(UNSTABLE)
+        if slowing and force <= np.finfo(float).eps * model.size:
+            break  # inertia is below the last digit of the weight: further steps are the same static program
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
-        if force <= np.finfo(float).eps * model.size:
-            break  # inertia is below the last digit of the weight: further steps are the same static program
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
     raise kind(
         message(

@@ -126,6 +126,23 @@ def test_a_motion_without_inertia_left_is_not_repeated(monkeypatch):
     assert len(steps) < 60
 
 
+def test_what_does_not_move_at_all_is_at_rest(monkeypatch):
+    """Where forces and geometry do not agree to the last digit, but the blocks stay where they are released."""
+    problem = raised(block_on_base(0.6, 4.2, stiffness=1e6), 0.0)
+    rested = rest(static_system(problem.system.model, "elastic"), problem.system.model.initial)
+    step = module._step_from_rest
+
+    def undecided(*_):
+        raise ConvergenceError("undecided")
+
+    monkeypatch.setattr(
+        module, "_step_from_rest", lambda p, at, last: replace(step(p, at, last), at=at.copy())
+    )
+    monkeypatch.setattr(module, "find_equilibrium", undecided)
+    monkeypatch.setattr(module, "certified", lambda *_: rested)
+    assert motion_to_rest(problem, problem.start.positions).certificate == rested.certificate
+
+
 def test_a_lift_counts_from_the_compression_that_forces_ask_for():
     model = block_on_base(0.6, 4.2, stiffness=1e4)
     step = rest(static_system(model, "elastic"), model.initial)
