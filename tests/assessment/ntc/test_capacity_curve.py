@@ -14,6 +14,7 @@ from assessment.ntc.curve_fit import (
 )
 from mechanics.types import GRAVITY
 from tests.support.structures import column
+from tests.support.trace_check import recomputed
 
 
 def _rigid(alpha_0=0.1, d_0=0.3, points=31):
@@ -147,6 +148,8 @@ def test_soft_elastic_branch_meets_the_rigid_branch_before_the_plateau():
     fit = fit_curve("trilinear", _rigid(), elastic)
     assert (fit.d_y, fit.alpha_y) == (pytest.approx(0.1875, rel=1e-6), pytest.approx(0.0375, rel=1e-6))
     assert any("no plateau" in note for note in fit.notes)
+    for line in fit.steps:
+        assert not line.formula or recomputed(line.formula, line.inputs) == pytest.approx(line.result)
 
 
 def test_elastic_peak_above_the_rigid_onset_is_noted_and_cut():
