@@ -127,14 +127,9 @@ def running(
     """Return the blocks (n, 2) m in running bond of an outline but for `openings` and `others`, lintels last.
 
     A lintel is one block of one course or more that bears by half a block on either side of its opening; where another
-    outline lies on the opening there is none. Raises ValueError for too many blocks, or one that encloses an opening,
-    and for a course or block that is larger than the outline by more than a sliver: it would stay one block.
+    outline lies on the opening there is none. Raises ValueError for too many blocks, or one that encloses an opening.
     """
     low, bottom, high, top = outline.bounds
-    for key, room in (("course_m", top - bottom), ("block_m", high - low)):
-        if room < (1.0 - SLIVER) * (length := getattr(bond, key)):
-            panel = f"the outline, {high - low:.4g} m wide and {top - bottom:.4g} m high, one block that way"
-            raise ValueError(f"{key}: {length:g} m is more than {panel}; write it in m, or draw its blocks")
     levels = courses(bottom, top, bond.course_m, "course_m")
     along = max(1, round((high - low) / bond.block_m))
     if along * len(levels) > MOST_BLOCKS:

@@ -64,8 +64,11 @@ class BondTable(ProjectTable):
     """bond = {…} of a layer or region: a closed outline is cut into blocks, but for the outlines within it."""
 
     pattern: Literal["running"] = entry("running: courses, each shifted by half a block", "running")
-    course_m: kinds.Length = entry("height of a course, m, adapted to whole numbers of them")
-    block_m: kinds.Length = entry("length of a block, m, adapted likewise")
+    # bounds of masonry in m: written in cm or mm a wall would be one block
+    course_m: Annotated[float, Field(ge=1e-6, le=3)] = entry(
+        "height of a course, m, adapted to whole numbers of them"
+    )
+    block_m: Annotated[float, Field(ge=1e-6, le=5)] = entry("length of a block, m, adapted likewise")
 
 
 class LayerTable(ProjectTable):

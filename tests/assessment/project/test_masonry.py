@@ -110,6 +110,7 @@ def test_a_pier_is_as_wide_as_its_blocks_and_a_plinth_as_high_as_its_course(long
     bond = BondTable(course_m=0.3, block_m=long)
     assert len(running(box(0, 0, 0.6, 1.5), [], [], bond)) == 5 + 2  # two courses of halves
     assert len(running(box(0, 0, 3.0, 0.29), [], [], bond)) == 5
+    assert len(running(box(0, 0, 0.3, 1.5), [], [], bond)) == 5 + 2  # a narrow pier of a wall's layer
 
 
 @pytest.mark.parametrize(
@@ -119,9 +120,12 @@ def test_a_pier_is_as_wide_as_its_blocks_and_a_plinth_as_high_as_its_course(long
         ("course_m = 0.3, block_m = 0.001", "layers.WALL.bond.block_m: 0.001 makes more than 10000 blocks"),
         (
             "course_m = 300, block_m = 600",
-            "project.toml: layers.WALL.bond.course_m: 300 m is more than the outline, 4 m wide and 3 m high,",
+            "layers.WALL.bond.course_m: 300 is wrong; write a number not greater than 3",
         ),
-        ("course_m = 0.3, block_m = 60", "layers.WALL.bond.block_m: 60 m is more than the outline, 4 m wide"),
+        (
+            "course_m = 0.3, block_m = 60",
+            "layers.WALL.bond.block_m: 60 is wrong; write a number not greater than 5",
+        ),
         ("course_m = 3.0, block_m = 4.0", "layers.WALL.bond.block_m: a block would enclose an opening"),
         (
             'pattern = "english", course_m = 0.3, block_m = 0.6',
