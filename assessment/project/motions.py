@@ -14,11 +14,10 @@ from assessment.project.project import Project
 from assessment.project.schema import HistoryTable, MotionTable
 from assessment.runtime.errors import ProjectError
 from mechanics.messages import Message, headed, message, visible
-from mechanics.records import SAME_TIME, Record, read_record
+from mechanics.records import HIGHEST_CREDIBLE_PGA, SAME_TIME, Record, read_record
 from mechanics.types import Array
 
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
-HIGHEST = 10.0  # g: a file whose peak is larger is refused too
 COARSEST = 0.05  # s: frequencies above 10 Hz, which records have, would be lost
 SHORTEST = 5.0  # s
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
@@ -115,7 +114,7 @@ def _motion(
 ) -> BaseMotion:
     scale = history.scale if history else 1.0
     record = _read(path, table.time_step_s).scaled(scale)
-    if abs(scale) > 1.0 and record.pga > HIGHEST:
+    if abs(scale) > 1.0 and record.pga > HIGHEST_CREDIBLE_PGA:
         raise ProjectError(f"{project.source}: {key}.scale: makes a PGA of {record.pga:.3g} g; write less")
     original = replace(record, name=history.name if history and history.name else visible(record.name))
     motion = replace(motion_of(project, key, table, original, path.name), scale=scale)

@@ -1,4 +1,4 @@
-"""Whether blocks make an assembly: what is drawn twice, overlaps, floats or leaves a gap; each is told once."""
+"""Check of the blocks of a drawing: duplicates, overlaps, floating blocks and gaps."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ def survey_layout(blocks: Sequence[Block], tolerance: float, whole: bool = True)
 
     Faults: blocks thinner than the tolerance, drawn twice, or overlapping by more than it (a circle of that diameter
     fits into the common area, or a vertex lies that deep); movable blocks without a chain of joints to a support.
-    Warnings: edges that face each other across less than NEAR tolerances, and supports that touch nothing. Each is told
-    once, and a copy, or a frame, is left out of what follows. `whole`: whether the blocks are all there are; otherwise
-    gaps and floating blocks are not told.
+    Warnings: gaps narrower than NEAR tolerances, and supports that touch nothing. A duplicate or a frame is reported
+    once, and left out of the other checks. `whole`: whether the blocks are all there are; otherwise gaps and floating
+    blocks are not reported.
     """
     polygons = polygons_of(blocks)
     short = _too_short(blocks, tolerance)

@@ -25,9 +25,8 @@ from mechanics.pictures import draw_curve, film
 from mechanics.procedures.limit_analysis import limit_analysis, limit_in
 from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.model_check import check_path
-from mechanics.procedures.path_start import (
-    no_way_from_rest,
-)
+from mechanics.procedures.path_start import no_way_from_rest
+from mechanics.procedures.push_path import PUSHOVER, PushInput, PushoverTolerances, PushPath, peak_of
 from mechanics.procedures.step_control import Bisection, follow
 from mechanics.program import Certificate
 from mechanics.steps.static_step import Equilibrium
@@ -38,7 +37,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
-from mechanics.procedures.push_path import PUSHOVER, PushInput, PushoverTolerances, PushPath, peak_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -52,10 +52,10 @@ class Round:
 def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
     """Return the equilibrium near a `guess` (b, 3) of the positions; the supports take the positions of the guess.
 
-    A sequence of programs is solved. Each is convex in the geometry of the positions at which it begins, and contains
-    the change of the last forces with that geometry (Newton's method for geometry and forces together); the first ones
-    are solved roughly. By Coulomb's law joints yield a little to changes of their forces (proximal). `last`: the
-    previous equilibrium of the path. Raises NoEquilibriumError if none lies near or elastic joints do not hold it (it
+    A sequence of programs is solved, each from where the last one ended; the first ones roughly. Each is convex in its
+    geometry, and contains the change of the last forces with that (Newton's method for geometry and forces together).
+    By Coulomb's law joints yield a little to changes of their forces (proximal). `last`: the previous equilibrium of
+    the path. Raises NoEquilibriumError if none lies near or elastic joints do not hold it (it
     is unstable), UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be
     decided.
     """
