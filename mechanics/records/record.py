@@ -158,7 +158,6 @@ def read_record(path: str | Path, time_step: float | None = None) -> Record:
             f"{visible(str(path))}: every sample is {acceleration[0]:g} g; a record must move: get the file again"
         )
     if record.pga > HIGHEST_CREDIBLE_PGA:
-        raise RecordError(
-            f"{visible(str(path))}: peak of {record.pga:.4g} g; the unit is not {unit}: name it in the heading"
-        )
+        peak = f"peak of {record.pga:.4g} g; the unit is not {unit}: name it in the heading"
+        raise RecordError(f"{visible(str(path))}: {peak}")
     return record
