@@ -23,7 +23,7 @@ from assessment.runtime.tasks import Workers
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.messages import Message, headed, linked, message
 from mechanics.model import Behaviour, Direction
-from mechanics.procedures import HISTORY, SEARCH, may_fall, unfinished
+from mechanics.procedures import HISTORY, may_fall, unfinished
 from mechanics.progress import stretch
 from mechanics.records import response_spectrum
 from mechanics.steps import Sliding
@@ -129,7 +129,7 @@ def respond(
         return time_history(
             model, acceleration, step, table.contacts, state, table.integrator, vertical,
             damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=setting.ultimate,
-            sliding=setting.sliding, tolerances=HISTORY if to_rest else SEARCH,
+            sliding=setting.sliding,
         )  # fmt: skip
 
     vertical = None if motion.vertical is None else factor * motion.vertical

@@ -7,7 +7,7 @@ from mechanics.procedures.energy import may_fall
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.mechanism import farthest_corner, hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
-from mechanics.procedures.motion_start import HISTORY, SEARCH
+from mechanics.procedures.motion_start import HISTORY
 from mechanics.procedures.path_start import settled
 from mechanics.procedures.pushdown import (
     Pushdown,
@@ -24,7 +24,6 @@ from mechanics.procedures.time_history import unfinished
 __all__ = [
     "HISTORY",
     "PATH",
-    "SEARCH",
     "Mirror",
     "Pushdown",
     "Pushover",

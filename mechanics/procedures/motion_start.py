@@ -75,8 +75,6 @@ class HistoryTolerances:
 
 
 HISTORY = HistoryTolerances()
-# of motions that are asked only whether they collapse: 11.7 → 9.2 iterations a program of the triumphal arch
-SEARCH = HistoryTolerances(resolved=Halving(6, 4e-3, unsure=1e-2))
 
 
 def base_acceleration(horizontal: ArrayLike, vertical: ArrayLike | None, time_step: float) -> Array:

@@ -16,7 +16,7 @@ LINES = {
     "assessment/benchmark": 1141,
     "assessment/cli": 642,
     "assessment/ntc": 2174,
-    "assessment/project": 4582,
+    "assessment/project": 4579,
     "assessment/report": 6006,
     "assessment/results": 3182,
     "assessment/runtime": 1444,
@@ -25,10 +25,10 @@ LINES = {
     "mechanics": 978,
     "mechanics/kernels": 3642,
     "mechanics/model": 3001,
-    "mechanics/procedures": 3370,
+    "mechanics/procedures": 3365,
     "mechanics/records": 1004,
     "mechanics/solvers": 1069,
-    "mechanics/steps": 1823,
+    "mechanics/steps": 1821,
 }
 
 

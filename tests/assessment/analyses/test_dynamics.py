@@ -28,7 +28,7 @@ from mechanics.messages import message
 from mechanics.records.record import Record, read_record
 from mechanics.records.spectrum import response_spectrum
 from tests.support.pictured import draw_sections
-from tests.support.structures import block_on_base
+from tests.support.structures import arch_on_piers, block_on_base
 from tests.support.typed import typed
 
 STEP = 0.02
@@ -281,6 +281,17 @@ def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
     assert response.positions.shape == (response.time.size, 2, 3)
     gentle = respond(model, _motion(Record(0.2 * WAVE, STEP, "gentle")), setting, model.initial)
     assert len(gentle.parts) == 1
+
+
+def test_a_search_runs_the_motion_of_a_history():
+    """To the digit: errors a hundred times as large kept a wall with an opening standing at all levels of a band."""
+    model, motion = arch_on_piers(voussoirs=7, courses=3), _motion(Record(0.3 * WAVE, STEP, "wave"))
+    setting = Setting(
+        HistoryTable(record="r", contacts="rigid"), ControlTable(name="top", point_m=(0.0, 1.36))
+    )
+    whole, searched = (respond(model, motion, setting, model.initial, to_rest=rest) for rest in (True, False))
+    assert whole.parts[0].halvings > 0 and 10 < searched.time.size <= whole.time.size
+    np.testing.assert_array_equal(searched.positions, whole.positions[: searched.time.size])
 
 
 def test_a_history_tells_the_peak_of_its_vertical_record(setting):
