@@ -1,7 +1,7 @@
 """The exact bed beside one of 32 points, on random assemblies, templates and example projects: what fails of each.
 
 Every assembly is settled elastically and pushed over from the drawn and from the settled state; where its project names
-no stiffness of the joints it is STIFFNESS. `python -m tests.stress --beds` prints the table.
+no stiffness of the joints it is STIFFNESS. `python -m tests.stress.beds` prints the table.
 """
 
 from collections import Counter
@@ -108,3 +108,7 @@ def same_peak(model: Assembly) -> float:
         for segments in BEDS.values()
     ]
     return float(np.diff(peaks)[0] / peaks[0])
+
+
+if __name__ == "__main__":
+    print(table())

@@ -9,7 +9,6 @@ import pytest
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, ControlError, NoEquilibriumError, UnstableError
 from tests.stress.harness import Case, sound
-from tests.stress.scales import by_highs
 from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond
 
 STONE = Material(18.0, 0.7, 1e6)
@@ -33,17 +32,6 @@ def twins(count: int, contacts: str) -> None:
         assert alpha <= 0.2 + 1e-6
         if contacts == "rigid":
             assert alpha >= least - 1e-6
-
-
-def symmetric(direction: str) -> None:
-    """A symmetrical arch under its own weight and either push: mirrored curves."""
-    model = arch_on_piers(friction=2.0)
-    left, right = (-0.85, 0.8), (0.85, 0.8)
-    one = pushover(model, right if direction == "+x" else left, direction, increment=0.005)
-    sound(one)
-    assert one.multiplier[0] == pytest.approx(
-        limit_analysis(model, "-x" if direction == "+x" else "+x").alpha, abs=1e-7
-    )
 
 
 def frictionless(what: str) -> None:
@@ -141,13 +129,6 @@ def at_the_edge(contacts: str, share: float) -> None:
         assert curve.multiplier.max() < 1.01 * original
 
 
-def highs_agrees(columns: int, courses: int) -> None:
-    model = running_bond(columns, courses, friction=5.0)
-    limit = limit_analysis(model, sliding="associative")
-    sound(limit, 1e-3)
-    assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)
-
-
 def cases() -> Iterator[Case]:
     end = (NoEquilibriumError, ControlError)
     for contacts in ("rigid", "elastic"):
@@ -158,12 +139,6 @@ def cases() -> Iterator[Case]:
                 partial(twins, count, contacts),
                 (ControlError,),
             )
-    for direction in ("+x", "-x"):
-        yield Case("several mechanisms", f"symmetrical arch, {direction}", partial(symmetric, direction))
-    for columns, courses in ((1, 6), (2, 2), (6, 2)):
-        yield Case(
-            "several mechanisms", f"wall {columns} × {courses}", partial(highs_agrees, columns, courses)
-        )
     for what in ("block", "wall"):
         yield Case("α0 = 0", f"frictionless {what}", partial(frictionless, what))
     for contacts in ("rigid", "elastic"):

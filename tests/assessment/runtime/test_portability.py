@@ -5,7 +5,6 @@ import os
 import pytest
 
 from assessment.runtime.cache import FOLDER
-from tests.stress.harness import HUNG
 from tests.support.block_project import (
     PUSHED,
     ROOT,
@@ -52,10 +51,8 @@ def elsewhere(tmp_path):
     return os.environ | {"PYTHONPATH": paths, "PYTHONIOENCODING": "cp1252"}
 
 
-def test_a_run_gives_what_it_gives_on_linux_every_module_is_imported_and_what_hangs_is_ended(
-    tmp_path, elsewhere
-):
-    """In two processes; the stress tests could not be imported, and nothing there limits the time of a process."""
+def test_a_run_gives_what_it_gives_on_linux_and_every_module_is_imported(tmp_path, elsewhere):
+    """In two processes."""
     folder = write_block(tmp_path / "block", block() + PUSHED)
     code = (
         "import importlib, pkgutil, sys, assessment, mechanics\n"
@@ -70,14 +67,9 @@ def test_a_run_gives_what_it_gives_on_linux_every_module_is_imported_and_what_ha
         "    assert main() == 0\n"
         f"    sys.argv = ['assesto', 'run', {str(folder)!r}, '--no-report', '--jobs', '2']\n"
         "    print('ran:', main(), flush=True)\n"
-        "    from tests.stress import harness\n"
-        "    assert harness.resource is None\n"
-        "    harness._limit(1)\n"
-        "    while True:\n"
-        "        pass"
     )
     done = command(code=code, env=elsewhere, encoding="cp1252")
-    assert (done.returncode, done.stderr) == (HUNG, "")
+    assert (done.returncode, done.stderr) == (0, "")
     assert "load unknown at the start" in done.stdout and "alpha_0" in done.stdout
     assert done.stdout.splitlines()[-1] == "ran: 0"
     assert (folder / "output" / "model.svg").is_file()

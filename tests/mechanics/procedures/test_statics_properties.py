@@ -6,8 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from mechanics import Assembly, limit_analysis, pushdown, pushover
@@ -69,7 +67,9 @@ def same_curves(found, expected, scale=1.0, force=1.0, mirror=1.0):
     for new, old in zip(found.pushovers, expected.pushovers, strict=True):
         assert new.reached_zero == old.reached_zero
         assert new.multiplier.max() == pytest.approx(old.multiplier.max(), rel=1e-4)
-        assert new.displacement[-1] == pytest.approx(scale * old.displacement[-1], rel=2e-3)
+        # α = 0 is reached within a part of an increment of 10 mm, of which the order of the blocks decides the last
+        end = scale * old.displacement[-1]
+        assert new.displacement[-1] == pytest.approx(end, rel=2e-3, abs=scale * 1e-4)
         d = np.linspace(0.0, 0.98 * old.displacement[-1], 20)  # some end in a jump
         before = np.interp(d, old.displacement, old.multiplier)
         after = np.interp(scale * d, new.displacement, new.multiplier)
@@ -84,15 +84,10 @@ def test_a_mirror_image_swaps_the_directions():
     assert curves(arch()).alpha == pytest.approx(limit_analysis(arch(), "-x").alpha, rel=1e-7)
 
 
-@settings(max_examples=1)
-@given(
-    scale=st.floats(0.05, 20.0),
-    shift=st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0)),
-    factor=st.floats(1e-3, 1e3),
-    order=st.permutations(range(len(arch().blocks))),
-)
-def test_in_other_units_and_places_and_another_order_the_curves_only_stretch(scale, shift, factor, order):
+@pytest.mark.parametrize(("scale", "factor"), [(1e-3, 1e5), (30.0, 1e-3)])
+def test_in_other_units_and_places_and_another_order_the_curves_only_stretch(scale, factor):
     """Weights per volume and stiffnesses per volume times a factor: their ratio is a length per length."""
+    shift, order = np.array([17.3, -4.9]), np.random.default_rng(2).permutation(len(arch().blocks))
     other = mapped(arch(), lambda p: scale * (p + shift), weight=factor, stiffness=factor, order=order)
     found = curves(other, tuple(scale * np.add(CONTROL, shift)), scale=scale)
     same_curves(found, curves(arch()), scale=scale, force=factor * scale**2)
