@@ -16,7 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from assessment.report.figures import index as figures
-from assessment.runtime import pool
+from assessment.runtime import pool, tasks
 from tests.support.block_project import write_block
 
 # hundreds of processes begin here: what they import is compiled once, also where the environment keeps no byte code
@@ -53,9 +53,10 @@ def pytest_sessionfinish():
 
 @pytest.fixture(scope="session", autouse=True)
 def one_core():
-    """No other processes unless --jobs asks for them: to fork all that tests have loaded takes longer than the work."""
+    """No other process unless --jobs asks for several: to fork all that tests have loaded takes longer than work."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pool, "cores", lambda: 1)
+        patch.setattr(tasks, "processes", lambda jobs: pool.processes(jobs) if jobs > 1 else 0)
         yield
 
 

@@ -67,12 +67,16 @@ def entry(name: str, kind: str, point, value: float, sigma: float = 0.2) -> str:
     )
 
 
-def write_surveyed(folder: Path, hypotheses: str, *entries: str, language: str = "it") -> Path:
-    """Write the project of the arch with hypotheses and measurements, and no other analysis."""
+def write_surveyed(folder: Path, hypotheses: str, *entries: str, sliding: str = "associative") -> Path:
+    """Write the project of the arch with hypotheses and measurements, and no other analysis.
+
+    Its joints only open: both laws of friction have one path, and that of the associative one takes less time.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(SOURCE / "geometry.dxf", folder)
     text = (SOURCE / "project.toml").read_text(encoding="utf-8").partition("[[settlements]]")[0]
-    text += f'[report]\nlanguage = "{language}"\n[identification]\nhypotheses = {hypotheses}\n'
+    text += f'[contacts]\nsliding = "{sliding}"\n[report]\nlanguage = "it"\n'
+    text += f"[identification]\nhypotheses = {hypotheses}\n"
     (folder / "project.toml").write_text(text + "".join(entries), encoding="utf-8")
     return folder
 

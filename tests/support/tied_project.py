@@ -8,6 +8,8 @@ yield_force_kN = 5.0
 """
 """Vertical, at the left face: a push towards +x, about the toe at x = 0.3, lengthens it."""
 
+ASSOCIATIVE = '[contacts]\nsliding = "associative"\n'
+"""What only turns has one multiplier by both laws: by Coulomb's a tie that yields is searched for lesser ones."""
 WIDTH, HEIGHT, WEIGHT = 0.6, 4.2, 0.6 * 4.2 * 18.0  # m, kN
 
 

@@ -26,17 +26,14 @@ def control():
 
 
 @cache
-def settled(until: float = 0.0, coarser: float = 1.0):
-    """α0 and d_0 (m) after the movement of the right support, towards +x, rigid joints.
-
-    The curve goes down to `until` of its peak; `coarser`: of the project's own increments.
-    """
+def settled(until: float = 0.0):
+    """α0 and d_0 (m) after the movement of the right support, towards +x, rigid joints, down to `until` of the peak."""
     model, (movement,) = drawn("triumphal_arch"), tables("triumphal_arch")["settlements"]
     moved = pushdown(
-        model, movement["support"], movement["displacement_m"], increment=coarser * movement["increment_m"],
+        model, movement["support"], movement["displacement_m"], increment=movement["increment_m"],
         sliding="associative",
     )  # fmt: skip
-    increment = coarser * tables("triumphal_arch")["pushover"]["increment_m"]
+    increment = tables("triumphal_arch")["pushover"]["increment_m"]
     curve = pushover(model, control(), "+x", "rigid", increment, moved.final, until, sliding="associative")
     return float(curve.multiplier.max()), float(curve.displacement[-1])
 
@@ -53,8 +50,3 @@ def participation():
 
 def test_the_onset_is_the_one_that_was_fitted():
     assert onset().alpha == pytest.approx(0.074, abs=0.0005)
-
-
-def test_the_end_settled_is_near_the_papers():
-    """The paper prints 0.313 m. Joints slide: of half to four times the project's increments come 0.286 to 0.322 m."""
-    assert settled(coarser=4.0)[1] == pytest.approx(0.313, rel=0.09)

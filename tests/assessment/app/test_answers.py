@@ -95,6 +95,8 @@ def test_a_broken_file_is_told_with_its_line_and_undone(session):
     state = ask(session, "state")
     assert "line 1" in state["error"]
     assert state["content"] is None
+    with pytest.raises(ProjectError, match="line 1"):
+        changed(session, [["title"], "Three"])
     assert ask(session, "undo", digest=state["digest"]) == {"digest": known}
     assert ask(session, "state")["content"]["title"] == "Two"
 

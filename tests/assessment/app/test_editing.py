@@ -103,17 +103,6 @@ def test_a_change_made_elsewhere_is_noticed_and_undone_too(tmp_path):
     assert history.step(1, known) == digest_of(by_editor)
 
 
-def test_a_file_that_an_editor_broke_is_not_written_and_can_be_undone(tmp_path):
-    file = tmp_path / "project.toml"
-    file.write_text(COMMENTED, encoding="utf-8")
-    history = Versions(tmp_path)
-    known = history.write([(("title",), "Two")], digest_of(COMMENTED.encode()))
-    file.write_bytes(b"title = ")
-    with pytest.raises(ProjectError, match="line 1"):
-        history.write([(("title",), "Three")], digest_of(b"title = "))
-    assert history.step(-1, digest_of(b"title = ")) == known
-
-
 def test_a_full_disk_changes_nothing(tmp_path, monkeypatch):
     file = tmp_path / "project.toml"
     file.write_text(COMMENTED, encoding="utf-8")

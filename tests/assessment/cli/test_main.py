@@ -64,15 +64,6 @@ def test_results_have_the_keys_of_the_contract(project):
     assert 0.0 <= found["quality"]["worst_equilibrium_residual"] < 1e-8 and found["quality"]["solves"] > 10
 
 
-def test_several_processes_give_what_one_gives(project):
-    edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
-    states = []
-    for jobs in ("1", "2"):
-        assert run(project, "--jobs", jobs, "--out", str(project / jobs)) == 0
-        states.append(read_results(project / jobs)["states"])
-    assert states[0] == states[1]
-
-
 def test_only_the_stages_asked_for(project):
     edit(project, "increment_m = 0.2\n", "increment_m = 0.2\n" + ASSESSMENT)
     assert run(project, "--only", "pushover") == 0

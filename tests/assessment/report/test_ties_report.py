@@ -19,7 +19,7 @@ from mechanics.pictures import TIE
 from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.judgement.claims import hold
 from tests.support.pictured import pages_of
-from tests.support.tied_project import HEIGHT, overturning, strengthening, tie
+from tests.support.tied_project import ASSOCIATIVE, HEIGHT, overturning, strengthening, tie
 
 TEXT = (
     block()
@@ -29,6 +29,7 @@ TEXT = (
     + tie(states='["strengthened"]', stiffness_kN_m="1000.0")
     + strengthening("original")
     + '[strengthening.layers.BASE]\nfriction = 0.75\n[report]\nlanguage = "it"\n'
+    + ASSOCIATIVE
 )
 
 

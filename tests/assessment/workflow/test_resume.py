@@ -6,14 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from assessment.project.model import build_model
-from assessment.project.project import load_project
 from assessment.report.figures import index as figures
-from assessment.results.schema.part import plain
 from assessment.runtime import cache
 from assessment.runtime.cache import FOLDER, Store
 from assessment.runtime.journal import NAME as JOURNAL
-from assessment.workflow.stages import run
 from tests.support.block_project import edit, forget, timeless
 from tests.support.every_stage import assesto, computed, counts, entries, planned, write_every_stage
 
@@ -61,22 +57,6 @@ def test_what_is_taken_over_is_what_was_computed_byte_for_byte(project, capsys):
     forget(project / "output")
     assert counts(project, capsys) == (0, computed)
     assert output(project) == first
-
-
-def test_the_answer_is_the_same_without_any_store(project):
-    """Everything but the times, which no two computations share."""
-    loaded = load_project(project)
-    store = Store(project / "kept")
-    outcomes = [
-        run(loaded, build_model(loaded)),
-        run(loaded, build_model(loaded), store=store),
-        run(loaded, build_model(loaded), store=store),
-    ]
-    every = outcomes[0].computed
-    assert every > 0
-    assert [(each.computed, each.taken) for each in outcomes] == [(every, 0), (every, 0), (0, every)]
-    first, *others = [json.dumps(timeless(plain(each.results))) for each in outcomes]
-    assert all(other == first for other in others)
 
 
 # what is edited, and the share of each stage that is then computed again, OTHER for those that are not named;

@@ -15,6 +15,7 @@ from mechanics import UnstableError
 from mechanics.messages import message
 from tests.support.block_project import ASSESSMENT, HAZARD, PUSHED, TURNED, block, write_block
 from tests.support.tied_project import (
+    ASSOCIATIVE,
     HEIGHT,
     STRENGTHENED,
     TIE,
@@ -39,7 +40,7 @@ HISTORY = '[[history]]\nrecord = "push.csv"\nscale = -0.3\ncontacts = "rigid"\n'
 
 def results_of(folder, text: str, acceleration=None) -> Results:
     """The results of the block with these tables, and the record push.csv where there is one."""
-    write_block(folder, text)
+    write_block(folder, text + ASSOCIATIVE)
     if acceleration is not None:
         np.savetxt(folder / "push.csv", np.column_stack([SLOW, acceleration]), delimiter=",", fmt="%.8f")
     project = load_project(folder)

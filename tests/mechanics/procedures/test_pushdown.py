@@ -22,6 +22,8 @@ def test_forth_and_back_is_the_support_led_by_hand(arch, sliding):
     back = pushdown(arch, "right", -0.75 * MOVED, increment=0.002, sliding=sliding, state=forth.final)
     follow = Following(arch, "right", sliding=sliding, increment=0.002)
     follow.to(MOVED)
+    assert follow.reaction == pytest.approx(forth.reaction[-1], rel=1e-3)
+    assert (follow.reached.tolist(), follow.fallen, follow.stopped) == ([*MOVED, 0.0], False, None)
     state = follow.to(0.25 * MOVED)
     assert abs(state.positions - back.final.positions).max() < 1e-9
     assert back.movement[0] == 0.0 and back.movement[-1] == pytest.approx(0.75 * MOVED[0])
@@ -49,16 +51,6 @@ def test_another_support_leaves_the_first_one_where_it_is(arch):
 def test_a_state_of_other_blocks_is_refused(arch):
     with pytest.raises(ArgumentError, match="state"):
         pushdown(arch, "right", MOVED, state=column(1.0, 2.0, 3).initial)
-
-
-@pytest.mark.parametrize("sliding", ["associative", "coulomb"])
-def test_the_straight_way_is_a_pushdown(arch, sliding):
-    straight = pushdown(arch, "right", MOVED, increment=0.002, sliding=sliding)
-    follow = Following(arch, "right", sliding=sliding, increment=0.002)
-    state = follow.to(MOVED)
-    assert abs(state.positions - straight.final.positions).max() < 1e-4 * 0.012
-    assert follow.reaction == pytest.approx(straight.reaction[-1], rel=1e-3)
-    assert (follow.reached.tolist(), follow.fallen, follow.stopped) == ([*MOVED, 0.0], False, None)
 
 
 def test_it_stops_before_the_ultimate_movement_and_goes_back_from_there(arch):

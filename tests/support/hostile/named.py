@@ -151,7 +151,7 @@ def _half_circle(count: int) -> list[tuple[float, float]]:
     return [(round(3 * math.cos(angle), 12), round(3 * math.sin(angle), 12)) for angle in angles]
 
 
-HARMLESS = re.compile(r"height_m = 1e-300|friction = (1e300|1e-300|1e400)")
+HARMLESS = re.compile(r"friction = 1e300")
 NUMBER = re.compile(r"(?m)^(\w+ = )-?[\d.e]+(?=\s|$)")
 CONTENT = PROJECT + ASSESSMENT + FLOOR
 COMPLETE: dict[str, Case] = {
@@ -234,7 +234,7 @@ EXTREMES: dict[str, Case] = {
         CONTENT[: match.end(1)] + value + CONTENT[match.end() :]
     )
     for n, match in enumerate(NUMBER.finditer(CONTENT))
-    for value in ("1e300", "-1e300", "1e-300", "nan", "1e400")
+    for value in ("1e300", "nan")
 }
 COMPLETE |= {name: EXTREMES.pop(name) for name in [*EXTREMES] if HARMLESS.match(name)}
 REFUSALS |= EXTREMES
