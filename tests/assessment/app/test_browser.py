@@ -166,8 +166,11 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     assert len(file_of(home, "portal")["tie"]) == 1
     changed(page, lambda: page.click("#undo"))
 
-    # a push towards +x alone; a run that is stopped, and taken up again
-    changed(page, lambda: page.click("[data-remove='settlements.0']"))
+    # a push towards +x alone, as drawn; a run that is stopped, and taken up again
+    for _ in range(2):
+        changed(page, lambda: page.click("[data-remove='settlements.0']"))
+    file = home / "portal" / "project.toml"
+    changed(page, lambda: file.write_bytes(b'scatter = 1\naccuracy = "fast"\n' + file.read_bytes()))
     page.click("[data-step=push]")
     changed(page, lambda: page.click("[data-at='pushover.directions.+x']"))
     fill(page, "pushover.increment_m", "0,00001")

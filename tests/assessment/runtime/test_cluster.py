@@ -1,4 +1,4 @@
-"""A campaign on a Dask cluster of two worker processes, one of which is killed: the results of local processes."""
+"""A campaign on a Dask cluster whose worker process is killed: the results of local processes."""
 
 import os
 import signal
@@ -26,9 +26,9 @@ LONG = 600  # s: what hangs fails, a busy machine does not
 
 @pytest.fixture(scope="module")
 def local():
-    """A scheduler and two workers of one thread each, as `dask scheduler` and `dask worker` start them."""
+    """A scheduler and a worker of one thread, as `dask scheduler` and `dask worker` start them; another follows it."""
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
     ) as found:
         yield found
 
