@@ -109,23 +109,19 @@ def test_a_collapse_is_confirmed_by_three_time_steps(monkeypatch):
     assert not late.convergence.met and "not known" in late.warnings[0]
 
 
-def made_up(monkeypatch, accuracy, told, weaker=None, scatter=1):
-    """A history whose peak and collapse are told for each share of the time step; `weaker`: the peak of the other."""
+def made_up(monkeypatch, accuracy, told):
+    """A history whose peak and collapse are told for each share of the time step."""
 
     def moved(shaking):
-        motion, state = shaking.motion, shaking.state
-        peak, fell = told(motion.record.time_step / STEP)
-        if motion.amplitude < 1.0:
-            peak = weaker
-        if peak is None:
-            return FoundHistory(made(History), failures=["no step is solved"], state=state)
+        peak, fell = told(shaking.motion.record.time_step / STEP)
         curve = {"time_s": [0.0, 1.0, 2.0], "displacement_m": [0.0, peak, 0.0]}
         numbers = {"peak_displacement_m": peak, "collapsed": fell, "curve": curve}
         numbers["time_of_collapse_s"] = 2.0 if fell else None
-        return FoundHistory(made(History, numbers), quality=[made(QualityRow, {"solves": 1})], state=state)
+        quality = [made(QualityRow, {"solves": 1})]
+        return FoundHistory(made(History, numbers), quality=quality, state=shaking.state)
 
     monkeypatch.setattr(histories.time_history, "history", moved)
-    return Asked(block_on_base(), SINE, accuracy, scatter=scatter).found()
+    return Asked(block_on_base(), SINE, accuracy).found()
 
 
 def test_a_half_step_shakes_by_the_same_lines():

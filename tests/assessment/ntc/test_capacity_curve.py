@@ -28,6 +28,17 @@ def _elastic(alpha_u=0.07, scale=0.004, end=0.05):
     return d, alpha_u * (1.0 - np.exp(-d / scale))
 
 
+@pytest.mark.parametrize(("kept", "why"), [(31, "rigid contacts: α = 0"), (20, "lost before α = 0")])
+def test_the_trace_says_why_the_curve_ends_at_d_0(kept, why):
+    """A branch that drops vertically at its end has lost its equilibrium there."""
+    d, alpha = (each[:kept] for each in _rigid())
+    if kept < 31:
+        d, alpha = np.r_[d, d[-1] * (1.0 + 1e-9)], np.r_[alpha, 0.0]
+    fit = fit_rigid((d, alpha))
+    [line] = [each for each in capacity_curve(fit, 0.8, 0.6, 1.35).steps() if each.symbol == "d_0"]
+    assert line.result == d[-1] and line.paragraph.endswith(why)
+
+
 def test_one_wall_turning_about_its_base():
     """A wall of n equal courses, control at its top: δ_i/δ_C = (i − ½)/n, so e* → 3/4 and Γ* → 2/3.
 

@@ -71,20 +71,6 @@ def test_first_frequency_is_that_of_the_dense_problem(model: Assembly) -> None:
     assert first_frequency(model) == pytest.approx(dense(model), rel=1e-8)
 
 
-@pytest.mark.parametrize("segments", [None, 1, 2, 3, 8])
-def test_first_frequency_of_a_block_on_points_has_a_closed_form(segments: int | None) -> None:
-    """m I λ² − (m(k_s a² + k_φ) + I k_s) λ + k_s k_φ = 0, its centroid a above a bed with k_φ = kL³/12 (1 + 2/n²)."""
-    width, a, k, ks = 0.8, 0.6, 2e5, 5e4
-    stone = Material(20.0, 0.6, k, tangential_stiffness=ks / width)
-    base = Block(rectangle(-1.0, -0.2, 2.0, 0.0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(0.0, 0.0, width, 2.0 * a), 1.0, stone)], segments)
-    turns = k * width**3 / 12.0 * (1.0 if segments is None else 1.0 + 2.0 / segments**2)
-    m, _, inertia = model.mass[1]
-    middle = 0.5 * (m * (ks * a**2 + turns) + inertia * ks)
-    lowest = (middle - np.sqrt(middle**2 - m * inertia * ks * turns)) / (m * inertia)
-    assert first_frequency(model) == pytest.approx(np.sqrt(lowest), rel=1e-8)
-
-
 def test_first_frequency_is_repeatable_where_few_modes_differ() -> None:
     model = towers()
     assert len({first_frequency(model) for _ in range(20)}) == 1

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from assessment.analyses.demand import governing, safety_index
 from assessment.analyses.found import quality_of
-from assessment.report.chapters.judgement import RESIDUALS
 from assessment.report.tables.mechanisms import SECOND_SOLVER
 from assessment.results.schema import StateResults
 from assessment.results.schema.checks import Capacity
@@ -17,7 +16,7 @@ from assessment.results.schema.part import plain
 from assessment.results.schema.studies import ScenarioPoint
 from assessment.results.table import comparison, strengthened
 from assessment.studies.variants import worst as worst_of
-from tests.support.judgement.claims import LIMITS, Results
+from tests.support.judgement.claims import LIMITS, RESIDUALS, Results
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import made, typed
 
@@ -67,7 +66,9 @@ def random_results(draw):
         content["pushover"] = {}
         for d in standing:
             alpha_0 = draw(st.floats(0.01, 0.5))
-            rigid = content_of(example, d, alpha_0, draw(st.floats(0.95, 1.05)))
+            rigid = content_of(
+                example, d, alpha_0, draw(st.floats(0.95, 1.05) | st.sampled_from([0.987, 0.992]))
+            )
             rigid["second_solver"] = draw(SECOND)
             content["pushover"][d] = {"control": "C1", "rigid": rigid}
         content["capacity"] = {

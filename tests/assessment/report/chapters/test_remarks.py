@@ -5,7 +5,6 @@ import pytest
 from markupsafe import Markup
 
 from assessment.report.chapters.remarks import (
-    agreement,
     fitted_above,
     lost_before_zero,
     nearly_yielding,
@@ -170,9 +169,6 @@ def test_what_a_collapsing_structure_withstood_is_not_called_its_peak():
     assert titles == ["Largest withstood before collapse, 2.34\u00a0s", "At collapse, 5.32\u00a0s"]
 
 
-NOTHING = {"alpha_0": 0.1, "alpha_program": 0.1, "alpha_linear_program": None, "relative_difference": None}
-
-
 def example(language="en", sliding="associative", found=None):
     """The example whose rigid curves have a comparison, or None in its place."""
     results = results_example(language)
@@ -213,11 +209,3 @@ def test_with_coulomb_friction_it_says_which_multiplier_is_compared(language, sa
     results = example(language, "coulomb", pair())
     text = " ".join(comparison(results, words_of(results)))
     assert said in text and "Coulomb" in text
-
-
-def test_the_judgement_says_whether_they_agree():
-    words = words_of(example())
-    assert "the same multipliers" in next(iter(agreement(example(found=pair()), words)))
-    assert "must be explained" in next(iter(agreement(example(found=pair(-2e-3)), words)))
-    [missing] = agreement(example(found=NOTHING), words)
-    assert missing.startswith("Multipliers that could not be compared") and ": 4;" in missing

@@ -84,13 +84,6 @@ def test_a_layer_overrides_the_default_material():
     assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
 
 
-def test_one_check_per_state_direction_and_limit_state():
-    rows = verification(typed(results_example())).rows
-    assert len(rows) == 2 * 2 * 3
-    for row in rows:
-        assert row["zeta_E"] == pytest.approx(row["a_g_g"] / row["demand_a_g_g"])
-
-
 def test_deviation_of_the_hand_check():
     assert hand_check(typed(results_example())).rows[0]["deviation"] == pytest.approx(4e-4)
 
