@@ -188,18 +188,18 @@ def _at(record: Record, time: Array) -> Array:
     return np.where(beyond, 0.0, np.interp(time, record.time, record.acceleration))
 
 
-def check_record_set(project: Project, motions: Sequence[BaseMotion]) -> None:
-    """Raise ProjectError where two records of [campaign] have one name, or are one motion but for a factor."""
+def check_record_set(project: Project, key: str, motions: Sequence[BaseMotion]) -> None:
+    """Raise ProjectError where two records of the table `key` have one name, or are one motion but for a factor."""
     for one, other in combinations(motions, 2):
-        key, a, b = f"{project.source}: campaign.records", one.original, other.original
+        where, a, b = f"{project.source}: {key}.records", one.original, other.original
         if one.name == other.name:
             called = f'two records are called "{one.name}"'
-            raise ProjectError(f"{key}: {called}; rename a file, tables tell them apart by their names")
+            raise ProjectError(f"{where}: {called}; rename a file, tables tell them apart by their names")
         if a.acceleration.size == b.acceleration.size and a.time_step == b.time_step:
             x, y = (each.acceleration / each.pga for each in (a, b))
             if min(np.abs(x - y).max(), np.abs(x + y).max()) < SAME:
                 same = f"{one.name} and {other.name} are the same motion"
-                raise ProjectError(f"{key}: {same}; keep one, or both count as two records")
+                raise ProjectError(f"{where}: {same}; keep one, or both count as two records")
 
 
 def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:

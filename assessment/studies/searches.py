@@ -321,13 +321,11 @@ def summarise(
             "motions that turn on their last digits would differ by a few percent"
         )
         warnings.append(headed(title, alike))
-    # each its own, though files in two folders have one name
-    own = [(f"{k}", part) for k, each in enumerate(records) for part in each.signs]
-    standard = standard_of(own)
+    standard = standard_of(signs)
     found = dynamic.Incremental(
         records=list(records), mean_pga_collapse_g=standard.mean, lowest_pga_collapse_g=standard.lowest,
         rule=standard.rule, pga_collapse_g=standard.pga, fragility=_fragility(signs, measures),
-        directions={way: standard_of([p for p in own if p[1].sign == sign]).pga for sign, way in DIRECTIONS.items()},
+        directions={way: standard_of([p for p in signs if p[1].sign == sign]).pga for sign, way in DIRECTIONS.items()},
     )  # fmt: skip
     ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
     if not ends:

@@ -195,10 +195,10 @@ class Checked:
 
 def read_motions(project: Project) -> Motions:
     """Read every record that the project names. Raises ProjectError or ValueError naming file, line or key."""
-    sets = base.set_motions(project, "incremental"), base.set_motions(project, "campaign")
-    found = Motions(base.history_motions(project), *sets, base.records_of(project))
-    base.check_record_set(project, found.campaign)
-    return found
+    incremental, campaign = (base.set_motions(project, key) for key in ("incremental", "campaign"))
+    base.check_record_set(project, "incremental", incremental)
+    base.check_record_set(project, "campaign", campaign)
+    return Motions(base.history_motions(project), incremental, campaign, base.records_of(project))
 
 
 def read_inputs(project: Project, model: ProjectModel) -> Checked:

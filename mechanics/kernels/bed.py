@@ -13,14 +13,12 @@ first. Beds of finite strength: crushing. Which of them a joint has: bed_law.
 
 from __future__ import annotations
 
-from mechanics.kernels.jit import compiler
-
-compiled = compiler("contract", "reassoc", allocates=False)
+from mechanics.kernels.jit import looped
 
 MOST_SEGMENTS = 64  # of a bed of points
 
 
-@compiled
+@looped
 def closures(n1: float, n2: float, soft: float) -> tuple[float, float]:
     """Gaps of the two ends under forces N₁, N₂ > 0; `soft` = 1/(kL), m/kN."""
     if 2.0 * n1 < n2:
@@ -34,7 +32,7 @@ def closures(n1: float, n2: float, soft: float) -> tuple[float, float]:
     return soft * (2.0 * n2 - 4.0 * n1), soft * (2.0 * n1 - 4.0 * n2)
 
 
-@compiled
+@looped
 def compliance(n1: float, n2: float, soft: float) -> tuple[float, float, float]:
     """Hessian of W*: C₁₁, −C₁₂ and C₂₂, all positive, m/kN."""
     b = 2.0 / 9.0 * soft
@@ -47,7 +45,7 @@ def compliance(n1: float, n2: float, soft: float) -> tuple[float, float, float]:
     return 4.0 * soft, 2.0 * soft, 4.0 * soft
 
 
-@compiled
+@looped
 def linearised(n1: float, n2: float, turn: float, soft: float) -> tuple[float, float, float, float, float]:
     """Gaps of the ends and C₁₁, −C₁₂, C₂₂ of the law's stiffer tangent: at the forces or at the turn.
 
@@ -73,7 +71,7 @@ def linearised(n1: float, n2: float, turn: float, soft: float) -> tuple[float, f
     return g1 - (c11 + c12) * shift, g2 + (c12 + c22) * shift, c11, c12, c22
 
 
-@compiled
+@looped
 def pressed(u: float, phi: float, half: float, stiffness: float) -> tuple[float, float, float]:
     """N, P and the contact length l of a gap u + φs, |s| ≤ h: the same law from the displacements."""
     first, second = u - half * phi, u + half * phi
@@ -90,7 +88,7 @@ def pressed(u: float, phi: float, half: float, stiffness: float) -> tuple[float,
     return n, moment if second < first else -moment, length
 
 
-@compiled
+@looped
 def stiffened(
     u: float, phi: float, half: float, stiffness: float
 ) -> tuple[float, float, float, float, float]:
@@ -103,7 +101,7 @@ def stiffened(
     return n, m, c0, c0 * middle, c0 * (middle * middle + length * length / 12.0)
 
 
-@compiled
+@looped
 def stored(u: float, phi: float, half: float, stiffness: float) -> float:
     """Energy of a bed under gaps u + φs: ½k ∫⟨−w⟩² ds."""
     first, second = u - half * phi, u + half * phi
@@ -118,7 +116,7 @@ def stored(u: float, phi: float, half: float, stiffness: float) -> float:
     return 0.5 * stiffness * length * (mean * mean + spread * spread / 12.0)
 
 
-@compiled
+@looped
 def points_under(
     n1: float, n2: float, segments: int, soft: float
 ) -> tuple[float, float, float, float, float]:
@@ -146,7 +144,7 @@ def points_under(
         first += 1
 
 
-@compiled
+@looped
 def points(
     u: float, phi: float, half: float, stiffness: float, segments: int
 ) -> tuple[float, float, float, float, float]:
@@ -163,7 +161,7 @@ def points(
     return n, m, c0, c1, c2
 
 
-@compiled
+@looped
 def points_stored(u: float, phi: float, half: float, stiffness: float, segments: int) -> float:
     """Energy of a bed of points at the ends of equal segments: Σ ½kᵢ⟨−wᵢ⟩²."""
     total = 0.0

@@ -18,16 +18,14 @@ from mechanics.kernels.bed import (
     stored,
 )
 from mechanics.kernels.crushing import crushed, softness, under, worked
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import looped
 from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, STRENGTH
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc", allocates=False)
 
 EXACT, POINTS, CRUSHING = range(3)
 
 
-@compiled
+@looped
 def kind(law: Array, strength: float) -> int:
     """EXACT, POINTS or CRUSHING; the last also where a bed without strength begins above the line of its dashpots."""
     if strength < np.inf or law[DASHPOTS] > 0.0 or law[DASHPOTS + 1] > 0.0:
@@ -35,7 +33,7 @@ def kind(law: Array, strength: float) -> int:
     return POINTS if law[SEGMENTS] > 0.0 else EXACT
 
 
-@compiled
+@looped
 def bed_forces(
     law: Array, strength: float, left: Array, h: float, u: float, phi: float
 ) -> tuple[float, float, float, float, float]:
@@ -48,7 +46,7 @@ def bed_forces(
     return stiffened(u, phi, h, law[BED])
 
 
-@compiled
+@looped
 def bed_work(law: Array, strength: float, left: Array, h: float, u: float, phi: float) -> float:
     """The work (kNm) that presses a bed to the gap u + φs, |s| ≤ h: −∂/∂u = N, −∂/∂φ = P. Stored but for crushing."""
     which = kind(law, strength)
@@ -59,7 +57,7 @@ def bed_work(law: Array, strength: float, left: Array, h: float, u: float, phi: 
     return stored(u, phi, h, law[BED])
 
 
-@compiled
+@looped
 def gaps_under(law: Array, h: float, n1: float, n2: float) -> tuple[float, float, float, float, float]:
     """Gaps of the two ends of a bed under forces N₁, N₂ > 0, and its compliance C₁₁, −C₁₂, C₂₂."""
     which, soft = kind(law, law[STRENGTH]), 1.0 / (2.0 * h * law[BED])
@@ -74,7 +72,7 @@ def gaps_under(law: Array, h: float, n1: float, n2: float) -> tuple[float, float
     return w1, w2, c11, c12, c22
 
 
-@compiled
+@looped
 def ends_under(ends: Array, half: Array, law: Array, gaps: Array) -> None:
     """Gaps (j, 2), m, of the ends of elastic joints under end forces (j, 2) > 0, kN; `half` (j,) m, `law` (j, LAW)."""
     for k in range(len(ends)):

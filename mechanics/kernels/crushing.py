@@ -16,12 +16,10 @@ from __future__ import annotations
 import numpy as np
 
 from mechanics.kernels.bed import closures, stiffened, stored
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import looped
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import STRENGTH
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc", allocates=False)
 
 LINES = 4  # of both ends and of the middle, and that of dashpots
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements under given forces, and halvings of one
@@ -29,7 +27,7 @@ UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where 
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
-@compiled
+@looped
 def _line(number: int, half: float, left: Array) -> tuple[float, float]:
     """A line q in the middle of a bed, m, and its slope; behind those that are remembered, zero."""
     if number == LINES:
@@ -38,7 +36,7 @@ def _line(number: int, half: float, left: Array) -> tuple[float, float]:
     return 0.5 * (first + second), 0.5 * (second - first) / half
 
 
-@compiled
+@looped
 def highest(s: float, half: float, left: Array) -> int:
     """Which line is r at s; the steepest one of several."""
     found, most, steepest = LINES, 0.0, 0.0
@@ -50,7 +48,7 @@ def highest(s: float, half: float, left: Array) -> int:
     return found
 
 
-@compiled
+@looped
 def following(line: int, half: float, left: Array) -> tuple[float, int]:
     """Where a line ceases to be r, m, and the line that is r from there on; the end of the bed if none is."""
     middle, slope = _line(line, half, left)
@@ -64,7 +62,7 @@ def following(line: int, half: float, left: Array) -> tuple[float, int]:
     return max(end, -half), found
 
 
-@compiled
+@looped
 def crushed(
     u: float, phi: float, half: float, stiffness: float, strength: float, left: Array
 ) -> tuple[float, float, float, float, float]:
@@ -91,7 +89,7 @@ def crushed(
     return n, m, c0, c1, c2
 
 
-@compiled
+@looped
 def worked(u: float, phi: float, half: float, stiffness: float, strength: float, left: Array) -> float:
     """The work ψ = ½k∫(⟨p − r⟩² − ⟨p − r − σ/k⟩²) ds that presses a bed in; −∂ψ/∂u = N, −∂ψ/∂φ = P.
 
@@ -109,7 +107,7 @@ def worked(u: float, phi: float, half: float, stiffness: float, strength: float,
     return total
 
 
-@compiled
+@looped
 def leave(u: float, phi: float, half: float, stiffness: float, strength: float, left: Array) -> None:
     """Remember in `left` (8,) that the bed has been pressed to gaps u + φs, for places that never were so far."""
     q1, q2 = half * phi - u - strength / stiffness, -half * phi - u - strength / stiffness
@@ -121,7 +119,7 @@ def leave(u: float, phi: float, half: float, stiffness: float, strength: float, 
         left[4], left[5] = q1, q2
 
 
-@compiled
+@looped
 def under(
     n1: float, n2: float, half: float, stiffness: float, strength: float, left: Array
 ) -> tuple[float, float]:
@@ -155,7 +153,7 @@ def under(
     return u - half * phi, u + half * phi
 
 
-@compiled
+@looped
 def softness(
     w1: float, w2: float, half: float, stiffness: float, strength: float, left: Array
 ) -> tuple[float, float, float]:
@@ -169,7 +167,7 @@ def softness(
     return d22 / det, d12 / det, d11 / det
 
 
-@compiled
+@looped
 def keep_within_strength(places: Array, law: Array, f: Array) -> None:
     """Scale N₁, N₂ and T, f (j, 3), of joints at places (j, PLACE) to a share of the strength, where it is finite."""
     for k in range(len(f)):

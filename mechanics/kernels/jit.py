@@ -54,6 +54,11 @@ def compiler(
     return compile_
 
 
+compiled = compiler("contract", "reassoc")
+looped = compiler("contract", "reassoc", allocates=False)
+inlined = compiler("contract", "reassoc", allocates=False, inline=True)
+
+
 class _Locator(_Place):  # type: ignore[misc]
     """Tells numba that code is in cache_folder, wherever the sources are."""
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import looped
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc", allocates=False)
 
 # friction (inf: no sliding); share ψ of μ|slip| by which sliding lifts (0: Coulomb's law, 1: the associative one);
 # compliance in shear, m/kN; stiffness of the bed, kN/m² (inf: rigid); slip from which the slide counts, m;
@@ -22,7 +20,7 @@ STEEPEST, STEEP = 1e4, 1e2
 CRUSHED = 0.99  # of the strength: the force of a joint that is crushed, of a tie that yields
 
 
-@compiled
+@looped
 def most_shear(friction: float, normal: float) -> float:
     """The most of |T| under a normal force, kN: μN; without bound where nothing slides, but for an open joint."""
     if friction == np.inf:
@@ -30,7 +28,7 @@ def most_shear(friction: float, normal: float) -> float:
     return friction * normal
 
 
-@compiled
+@looped
 def lift(law: Array, slip: float) -> float:
     """By how much a slip λ₊ + λ₋ (m) lifts a joint of a law (LAW,): ψμ times that; nothing where nothing slides."""
     if law[FRICTION] == np.inf:

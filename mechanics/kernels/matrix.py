@@ -8,15 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import inlined, looped
 from mechanics.kernels.joint import LX, LZ, MPHI, MU, MV, NX, NZ
 from mechanics.types import Array
 
-compiled = compiler("contract", "reassoc", allocates=False)
-inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
-
-@compiled
+@looped
 def motion(p: Array, i: int, j: int, x: Array) -> tuple[float, float, float]:
     """Changes of u, φ and v of a joint at a place p (PLACE,) that displacements x (m,) of its blocks cause."""
     ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -27,7 +24,7 @@ def motion(p: Array, i: int, j: int, x: Array) -> tuple[float, float, float]:
     return moved_by(p, ax, az, ta, bx, bz, tb)
 
 
-@compiled
+@looped
 def moved_by(
     p: Array, ax: float, az: float, ta: float, bx: float, bz: float, tb: float
 ) -> tuple[float, float, float]:
@@ -40,7 +37,7 @@ def moved_by(
     )
 
 
-@compiled
+@looped
 def push(p: Array, i: int, j: int, n: float, m: float, t: float, total: Array) -> None:
     """Add the forces of N, P and T (n, m, t) on the blocks of a joint to `total` (m,)."""
     fx, fz = n * p[NX] + t * p[NZ], n * p[NZ] - t * p[NX]
@@ -55,7 +52,7 @@ def push(p: Array, i: int, j: int, n: float, m: float, t: float, total: Array) -
         total[j + 2] -= moment + p[LX] * fz - p[LZ] * fx
 
 
-@compiled
+@looped
 def stiffen(k: int, p: Array, i: int, j: int, d: Any, stored: Array, pattern: Any) -> None:
     """Add the lower triangle of BᵀDB of joint k to the matrix; d (8,): D's uu, uφ, uv, φφ, φv, vv, vu and vφ.
 
@@ -99,7 +96,7 @@ def _own(own: Array, step: int, xx: float, zx: float, tx: float, zz: float, tz: 
     own[2 * step + 2] += tt
 
 
-@compiled
+@looped
 def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
     """Take the geometric stiffness of joint k off the matrix; c (CURVED,) as in joint.curvature."""
     if i >= 0:
@@ -137,7 +134,7 @@ def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
         stored[at + 2 * step + 2] -= c[5]
 
 
-@compiled
+@looped
 def turn(c: Array, i: int, j: int, x: Array, total: Array) -> None:
     """Add to `total` (m,) what the forces of a joint change as its blocks move by x (m,); c (CURVED,): curvature."""
     ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -157,7 +154,7 @@ def turn(c: Array, i: int, j: int, x: Array, total: Array) -> None:
         total[j + 2] += c[2] * dx + c[3] * dz + c[5] * ta + c[6] * tb
 
 
-@compiled
+@looped
 def diagonal(mass: Array, stored: Array, pattern: Any) -> None:
     """The matrix is that of the masses (m,)."""
     stored[:] = 0.0

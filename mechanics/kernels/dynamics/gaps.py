@@ -36,12 +36,10 @@ from mechanics.kernels.dynamics.motion import (
     relative,
     work_on_bed,
 )
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled
 from mechanics.kernels.joint import PHI, TIED, H, U, V, place
 from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 NEWTON = 30  # iterations for the gap at which a bed stores what was done on it
 CLOSED = 1e-6  # of the block size: a gap that is none

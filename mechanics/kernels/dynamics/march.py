@@ -9,10 +9,8 @@ import numpy as np
 from mechanics.kernels.dynamics.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
 from mechanics.kernels.dynamics.program import FROM_GAPS, NEAR, RIGHT
 from mechanics.kernels.dynamics.step import attempt
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 FAR, UNSOLVED, RESTS = 1, 2, 3  # why a march ends before all steps are done
 MEETING = 0.1  # of the largest kinetic energy so far: elastic contacts that hold more are resolved

@@ -6,13 +6,11 @@ import numpy as np
 
 from mechanics.kernels.bed_law import bed_forces, bed_work
 from mechanics.kernels.crushing import leave
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled
 from mechanics.kernels.joint import PHI, TIED, H, U
 from mechanics.kernels.law import BED, SHEAR, STRENGTH
 from mechanics.kernels.matrix import moved_by
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 # where the energy of a motion is (energy, 8): stored in springs; taken by friction, impacts, dashpots and the
 # stepping; put in; the largest kinetic energy so far, by which what steps take is measured; and that of friction which

@@ -21,16 +21,13 @@ import numpy as np
 
 from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.interior.joint_loops import unbalanced
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, lift, most_shear
 from mechanics.kernels.linalg.factors import lu, solve, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
-looped = compiler("contract", "reassoc", allocates=False)
 
 STICKING = 1e-8  # compliance, per step and weight, that bounds the stiffness of joints that stick
 STUCK = 1e-6  # of the step: a slip of a joint that sticks that is none

@@ -10,13 +10,11 @@ from mechanics.kernels.bed_law import bed_forces, gaps_under
 from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import CURVED, PHI, H, U
 from mechanics.kernels.law import DASHPOTS, DILATION, FRICTION, LEFT, STEEP, STRENGTH, lift
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 ROUGHLY = 1e-4  # missed per weight and span: the joints that slide are known
 # per weight and span: products of forces and gaps near an earlier solution, of rigid and of elastic joints, with which
@@ -42,7 +40,7 @@ LIMITS = (np.int64(60), np.int64(10))
 LIMITS_COULOMB = (np.int64(60), np.int64(5))
 
 
-@compiled
+@looped
 def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> None:
     """Forces and gaps where nothing is known of them but the gaps that are there, and a force that stops blocks."""
     for k in range(len(f)):
@@ -53,7 +51,7 @@ def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> Non
         f[k, 2], y[k, 2], y[k, 3] = 0.0, COLD * span, COLD * span
 
 
-@compiled
+@looped
 def _part_evenly(weight: float, span: float, product: float, e: int, f: Array, y: Array) -> None:
     """Give force and gap of an end this product, per weight and span, at the same difference, both scaled."""
     carries = 0.5 * (f[e] / weight - y[e] / span)
@@ -64,7 +62,7 @@ def _part_evenly(weight: float, span: float, product: float, e: int, f: Array, y
         f[e], y[e] = weight * large, span * small
 
 
-@compiled
+@looped
 def _within_friction(law: Array, weight: float, span: float, product: float, f: Array, y: Array) -> None:
     """Bring the force of friction within its bounds, and enlarge slips, up to the span, to the least product."""
     bound = min(law[FRICTION], STEEP) * (f[0] + f[1])
@@ -74,7 +72,7 @@ def _within_friction(law: Array, weight: float, span: float, product: float, f: 
         y[2 + e] = max(y[2 + e], min(least, span))
 
 
-@compiled
+@looped
 def _begin_near(laws: Array, weight: float, span: float, central: float, f: Array, y: Array) -> None:
     """Bring forces and gaps of an earlier solution within their bounds.
 

@@ -37,13 +37,11 @@ from mechanics.kernels.dynamics.motion import (
     relative,
 )
 from mechanics.kernels.dynamics.program import COLD, solve
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V, friction_between
 from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, SLID, STRENGTH, lift, most_shear
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 PRESSED = 1e-6  # of the weight of a block: a force that is one
 CLOSING = 2.0  # times the way of a step: gaps that are wider stay open, as a rule

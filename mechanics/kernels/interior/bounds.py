@@ -10,19 +10,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import looped
 from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc", allocates=False)
 
 TOUCHES = 1e-6  # of the step: a gap that is none
 CLOSED = 0.01  # of what a bed closes: a gap of faces that press
 NEAR, GROWS = 0.5, 10.0  # share of its bound at which T raises it, and by how much
 
 
-@compiled
+@looped
 def begin(places: Array, law: Array, f: Array, step: float) -> bool:
     """Bound T in the `law` (j, LAW) of joints of infinite friction under forces f (j, 3): whether any is."""
     bounded = False
@@ -35,7 +33,7 @@ def begin(places: Array, law: Array, f: Array, step: float) -> bool:
     return bounded
 
 
-@compiled
+@looped
 def grow(places: Array, law: Array, given: Array, f: Array, y: Array, unit: float) -> None:
     """Raise the bounds near which T is, where the friction that is `given` (j, LAW) has none; products stay.
 

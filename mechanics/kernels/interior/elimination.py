@@ -20,14 +20,11 @@ import numpy as np
 
 from mechanics.kernels.bed import closures, linearised
 from mechanics.kernels.bed_law import EXACT, gaps_under, kind
-from mechanics.kernels.jit import compiler, larger
+from mechanics.kernels.jit import inlined, larger, looped
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import BED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc", allocates=False)
-inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 LANES = 8  # joints side by side
 NO_SLIP = 1e-300  # m: of a joint that does not slide at all
@@ -44,7 +41,7 @@ KNOWN = 71 * LANES
 CHANGES = slice(CN1, KNOWN)  # all unknowns' changes
 
 
-@compiled
+@looped
 def read(
     p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, s: Array, k: int
 ) -> None:  # fmt: skip
@@ -106,7 +103,7 @@ def missing(s: Array, k: int, least: float) -> None:
     s[Q + k] = slides + shear + a * mu * s[LIFT + k] * (4.0 * pp * pm + shear * slides)
 
 
-@compiled
+@looped
 def _bed(
     law: Array, h: float, n1: float, n2: float, first: float, second: float, y: Array
 ) -> tuple[float, float, float, float, float, float]:
@@ -129,7 +126,7 @@ def _bed(
     return w1, w2, c11, c12, c22, off
 
 
-@compiled
+@looped
 def _taken(missed: float, y: float) -> float:
     return missed if 0.1 * y < missed < 10.0 * y else y
 

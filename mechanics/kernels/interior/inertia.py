@@ -9,12 +9,10 @@ import numpy as np
 from mechanics.kernels.interior.bounds import begin
 from mechanics.kernels.interior.elimination import KNOWN, LANES
 from mechanics.kernels.interior.joint_loops import ProgramJoints, assemble, dot, evaluate
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled
 from mechanics.kernels.linalg.factors import lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 
 @compiled

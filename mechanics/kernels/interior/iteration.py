@@ -41,13 +41,11 @@ from mechanics.kernels.interior.joint_loops import (
     unbalanced,
     within_strength,
 )
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.law import BED, DILATION, STRENGTH
 from mechanics.kernels.linalg.factors import cholesky, lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.types import Array
-
-compiled = compiler("contract", "reassoc")
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
 CENTRED = 0.3  # of the mean product is the least target while gaps are missed by more,
@@ -65,7 +63,7 @@ IDLE_CRUSHED = (
 )
 
 
-@compiled
+@looped
 def _factorised(
     joints: Any, known: Array, held: Array, two: bool, most_negative: int, lower: Array, upper: Array, pattern: Any
 ) -> bool:  # fmt: skip
@@ -80,7 +78,7 @@ def _factorised(
     return bool(0 <= negative <= most_negative)
 
 
-@compiled
+@looped
 def _refine(
     joints: Any, known: Array, load: Array, lateral: Array, mass: Array, lateral_solution: Array, lateral_work: float,
     dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, lower: Array,
@@ -92,11 +90,12 @@ def _refine(
     """
     # many arguments: arrays one by one, see mechanics.kernels
     for _ in range(REFINEMENTS):
-        fine[:] = load
-        if len(lateral):
-            fine += dalpha * lateral
-        if len(mass):
-            fine -= mass * dx
+        for i in range(len(fine)):
+            fine[i] = load[i]
+        for i in range(len(lateral)):
+            fine[i] += dalpha * lateral[i]
+        for i in range(len(mass)):
+            fine[i] -= mass[i] * dx[i]
         push_all(joints, known, dx, fine)
         if unbalanced(fine, size) <= enough:
             break
@@ -104,9 +103,11 @@ def _refine(
         if len(lateral):
             more = -dot(lateral, fine) / lateral_work
             dalpha += more
-            fine += more * lateral_solution
+            for i in range(len(fine)):
+                fine[i] += more * lateral_solution[i]
         follow_all(joints, known, fine, target, stiff, True)
-        dx += fine
+        for i in range(len(fine)):
+            dx[i] += fine[i]
     return dalpha
 
 

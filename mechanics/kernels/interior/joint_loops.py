@@ -61,13 +61,10 @@ from mechanics.kernels.interior.elimination import (
     read,
     stiffness,
 )
-from mechanics.kernels.jit import compiler, larger
+from mechanics.kernels.jit import inlined, larger, looped
 from mechanics.kernels.joint import H
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.types import Array
-
-looped = compiler("contract", "reassoc", allocates=False)
-inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
 LEAST = 0.1  # of the target: smaller products are corrected

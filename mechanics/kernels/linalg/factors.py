@@ -12,29 +12,27 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.jit import compiler
+from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.linalg.simd_tiles import BYTES, COLUMNS, ROWS, below, half_below, sums
 from mechanics.types import Array
 
-compiled = compiler("contract", "reassoc")
 
-
-@compiled
+@looped
 def cholesky(matrix: Array, pattern: Any) -> bool:
     """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
-    return bool(_factor(matrix, matrix, pattern, False, np.empty(0)) == 0)
+    return bool(_factor(matrix, matrix, pattern, False, matrix[:0]) == 0)
 
 
-@compiled
+@looped
 def lu(lower: Array, upper: Array, pattern: Any) -> int:
     """L and Uᵀ in place of the triangles of a matrix; the number of negative pivots, −1 where one vanishes.
 
     The negative pivots of a symmetric matrix are as many as its negative eigenvalues (Sylvester).
     """
-    return int(_factor(lower, upper, pattern, True, np.empty(0)))
+    return int(_factor(lower, upper, pattern, True, lower[:0]))
 
 
-@compiled
+@looped
 def solve(matrix: Array, pattern: Any, x: Array) -> bool:
     """Cholesky's factor in place of the matrix, and of b (m,) the solution of LLᵀx = b; False if there is no factor.
 
@@ -51,7 +49,7 @@ def solve(matrix: Array, pattern: Any, x: Array) -> bool:
     return True
 
 
-@compiled
+@looped
 def substitute(lower: Array, upper: Array, pattern: Any, x: Array) -> None:
     """The solution of LUx = b in place of b (m,), three rows a block; nothing is done to an empty b."""
     if len(x) == 0:
@@ -60,14 +58,19 @@ def substitute(lower: Array, upper: Array, pattern: Any, x: Array) -> None:
     if len(fronts.first) == 0:
         _forward(lower, pattern.places - 1, len(x), pattern.last, x)
         _backward(upper, pattern.places - 1, len(x), pattern.last, x)
-        return
+    else:
+        _through(lower, upper, fronts, x)
+
+
+@compiled
+def _through(lower: Array, upper: Array, fronts: Any, x: Array) -> None:
     seen, last = _room(fronts)
     for k in range(len(fronts.base)):
         _forward_through(lower, fronts, k, x, seen, last)
     _backward_through(upper, fronts, x)
 
 
-@compiled
+@looped
 def _factor(lower: Array, upper: Array, pattern: Any, two: bool, x: Array) -> int:
     """Factors of a matrix, of `two` triangles or of one, and x (m,), if any, substituted forward in the fronts.
 
@@ -102,7 +105,7 @@ def _band(lower: Array, upper: Array, places: int, reached: Any, last: Any, two:
     return negative
 
 
-@compiled
+@looped
 def _rows(
     lower: Array, upper: Array, at: int, count: int, stride: int, down: int, diagonal: int, columns: int, two: bool,
     inverse: Array,
@@ -120,7 +123,7 @@ def _rows(
             half_below(low + at, count, stride, down + up - low, low + diagonal, by_l)
 
 
-@compiled
+@looped
 def _tile(
     lower: Array, upper: Array, at: int, height: int, column: int, count: int, columns: int, two: bool, tiles: Array,
     inverse: Array,
@@ -128,18 +131,19 @@ def _tile(
     """The factors of the tile on the diagonal, whose first number is `at`, and the sign of its pivots.
 
     `column`: bytes to the row of the tile in the first of the `count` columns before it. Returns the number of negative
-    pivots, −1 where one vanishes, or is negative in one triangle.
+    pivots, −1 where one vanishes, or is negative in one triangle. Columns are whole vectors: what stands above their
+    diagonal is computed with them and not kept.
     """
     low, up = lower.ctypes.data, upper.ctypes.data
     left, right = tiles[0], tiles[1]  # L and Uᵀ
     sums(up + column, count, BYTES * height, low - up, left.ctypes.data, BYTES * ROWS)
     for c in range(columns):
-        for r in range(c, ROWS):
+        for r in range(ROWS):
             left[c, r] = lower[at + c * height + r] - left[c, r]
     if two:
         sums(low + column, count, BYTES * height, up - low, right.ctypes.data, BYTES * ROWS)
         for c in range(columns):
-            for r in range(c, ROWS):
+            for r in range(ROWS):
                 right[c, r] = upper[at + c * height + r] - right[c, r]
     negative = 0
     for c in range(columns):
@@ -151,26 +155,29 @@ def _tile(
         if pivot < 0.0:
             negative, other = negative + 1, -own
         inverse[0, c], inverse[1, c] = other, own  # of Uᵢᵢ, by which L is divided, and of Lᵢᵢ
-        for r in range(c, ROWS):
+        for r in range(ROWS):
             left[c, r] *= other
+        for r in range(c, ROWS):
             lower[at + c * height + r] = left[c, r]
         if two:
-            for r in range(c, ROWS):
+            for r in range(ROWS):
                 right[c, r] *= own
+            for r in range(c, ROWS):
                 upper[at + c * height + r] = right[c, r]
             upper[at + c * height + c] = other
         lower[at + c * height + c] = own
         across = right if two else left
         for d in range(c + 1, columns):
-            for r in range(d, ROWS):
-                left[d, r] -= across[c, d] * left[c, r]
+            in_left, in_right = across[c, d], left[c, d]
+            for r in range(ROWS):
+                left[d, r] -= in_left * left[c, r]
             if two:
-                for r in range(d, ROWS):
-                    right[d, r] -= left[c, d] * right[c, r]
+                for r in range(ROWS):
+                    right[d, r] -= in_right * right[c, r]
     return negative
 
 
-@compiled
+@looped
 def _first(reached: Any, i: int, end: int) -> int:
     """The first column that the rows of a tile reach."""
     first = i
@@ -202,7 +209,7 @@ def _fronts(lower: Array, upper: Array, fronts: Any, two: bool, x: Array) -> int
     return negative
 
 
-@compiled
+@looped
 def _panel(
     lower: Array, upper: Array, base: int, height: int, own: int, two: bool, tiles: Array, inverse: Array
 ) -> int:
@@ -221,7 +228,7 @@ def _panel(
     return negative
 
 
-@compiled
+@looped
 def _update(rows: Array, columns: Array, base: int, height: int, own: int, update: Array) -> None:
     """The products of the rows below, the lower triangle by columns: Σ rows[i] columns[j]."""
     tall = height - own
@@ -234,7 +241,7 @@ def _update(rows: Array, columns: Array, base: int, height: int, own: int, updat
             )  # fmt: skip
 
 
-@compiled
+@looped
 def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> None:
     """Take the products off the panels of the later fronts."""
     begin = fronts.start[k]
@@ -300,7 +307,7 @@ def _see(fronts: Any, k: int, x: Array, seen: Array, last: Any) -> tuple[int, in
     return first, own
 
 
-@compiled
+@looped
 def _forward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
     """Substitute forward in so many columns by threes, each from the diagonal to its `last` row, and in the rows below.
 
@@ -319,7 +326,7 @@ def _forward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
             below[e] -= a * p[e] + b * q[e] + c * r[e]
 
 
-@compiled
+@looped
 def _backward(matrix: Array, height: int, own: int, last: Any, x: Array) -> None:
     """The same from the last columns to the first, each less what the rows below bring."""
     step = height + 1

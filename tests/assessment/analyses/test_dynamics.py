@@ -256,6 +256,17 @@ def test_a_scale_to_what_no_ground_does_is_refused(tmp_path):
         history_motions(project)
 
 
+def test_records_of_one_name_are_refused_before_they_are_one_record_of_the_fragility(tmp_path):
+    """[incremental] took files of one name in two folders, [campaign] refused them."""
+    project = _project(tmp_path / "block", INCREMENTAL)
+    for name, factor in (("one", 0.5), ("other", np.cos(TIME))):
+        (project.folder / name).mkdir()
+        np.savetxt(project.folder / name / "wave.csv", np.column_stack([TIME, factor * WAVE]), delimiter=",")
+    project = _edited(project.folder, "*.csv", "*/wave.csv")
+    with pytest.raises(ProjectError, match=r'incremental\.records: two records are called "wave"; rename'):
+        read_motions(project)
+
+
 def _motion(record):
     return BaseMotion(record, record, record.pga, 1.0)
 

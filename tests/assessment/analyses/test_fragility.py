@@ -215,13 +215,14 @@ def test_the_measure_that_collapse_follows_has_the_least_dispersion():
     assert found["Sa(T)"].period_s == 1.0
 
 
-def test_a_set_with_one_motion_twice_is_refused_scaled_and_turned_too():
+@pytest.mark.parametrize("key", ["incremental", "campaign"])
+def test_a_set_with_one_motion_twice_is_refused_scaled_and_turned_too(key):
     project, other = SimpleNamespace(source="project.toml"), motion("b", noise(2))
     with pytest.raises(ProjectError, match="same motion"):
-        check_record_set(project, [motion("a", noise(1)), other, motion("c", -0.5 * noise(1))])
-    with pytest.raises(ProjectError, match=r'campaign\.records: two records are called "a"'):
-        check_record_set(project, [motion("a", noise(1)), motion("a", noise(2))])
-    check_record_set(project, [motion("a", noise(1)), other])
+        check_record_set(project, key, [motion("a", noise(1)), other, motion("c", -0.5 * noise(1))])
+    with pytest.raises(ProjectError, match=rf'{key}\.records: two records are called "a"'):
+        check_record_set(project, key, [motion("a", noise(1)), motion("a", noise(2))])
+    check_record_set(project, key, [motion("a", noise(1)), other])
 
 
 def test_doubtful_records_are_warned_of():

@@ -46,14 +46,6 @@ def test_of_fewer_than_three_records_the_standard_takes_nothing(levels):
     assert len(warnings) == 1 and "at least 3" in warnings[0]
 
 
-def test_records_of_one_name_are_as_many_as_their_files():
-    """Of seven files in as many folders, all called alike, the lowest was taken, as of one record."""
-    levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
-    found = summarise([_record(level, record="HNE") for level in levels], [], "original")
-    assert (found.rule, found.pga_collapse_g) == ("mean", pytest.approx(np.mean(levels)))
-    assert found.directions["+x"] == pytest.approx(np.mean(levels))
-
-
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
     records = [_record(low, pga_collapse_g_range=[low, high]) for low, high in ((0.3, 0.5), (0.4, 0.4))]
     assert summarise(records, [], "original").pga_collapse_g_range == [0.3, 0.4]
