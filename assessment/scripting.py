@@ -132,19 +132,18 @@ def incremental(
     contacts: Literal["rigid", "elastic"] = "rigid",
     tolerance_g: float = 0.01,
     max_scale: float = 5.0,
-    members: int = 1,
 ) -> IncrementalCurve:
     """Scale a record until the structure collapses, as [incremental] of a project does.
 
     `control`: a drawn point (2,) m in or on a block; `state`: at rest, where every motion begins, default as drawn;
-    `tolerance_g`: between the lowest collapse and the highest level withstood below it; `members` of the ensemble of
-    each level. Raises ConvergenceError where a motion is not solved, ArgumentError as `time_history`.
+    `tolerance_g`: between the lowest collapse and the highest level withstood below it. Raises ConvergenceError where a
+    motion is not solved, ArgumentError as `time_history`.
     """
     x, z = (float(value) for value in np.asarray(control))
     setting = Setting(MotionTable(contacts=contacts), ControlTable(name="control", point_m=(x, z)))
-    reach = Reach(max_scale, width=tolerance_g, members=members)
+    reach = Reach(max_scale, width=tolerance_g)
     shaken = BaseMotion(record, record, record.pga, 1.0)
-    found = scan(model, shaken, setting, model.starting(state), Scatter(members, AGREE), reach)
+    found = scan(model, shaken, setting, model.starting(state), Scatter(1, AGREE), reach)
     if found.reason is not None:
         raise ConvergenceError(found.reason)
     points = [each for each in found.points if each.collapsed is not None]

@@ -7,13 +7,13 @@ Collapse of rocking masonry comes in bands of the level: no bisection finds the 
     every level down to DOWN of the lowest that collapses; a collapse there begins this again
     upwards, until CERTAIN levels in a row above the highest that stands collapse
     the levels of the project's histories of the record
-    around the lowest bracket the levels half-way, one for each member of an ensemble after the first
     downwards in strides of DOWN, until the level that counts is not below all that were run (probit of bands far apart)
     where a level may hide a collapse: half-way to the next that was run, or below all, to DOWN² of the lowest
     the lowest bracket is halved to the width asked for
 
 A level with a peak displacement u hides no collapse nearer than CLOSEST (u_max/u)³ in ln level. u_max is the largest
-with which the structure stood (docs/campaigns.md, "Where a collapse hides").
+with which the structure stood (docs/campaigns.md, "Where a collapse hides"); so far counts any level within SPACING of
+the lowest collapse.
 """
 
 import math
@@ -46,14 +46,13 @@ EXPECTED = 25  # motions of a scan, about
 class Reach:
     """Which levels are run: up to `max_scale` times the record's PGA, a factor `ratio` apart.
 
-    The lowest bracket is no wider than `width` (g); `members`: see above. `stripes`: these levels (PGA, g) alone.
+    The lowest bracket is no wider than `width` (g). `stripes`: these levels (PGA, g) alone.
     `histories`: record and factor of motions that are computed too: none of them falls below what the scan has found.
     """
 
     max_scale: float
     ratio: float = SPACING
     width: float = math.inf
-    members: int = 1
     stripes: tuple[float, ...] = ()
     histories: tuple[tuple[str, float], ...] = ()
 
@@ -149,12 +148,6 @@ def scan_levels(
     for level in also:
         lattice.falls(lattice.place(level))
         _run_missing(lattice)
-    if reach.members > 1 and (fallen := lattice.those(True)):
-        low = min(fallen)
-        half_way = [low + side * (k - 0.5) for k in (1, 2, 3, 4) for side in (-1.0, 1.0)]
-        for half in half_way[: reach.members - 1]:
-            lattice.falls(half)
-        _run_missing(lattice)
     while (next_one := lattice.suspected()) is not None:
         lattice.falls(next_one)
         _run_missing(lattice)
@@ -221,8 +214,9 @@ class _Lattice:
         runs = sorted(place for place in self.peaks if place <= low)
         if not largest or not runs:
             return None
+        near = low - math.log(SPACING) / self.step - 1e-9
         shares = [
-            ((self.peaks[place] or 0.0) / largest) ** 3 if self.falls(place) is False else 0.0
+            0.0 if (peak := self.peaks[place]) is None else 1.0 if place >= near else (peak / largest) ** 3
             for place in runs
         ]
         hidden = [

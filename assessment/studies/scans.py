@@ -289,7 +289,7 @@ def reach_of(project: Project) -> Reach:
     ratio = SPACING if campaign is None else min(SPACING, 1.0 + campaign.tolerance)
     width = math.inf if incremental is None else incremental.tolerance_g
     histories = tuple((visible(Path(table.record).stem), table.scale) for table in project.history)
-    return Reach(max(scales), ratio, width, project.scatter, histories=histories)
+    return Reach(max(scales), ratio, width, histories=histories)
 
 
 def own_setting(table: MotionTable) -> MotionTable:
