@@ -35,11 +35,14 @@ LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, an
 # near two corners meet, m; length of a tie, m, 0: no tie
 PX, PZ, TAX, TAZ, QX, QZ, TBX, TBZ, A1, A2, B1, B2, MEET, LENGTH = range(14)
 FACE = 14
-# columns of where it is (places, j × 16): normal; moments of the rows of u, φ and v about a's centroid; lever from b's
-# centroid to a's; half the overlap; u, φ and v; β; from the end to the middle; t·E and d²φ/dδ²; of a tie 1/|E|, else 0
-NX, NZ, MU, MPHI, MV, LX, LZ, H, U, PHI, V, BETA, ARM, ALONG, BEND, TIED = range(16)
-PLACE = 16
-CURVED = 10  # numbers of a joint's curvature
+# columns of where it is (places, j × 19): normal; moments of the rows of u, φ and v about a's centroid; lever from b's
+# centroid to a's; half the overlap; u, φ and v; β; from the end to the middle; t·E and d²φ/dδ²; of a tie 1/|E|, else 0;
+# what the half-length, the way from the end to the middle and β change per slip
+NX, NZ, MU, MPHI, MV, LX, LZ, H, U, PHI, V, BETA, ARM, ALONG, BEND, TIED, HALVED, SHIFTED, BLENDED = range(19)
+PLACE = 19
+# numbers of a joint's curvature; from SHIFTS on, what N, P and T change per slide, the slide per u, φ and v, and what P
+# changes per u and φ
+CURVED, SHIFTS, SLIDE, LEVERS = 18, 10, 13, 16
 
 
 @compiled
@@ -66,6 +69,7 @@ def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None
             out[NX], out[NZ], out[MU], out[MPHI], out[MV] = nx, nz, px * nz - pz * nx, 0.0, -px * nx - pz * nz
             out[H], out[U], out[PHI], out[V] = 0.5, f[LENGTH] - length, 0.0, 0.0
             out[BETA], out[ARM], out[ALONG], out[BEND], out[TIED] = 0.5, 0.0, 0.0, 0.0, 1.0 / length
+            out[HALVED], out[SHIFTED], out[BLENDED] = 0.0, 0.0, 0.0
             continue
         tax, taz = ca * f[TAX] - sa * f[TAZ], sa * f[TAX] + ca * f[TAZ]
         tbx, tbz = cb * f[TBX] - sb * f[TBZ], sb * f[TBX] + cb * f[TBZ]
@@ -102,6 +106,11 @@ def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None
         out[BETA], out[ARM], out[ALONG] = beta, arm, along
         out[BEND] = -((1.0 - beta) ** 2) * np.sin((1.0 - beta) * delta) - beta**2 * sin
         out[TIED] = 0.0
+        first, second = (-1.0 if f[B1] - slid > f[A1] else 0.0), (-1.0 if f[B2] - slid < f[A2] else 0.0)
+        farther = -1.0 if upper else 1.0
+        blended = -0.5 * farther / f[MEET] if 0.0 < beta < 1.0 else 0.0
+        out[HALVED], out[BLENDED] = 0.5 * (second - first), blended
+        out[SHIFTED] = 0.5 * (first + second) + farther * (blended * beyond + beta * farther)
 
 
 @compiled
@@ -127,6 +136,10 @@ def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
     Into `out` (CURVED,): the entries of x_a, z_a with θ_a and with θ_b (those of b have the opposite sign), then those
     of θ_a with itself, of θ_a with θ_b and of θ_b with itself; of a tie also those of x_a with x_a, x_a with z_a and
     z_a with z_a (those of x_a with x_b have the opposite sign).
+
+    As the faces slide, N₁ and N₂ stay at the ends of their overlap, which moves, and the frame turns between two
+    corners: changes of N, P and T per slide, from SHIFTS on. The slide is along the bisector of the faces: SLIDE. T
+    acts midway between the faces (`middle`): LEVERS. None of that is symmetric: it is the gradient of no gap and slip.
     """
     if p[TIED] > 0.0:
         _pull(p, n, out)
@@ -151,6 +164,50 @@ def curvature(p: Array, n: float, m: float, t: float, out: Array) -> None:
     )
     out[6] = n * (-skew * nb - rest**2 * w) + t * (-skew * tb - rest**2 * p[ALONG]) + bend
     out[7], out[8], out[9] = 0.0, 0.0, 0.0
+    _, deep, per_u, per_phi = middle(p, n, m)
+    out[LEVERS], out[LEVERS + 1] = -t * per_u / p[MPHI], -t * per_phi / p[MPHI]
+    frame = p[PHI] * p[BLENDED]
+    lever = t * (deep * p[BLENDED] + frame * (per_u * p[ALONG] - p[ARM] * p[MPHI]))
+    lever -= n * (p[ALONG] * p[BLENDED] + beta * frame * w)
+    out[SHIFTS], out[SHIFTS + 2] = t * frame, -n * frame
+    out[SHIFTS + 1] = n * p[SHIFTED] + m * p[HALVED] / p[H] + lever / p[MPHI]
+    aside = (0.5 - beta) * p[PHI]  # from the bisector of the faces
+    out[SLIDE], out[SLIDE + 2] = np.sin(aside), np.cos(aside)
+    apart = 0.25 * p[PHI] * (p[ALONG] - p[V]) - (0.5 - beta) * (p[ALONG] * out[SLIDE] - deep * out[SLIDE + 2])
+    out[SLIDE + 1] = apart / p[MPHI] - p[ARM] * out[SLIDE]
+
+
+@compiled
+def middle(p: Array, n: float, m: float) -> tuple[float, float, float, float]:
+    """Where T acts in a joint at a place p (PLACE,), under N and P (n, m): at the centre of pressure, midway.
+
+    Otherwise T at a corner (β = 0 or 1) would act along the face that the corner touches, although corner and face are
+    pressed into each other. Returns its height, what the gap is less there than at the corner, and what the height
+    changes per u and φ; zero where nothing presses.
+    """
+    if n <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    share, corner = 0.5 - p[BETA], p[U] - p[ARM] * p[PHI]
+    if corner > 0.0:
+        return -share * corner, 0.0, -share, share * p[ARM]
+    e = min(max(m / n, -abs(p[H])), abs(p[H]))
+    pressed = p[U] + e * p[PHI]
+    if pressed > 0.0:
+        return -2.0 * share * corner, -corner, -2.0 * share, 2.0 * share * p[ARM]
+    return share * (pressed - 2.0 * corner), pressed - corner, -share, share * (e + 2.0 * p[ARM])
+
+
+@compiled
+def lay_shear(places: Array, forces: Array, turned: Array) -> None:
+    """Let T act midway between the faces: `places` (j, PLACE) are changed.
+
+    `forces` (j, 3): N, P and T, kN and kNm; `turned` (j,): rotation (rad) of block a against block b since slips are
+    measured.
+    """
+    for k in range(len(places)):
+        height = middle(places[k], forces[k, 0], forces[k, 1])[0]
+        places[k, V] -= height * turned[k]
+        places[k, MV] -= height
 
 
 @compiled
@@ -167,6 +224,7 @@ def _pull(p: Array, n: float, out: Array) -> None:
         -n * at_b - stiff * at_b * at_b,
     )
     out[7], out[8], out[9] = -stiff * tx * tx, -stiff * tx * tz, -stiff * tz * tz
+    out[SHIFTS:] = 0.0
 
 
 @compiled

@@ -54,15 +54,15 @@ def push(p: Array, i: int, j: int, n: float, m: float, t: float, total: Array) -
 
 @looped
 def stiffen(k: int, p: Array, i: int, j: int, d: Any, stored: Array, pattern: Any) -> None:
-    """Add the lower triangle of BᵀDB of joint k to the matrix; d (8,): D's uu, uφ, uv, φφ, φv, vv, vu and vφ.
+    """Add the lower triangle of BᵀDB of joint k to the matrix; d (9,): D row by row, over u, φ and v.
 
-    D's φu is its uφ. Of the transpose of D it is the upper triangle, by rows.
+    Of the transpose of D it is the upper triangle, by rows.
     """
     nx, nz, mu, mp, mv = p[NX], p[NZ], p[MU], p[MPHI], p[MV]
     # rows of D B_a
     ux, uz, ut = d[0] * nx + d[2] * nz, d[0] * nz - d[2] * nx, d[0] * mu + d[1] * mp + d[2] * mv
-    px, pz, pt = d[1] * nx + d[4] * nz, d[1] * nz - d[4] * nx, d[1] * mu + d[3] * mp + d[4] * mv
-    vx, vz, vt = d[6] * nx + d[5] * nz, d[6] * nz - d[5] * nx, d[6] * mu + d[7] * mp + d[5] * mv
+    px, pz, pt = d[3] * nx + d[5] * nz, d[3] * nz - d[5] * nx, d[3] * mu + d[4] * mp + d[5] * mv
+    vx, vz, vt = d[6] * nx + d[8] * nz, d[6] * nz - d[8] * nx, d[6] * mu + d[7] * mp + d[8] * mv
     # M = B_aᵀ D B_a, rows by the first letter
     xx, xz, xt = nx * ux + nz * vx, nx * uz + nz * vz, nx * ut + nz * vt
     zx, zz, zt = nz * ux - nx * vx, nz * uz - nx * vz, nz * ut - nx * vt

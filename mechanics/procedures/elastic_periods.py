@@ -49,7 +49,7 @@ def first_frequency(model: Assembly) -> float:
             system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0
         )  # all of it pressed, none crushed
         turns, slides = (0.0, 0.0) if ties[k] else (turns, shear[k])
-        law = np.array([normal[k], 0.0, 0.0, turns, 0.0, slides, 0.0, 0.0])
+        law = np.diag([normal[k], turns, slides]).ravel()
         stiffen(k, places[k], i, j, law, stored, layout.pattern)
     if _some_are_loose(model) or not cholesky(stored, layout.pattern):
         return 0.0

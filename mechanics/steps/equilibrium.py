@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, friction_between
+from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, friction_between, lay_shear
 from mechanics.kernels.law import SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -18,7 +18,7 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.steps.contact_values import carried
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
-from mechanics.steps.static_step import Equilibrium, StepProblem, lay_shear
+from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import GRAVITY, Array, Index

@@ -33,8 +33,8 @@ class Round:
     """What one program of the sequence passes on to the next.
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
-    which the next program begins; `touching`: the program's joints; `solves`: programs so far; `held`: whether its
-    geometry had to be held; `reference` (j, 3): forces near which rigid joints keep them, `stage`: programs of a step.
+    which the next program begins; `touching`: the program's joints; `solves`: programs so far; `reference` (j, 3):
+    forces near which rigid joints keep them, `stage`: programs of a step.
     """
 
     at: Array
@@ -44,7 +44,6 @@ class Round:
     touching: Index | None = None
     alpha: float = 0.0
     solves: int = 0
-    held: bool = False
     reference: Array | None = None
     stage: int = 0
 
@@ -94,10 +93,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
 
 
 def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Round:
-    """Return the start of the sequence: at a guess (b, 3), near the last equilibrium of the path.
-
-    The first program of elastic joints is without its forces: of another geometry, they may make it unstable.
-    """
+    """Return the start of the sequence: at a guess (b, 3), near the last equilibrium of the path."""
     if last is None:
         return Round(guess, None, None)
     forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
@@ -116,18 +112,21 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
         near = before.warm(program, last.distance)
         if last.reference is not None:
             program = proximal(program, last.reference[index])
-    found, solves = solve_program(program, system.layout.take(index), near, residual)
+    found, solves, nearby = solve_program(program, system.layout.take(index), near, residual)
     reference = last.reference
     if system.dilation < 1.0 and last.stage < STEP.memory:
         reference = spread(found.forces, index, len(system.contacts))
     at = displaced(system.model, last.at, found.displacement)
     check_motion(problem, at)
-    count = len(system.contacts)
+    everywhere = over_all(found, index, len(system.contacts))
+    distance = STEP.go_on * residual
+    if program.curved is not None and not nearby:
+        distance = min(STEP.wider * last.distance, interior.APART)
     return Round(
         at,
-        spread(interior.resultants(program, found), index, count),
-        over_all(found, index, count),
-        STEP.go_on * residual,
+        system.resultants(at, everywhere.forces),
+        everywhere,
+        distance,
         index,
         found.alpha,
         last.solves + solves,

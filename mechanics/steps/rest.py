@@ -15,13 +15,12 @@ import numpy as np
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.kernels.joint import H
 from mechanics.messages import message
-from mechanics.model.assembly import State
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, USABLE, interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
+from mechanics.steps.contact_values import iterate_over, moved_over, over_all, state_at_rest, taken
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced, proximal
 from mechanics.steps.static_system import StaticSystem
@@ -41,21 +40,26 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
 
     They move under the problem's load; if it has a lateral load, that pushes until its `work` is done and then holds
     them. The time step follows the motion: blocks that fall move by `way` or a `stride` in a step, blocks that creep
-    take longer steps, unless these have no program with the geometry that changes. Raises RunawayError if a block moves
+    take longer steps, and shorter ones where a step has no stable solution nearby. Raises RunawayError if a block moves
     farther than `farthest`, or if the motion does not slow down within `steps`, or if it stops at an unstable
     equilibrium; ConvergenceError if it still slows down then, or has without a certified equilibrium.
     """
     model, solves = problem.system.model, 0
     still, least = STEP.slow * model.size, tolerances.way * model.size
-    now, at, time, longest = replace(problem, size=least), begun, tolerances.first, np.inf
+    now, at, time = replace(problem, size=least), begun, tolerances.first
     exact = USABLE if problem.system.rigid else STEP.slow
     last: Round | None = None
     half_way, slowing = np.inf, False
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         mass = model.mass / (time**2 * model.size / GRAVITY)
-        last = _step_from_rest(replace(now, mass=mass), at, last and _over(last, before.system, now.system))
-        moved, solves = last.at, solves + last.solves
+        if last:
+            last = _over(last, before.system, now.system)
+        taken = _step_from_rest(replace(now, mass=mass), at, last, time > tolerances.first)
+        if taken is None:
+            time = max(0.5 * time, tolerances.first)
+            continue
+        last, moved, solves = taken, taken.at, solves + taken.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
             raise RunawayError(
@@ -68,10 +72,10 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if 0 < step == tolerances.steps // 2:
             half_way = force
         size = max(least, tolerances.stride * far)
-        longest = 0.5 * time if last.held else 2.0 * longest
-        time = min(time * min(2.0, np.sqrt(size / max(left, 1e-300))), max(longest, tolerances.first))
+        time *= min(2.0, np.sqrt(size / max(left, 1e-300)))
         # slips count from the last step: a joint that has slid does not slide back
-        start = State(moved, np.zeros_like(moved), lengthened=now.start.lengthened)
+        assert last.forces is not None
+        start = state_at_rest(now.system, moved, last.forces, now.start)
         work = problem.work - _work_done(problem, begun, moved)
         now, at = replace(now, start=start, work=work, size=size), moved
         if force > still:
@@ -112,12 +116,12 @@ def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:
     return replace(last, forces=forces, iterate=iterate)
 
 
-def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Round:
+def _step_from_rest(problem: StepProblem, at: Array, last: Round | None, shorter: bool) -> Round | None:
     """Return the round of one step from rest at positions (b, 3), sought near the last one.
 
     The program contains the change of the last forces with the geometry. Without it blocks follow a slow motion at a
-    fraction of its speed and would seem to come to rest: its geometry is held only where it has no solution nearby, or
-    where the step is so long that it would end at an unstable equilibrium.
+    fraction of its speed and would seem to come to rest. Where it has no stable solution nearby the step is too long:
+    None if it can be `shorter`; else its geometry is held.
     """
     system, size = problem.system, problem.system.model.size
     program, index = problem.pose(at, None if last is None else last.forces)
@@ -131,6 +135,8 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
         full, solves = _stable(program, layout, warm.warm(program)), 1
         if full and way(at, displaced(system.model, at, full.displacement), size) > REST.jump * problem.size:
             full = None
+        if full is None and shorter:
+            return None
     if full is None:
         cold = interior.cold(frozen)
         # a step by Coulomb's law may have no solution, one that lifts always has
@@ -144,15 +150,15 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None) -> Roun
     found = full or held
     if found is None:
         raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
-    count = len(system.contacts)
+    moved = displaced(system.model, at, found.displacement)
+    everywhere = over_all(found, index, len(system.contacts))
     return Round(
-        displaced(system.model, at, found.displacement),
-        spread(interior.resultants(program, found), index, count),
-        over_all(found, index, count),
+        moved,
+        system.resultants(moved, everywhere.forces),
+        everywhere,
         touching=index,
         alpha=found.alpha,
         solves=solves,
-        held=curved and full is None,
     )
 
 

@@ -46,7 +46,7 @@ def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None)
         near: Iterate | None = iterate and taken(iterate, index).warm(program)
         if iterate and system.dilation < 1.0:
             program = proximal(program, iterate.forces[index])
-        found, more = solve_program(program, system.layout.take(index), near, GOOD)
+        found, more, _ = solve_program(program, system.layout.take(index), near, GOOD)
         solves += more
         at = displaced(model, posed, found.displacement)
         check_motion(short, at)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.joint import ARM, BETA, CURVED, MV, PHI, H, U, V, curvatures, friction_between
+from mechanics.kernels.joint import CURVED, PHI, SHIFTS, H, U, V, curvatures, friction_between, lay_shear
 from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
@@ -122,7 +122,7 @@ class StepProblem:
             weight=system.weight,
             size=system.model.size,
             step=self.size,
-            curved=None if system.rigid or forces is None else _curvatures(places[index], forces[index]),
+            curved=None if system.rigid or forces is None else _curvatures(places[index], forces[index], law),
         )
         return program, index
 
@@ -136,27 +136,12 @@ class StepProblem:
         return places
 
 
-def _curvatures(places: Array, forces: Array) -> Array:
+def _curvatures(places: Array, forces: Array, law: Array) -> Array:
     """Return how the forces (j, 3) of joints change with the geometry, (j, CURVED): see kernels.joint.curvature."""
     curved = np.empty((len(places), CURVED))
     curvatures(places, forces, curved)
+    curved[law[:, DILATION] >= 1.0, SHIFTS:] = 0.0
     return curved
-
-
-def lay_shear(places: Array, forces: Array, turned: Array) -> None:
-    """Let T act at the centre of pressure, midway between the faces: `places` (j, PLACE) are changed.
-
-    Otherwise T at a corner (β = 0 or 1) would act along the face that the corner touches, although corner and face are
-    pressed into each other. `forces` (j, 3): kN and kNm; `turned` (j,): rotation (rad) of block a against block b since
-    slips are measured.
-    """
-    n = np.maximum(forces[:, 0], 1e-300)
-    e = np.clip(forces[:, 1] / n, -abs(places[:, H]), abs(places[:, H]))
-    at_corner = places[:, U] - places[:, ARM] * places[:, PHI]
-    at_pressure = np.where(at_corner > 0.0, at_corner, np.minimum(places[:, U] + e * places[:, PHI], 0.0))
-    height = np.where(forces[:, 0] > 0.0, (0.5 - places[:, BETA]) * (at_pressure - 2.0 * at_corner), 0.0)
-    places[:, V] -= height * turned
-    places[:, MV] -= height
 
 
 def equilibrium(
@@ -206,8 +191,8 @@ def proximal(program: Program, forces: Array) -> Program:
 
 def solve_program(
     program: Program, layout: Elimination, near: Iterate | None, accepted: float
-) -> tuple[Iterate, int]:
-    """Return the iterate that solves a program to a residual, and the number of solves.
+) -> tuple[Iterate, int, bool]:
+    """Return the iterate that solves a program to a residual, the number of solves, and whether it was found nearby.
 
     The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
     with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.
@@ -227,7 +212,7 @@ def solve_program(
                 message("no mechanism: the load only wedges the blocks, the multiplier has no bound")
             )
         if outcome.accepted or max(outcome.force, outcome.product) <= solved:
-            return found, solves
+            return found, solves, outcome.accepted
         unstable = unstable or outcome.unstable
     if unstable:
         raise NoEquilibriumError(
@@ -273,5 +258,5 @@ def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int 
     if near and system.dilation < 1.0:
         known = taken(near, index)
         program, start = proximal(program, known.forces), known.warm(program)
-    found, more = solve_program(program, system.layout.take(index), start, GOOD)
+    found, more, _ = solve_program(program, system.layout.take(index), start, GOOD)
     return equilibrium(problem, at, index, interior.solution(program, found), found, solves + more)

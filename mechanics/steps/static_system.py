@@ -74,6 +74,15 @@ class StaticSystem:
             places[self.ties, U] -= self.stretched
         return places
 
+    def resultants(self, positions: Array, ends: Array) -> Array:
+        """Return N, P and T (j, 3), kN and kNm, of N₁, N₂ and T (j, 3) where blocks at positions (b, 3) overlap now.
+
+        N₁ and N₂ stay at the corners of blocks, which end the overlap, as its middle moves.
+        """
+        first, second, shear = ends.T
+        half = np.maximum(self.contacts.places(positions)[:, H], 0.0)
+        return np.stack([first + second, half * (second - first), shear], axis=1)
+
     @property
     def stretched(self) -> Array:
         """By how much pretension stretches each tie (t,), m; rigid ones not at all."""

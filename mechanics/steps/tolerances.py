@@ -16,7 +16,8 @@ class StepTolerances:
     geometry is updated (rigid joints yield nothing in a wrong geometry; gaps of blocks that carry little are known to
     the root of the residual, and they are the next geometry); a program with the last residual is repeated at most
     `rounds` times. `go_on`: distance from the bounds at which the next programs begin, over the residual of the last,
-    and near one whose geometry was held. `yielding`: compliance, in steps per weight, of rigid joints to changes of
+    and near one whose geometry was held; `wider`: so many times farther after an elastic one that was not solved to it,
+    and sticks near its bounds. `yielding`: compliance, in steps per weight, of rigid joints to changes of
     their forces by Coulomb's law; `memory`: programs of a step after which these count from the same forces.
 
     Acceptance. `slow`: residual, per weight and step, of what approaches its solution only slowly: forces and geometry
@@ -35,9 +36,10 @@ class StepTolerances:
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
-    elastic: tuple[float, ...] = (1e-2, 1e-4, 1e-6, 1e-8)
+    elastic: tuple[float, ...] = (1e-4, 1e-8)
     rounds: int = 16
     go_on: float = 0.1
+    wider: float = 100.0
     yielding: float = 3e-4
     memory: int = 2
     slow: float = 1e-5

@@ -20,7 +20,7 @@ COUNTS = {
     "kernels.dynamics.motion.JOINT", "kernels.dynamics.motion.LONGER", "kernels.dynamics.motion.MIDDLE",
     "kernels.dynamics.motion.N1", "kernels.dynamics.motion.REMAINS", "kernels.dynamics.motion.SPRING",
     "kernels.dynamics.motion.SUNK", "kernels.dynamics.newton.KNOWN", "kernels.interior.elimination.KNOWN",
-    "kernels.interior.elimination.LANES", "kernels.joint.CURVED", "kernels.joint.FACE", "kernels.joint.PLACE",
+    "kernels.interior.elimination.LANES", "kernels.joint.CURVED", "kernels.joint.FACE", "kernels.joint.LEVERS", "kernels.joint.SHIFTS", "kernels.joint.SLIDE", "kernels.joint.PLACE",
     "kernels.law.DASHPOTS", "kernels.law.LAW", "kernels.linalg.pattern.LISTS",
     "kernels.linalg.pattern.NUMBERS", "kernels.linalg.simd_tiles.BYTES", "kernels.linalg.simd_tiles.COLUMNS",
     "kernels.linalg.simd_tiles.ROWS",

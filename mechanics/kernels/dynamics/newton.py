@@ -133,19 +133,10 @@ def _assemble(
     for k in range(len(row)):
         s = known[k]
         uu, up, uv, pp, pv, vv, vu, vp = s[DUU], s[DUP], s[DUV], s[DPP], s[DPV], s[DVV], s[DVU], s[DVP]
-        stiffen(
-            joints.which[k], places[k], row[k, 0], row[k, 1], (uu, up, uv, pp, pv, vv, vu, vp), lower, pattern
-        )
+        at, a, b = places[k], row[k, 0], row[k, 1]
+        stiffen(joints.which[k], at, a, b, (uu, up, uv, up, pp, pv, vu, vp, vv), lower, pattern)
         if two:
-            stiffen(
-                joints.which[k],
-                places[k],
-                row[k, 0],
-                row[k, 1],
-                (uu, up, vu, pp, vp, vv, uv, pv),
-                upper,
-                pattern,
-            )
+            stiffen(joints.which[k], at, a, b, (uu, up, vu, up, pp, vp, uv, pv, vv), upper, pattern)
         if s[MISS] != 0.0:
             push(places[k], row[k, 0], row[k, 1], 0.0, 0.0, -s[MISS] / s[SOFT], dx)
 

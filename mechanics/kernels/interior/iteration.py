@@ -10,10 +10,12 @@ with |T| < μN, their gaps y₁, y₂ > 0 and the slips λ₊, λ₋ > 0:
     work           f_L·x = γ
 
 with σ the strength per length, ψ the share by which sliding lifts (law.DILATION), and G what the forces of an earlier
-solution change as the geometry does. With ψ = 1 these are the conditions of an optimum, with ψ = 0, Coulomb's law, of
-none: a mixed complementarity problem. All but x and α are eliminated joint by joint (elimination), which leaves
-BᵀDB + M̄ − G, three rows a block, unsymmetric where ψ < 1. Predictor and corrector after Mehrotra, one more corrector
-after Gondzio; the forces that follow from stiff joints are refined until equilibrium holds to rounding.
+solution change as the geometry does. Far from the solution the gaps y make joints softer than their beds, and K − G
+would not be positive: G counts by the share e/(e + τ) of the beds in that, e the mean of N ∂W*/∂N. With ψ = 1 these are
+the conditions of an optimum, with ψ = 0, Coulomb's law, of none: a mixed complementarity problem. All but x and α are
+eliminated joint by joint (elimination), which leaves BᵀDB + M̄ − G, three rows a block, unsymmetric where ψ < 1.
+Predictor and corrector after Mehrotra, one more corrector after Gondzio; the forces that follow from stiff joints are
+refined until equilibrium holds to rounding.
 """
 
 from __future__ import annotations
@@ -33,6 +35,7 @@ from mechanics.kernels.interior.joint_loops import (
     change_all,
     clear_corrections,
     correct_stray,
+    curve_all,
     dot,
     evaluate,
     follow_all,
@@ -131,7 +134,8 @@ def iterate(
     count, c, unit = len(x), len(row), step / weight
     given, law = law, law.copy()
     bounded = begin(places, law, f, step)
-    joints = ProgramJoints(row, places, law, curved, which)
+    bent = np.zeros_like(curved)
+    joints = ProgramJoints(row, places, law, bent, which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
     pushed, stiff, holding = len(lateral) > 0, 1.0 / unit, HOLDING
@@ -153,7 +157,10 @@ def iterate(
             residual += alpha * lateral
         if len(mass):
             residual -= mass * x
-        gap_off, mean = evaluate(joints, x, f, y, unit * STIFFEST, known, residual)
+        gap_off, mean, yielded = evaluate(joints, x, f, y, unit * STIFFEST, known, residual)
+        if len(curved):
+            bent[:] = yielded / (yielded + mean) * curved
+            curve_all(joints, x, residual)
         force_off = unbalanced(residual, size)
         work_residual = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (

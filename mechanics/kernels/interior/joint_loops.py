@@ -49,6 +49,9 @@ from mechanics.kernels.interior.elimination import (
     RN,
     RP,
     RT,
+    S11,
+    S12,
+    S22,
     Y1,
     Y2,
     ZM,
@@ -62,7 +65,7 @@ from mechanics.kernels.interior.elimination import (
     stiffness,
 )
 from mechanics.kernels.jit import inlined, larger, looped
-from mechanics.kernels.joint import H
+from mechanics.kernels.joint import LEVERS, SHIFTS, SLIDE, H
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.types import Array
 
@@ -112,10 +115,13 @@ def dot(a: Array, b: Array) -> float:
 @looped
 def evaluate(
     joints: Any, x: Array, f: Array, y: Array, least: float, known: Array, residual: Array
-) -> tuple[float, float]:
-    """Residuals of all joints into `known`, their forces onto `residual`; the largest of gaps, and the mean product."""
+) -> tuple[float, float, float]:
+    """Residuals of all joints into `known`, their forces onto `residual`.
+
+    Returns the largest residual of gaps, the mean product, and the mean of the forces times what their beds yield.
+    """
     row, places = joints.row, joints.places
-    off, total = 0.0, 0.0
+    off, total, yielded = 0.0, 0.0, 0.0
     for r in range(len(known)):
         s, lanes = known[r], _lanes(joints, r)
         for k in range(lanes):
@@ -127,12 +133,26 @@ def evaluate(
             total += (
                 s[G1 + k] * s[Y1 + k] + s[G2 + k] * s[Y2 + k] + s[LP + k] * s[ZP + k] + s[LM + k] * s[ZM + k]
             )
+            n1, n2 = s[N1 + k], s[N2 + k]
+            yielded += s[S11 + k] * n1 * n1 + s[S22 + k] * n2 * n2 - 2.0 * s[S12 + k] * n1 * n2
     for j in range(len(row)):
         n1, n2 = f[j, 0], f[j, 1]
         push(places[j], row[j, 0], row[j, 1], n1 + n2, places[j, H] * (n2 - n1), f[j, 2], residual)
-        if len(joints.curved):
-            turn(joints.curved[j], row[j, 0], row[j, 1], x, residual)
-    return off, total / max(4.0 * len(row), 1.0)
+    count = max(4.0 * len(row), 1.0)
+    return off, total / count, yielded / count
+
+
+@looped
+def curve_all(joints: Any, x: Array, total: Array) -> None:
+    """Add to `total` (m,) what the forces of all joints change as their blocks move by x (m,)."""
+    row, places = joints.row, joints.places
+    for j in range(len(joints.curved)):
+        c = joints.curved[j]
+        turn(c, row[j, 0], row[j, 1], x, total)
+        u, phi, v = motion(places[j], row[j, 0], row[j, 1], x)
+        slide = c[SLIDE] * u + c[SLIDE + 1] * phi + c[SLIDE + 2] * v
+        p = c[SHIFTS + 1] * slide + c[LEVERS] * u + c[LEVERS + 1] * phi
+        push(places[j], row[j, 0], row[j, 1], c[SHIFTS] * slide, p, c[SHIFTS + 2] * slide, total)
 
 
 @looped
@@ -153,22 +173,25 @@ def assemble(
             stiffness(s, k)
         for k in range(lanes):
             j = r * LANES + k
-            uu, up, pp, vv = s[DUU + k], s[DUP + k], s[DPP + k], s[DVV + k]
-            uv, pv = s[DUV + k], s[DPV + k]
-            vu, vp = (s[DVU + k], s[DVP + k]) if two else (uv, pv)
-            stiffen(
-                which[j], places[j], row[j, 0], row[j, 1], (uu, up, uv, pp, pv, vv, vu, vp), lower, pattern
-            )
-            if two:
-                stiffen(
-                    which[j],
-                    places[j],
-                    row[j, 0],
-                    row[j, 1],
-                    (uu, up, vu, pp, vp, vv, uv, pv),
-                    upper,
-                    pattern,
+            uu, up, uv, pp, pv, vv = s[DUU + k], s[DUP + k], s[DUV + k], s[DPP + k], s[DPV + k], s[DVV + k]
+            pu, vu, vp = (up, s[DVU + k], s[DVP + k]) if two else (up, uv, pv)
+            if two and len(joints.curved):
+                c = joints.curved[j]
+                n, m, t, u, phi, v = (
+                    c[SHIFTS],
+                    c[SHIFTS + 1],
+                    c[SHIFTS + 2],
+                    c[SLIDE],
+                    c[SLIDE + 1],
+                    c[SLIDE + 2],
                 )
+                uu, up, uv = uu - n * u, up - n * phi, uv - n * v
+                pu, pp, pv = pu - m * u - c[LEVERS], pp - m * phi - c[LEVERS + 1], pv - m * v
+                vu, vp, vv = vu - t * u, vp - t * phi, vv - t * v
+            at, a, b = places[j], row[j, 0], row[j, 1]
+            stiffen(which[j], at, a, b, (uu, up, uv, pu, pp, pv, vu, vp, vv), lower, pattern)
+            if two:
+                stiffen(which[j], at, a, b, (uu, pu, vu, up, pp, vp, uv, pv, vv), upper, pattern)
     for j in range(len(joints.curved)):
         bend(which[j], row[j, 0], row[j, 1], joints.curved[j], lower, pattern)
         if two:
@@ -213,8 +236,7 @@ def push_all(joints: Any, known: Array, dx: Array, total: Array) -> None:
         for k in range(_lanes(joints, r)):
             j = r * LANES + k
             push(places[j], row[j, 0], row[j, 1], s[FN + k], s[FP + k], s[FT + k], total)
-    for j in range(len(joints.curved)):
-        turn(joints.curved[j], row[j, 0], row[j, 1], dx, total)
+    curve_all(joints, dx, total)
 
 
 @looped

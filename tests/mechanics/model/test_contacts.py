@@ -11,10 +11,27 @@ from hypothesis import strategies as st
 from mechanics import Assembly, Block, Material
 from mechanics.kernels.bed import pressed, stored
 from mechanics.kernels.crushing import crushed
-from mechanics.kernels.joint import A1, A2, ALONG, ARM, BETA, CURVED, MU, MV, PHI, H, U, V, curvature
+from mechanics.kernels.joint import (
+    A1,
+    A2,
+    ALONG,
+    ARM,
+    BETA,
+    CURVED,
+    LEVERS,
+    MU,
+    MV,
+    PHI,
+    SHIFTS,
+    SLIDE,
+    H,
+    U,
+    V,
+    curvature,
+    lay_shear,
+)
 from mechanics.kernels.law import LAW, LEFT
 from mechanics.model.contacts import Contacts, rows
-from mechanics.steps.static_step import lay_shear
 from mechanics.types import Array
 from tests.support.reference_loops import Pair, bed_of_points, derivative, scattered, turned
 from tests.support.structures import arch_on_piers, rectangle, running_bond
@@ -95,7 +112,7 @@ def geometric(joint: Joint, n: float, m: float, t: float) -> Array:
     """The full matrix (6, 6) of what forces change as their joint moves."""
     out = np.empty(CURVED)
     curvature(joint.place, n, m, t, out)
-    assert not out[7:].any()
+    assert not out[7:SHIFTS].any()
     full = np.zeros((6, 6))
     full[2, :2] = full[:2, 2] = out[:2]
     full[5, :2] = full[:2, 5] = out[2:4]
@@ -112,6 +129,41 @@ def test_curvature_is_the_second_derivative_along_the_forces(name, seed, amount)
     forces = np.random.default_rng(seed).standard_normal(3)
     gradient = lambda at: derivative(lambda step: forces @ joint.measures(at + step))  # noqa: E731
     assert derivative(gradient, 1e-4) == pytest.approx(geometric(joint, *forces), abs=1e-5)
+
+
+@settings(max_examples=60)
+@given(name=names, seed=seeds, amount=st.sampled_from([1e-3, 0.03]))
+def test_forces_at_the_ends_of_an_overlap_move_with_it_as_faces_slide(name, seed, amount):
+    """Of N₁ and N₂ at the ends and T midway between the faces: all that changes, overlap, frame and levers too."""
+    model, (n1, n2, t) = MODELS[name], np.random.default_rng(seed).uniform(0.5, 1.5, 3)
+    positions, k = scattered(model, seed, amount), seed % len(model.contacts)
+    a, b = model.contacts.a[k], model.contacts.b[k]
+
+    def laid(moved: Array) -> tuple[Array, Array]:
+        at = positions.copy()
+        at[a], at[b] = at[a] + moved[:3], at[b] + moved[3:]
+        place = model.contacts.places(at)[k : k + 1]
+        forces = np.array([[n1 + n2, place[0, H] * (n2 - n1), t]])
+        lay_shear(place, forces, np.zeros(1))
+        return place, forces[0]
+
+    def on_blocks(moved: Array) -> Array:
+        place, forces = laid(moved)
+        return forces @ rows(place)[0]
+
+    place, forces = laid(np.zeros(6))
+    assume(place[0, H] > 0.02)
+    out = np.empty(CURVED)
+    curvature(place[0], *forces, out)
+    row = rows(place)[0]
+    expected = geometric(Joint(place[0], np.zeros(6), None), *forces)
+    expected += np.outer(out[SHIFTS:SLIDE] @ row, out[SLIDE:LEVERS] @ row) + np.outer(
+        row[1], out[LEVERS:] @ row[:2]
+    )
+    found = derivative(on_blocks, 1e-7).T
+    # to the first order in the turn, and in the gap beside the size of blocks
+    small = abs(place[0, PHI]) * abs(expected).max() + abs(place[0, U]) * (n1 + n2 + t)
+    assert found == pytest.approx(expected, abs=small + 1e-5)
 
 
 K_NORMAL, K_SHEAR = 1e5, 3e4

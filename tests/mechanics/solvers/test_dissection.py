@@ -90,8 +90,8 @@ def dense(lower: Array, upper: Array, row: Index, pattern: Pattern) -> Array:
     return whole
 
 
-D = (1.0, 0.2, 0.1, 1.0, 0.3, 1.0, 0.1, 0.3)
-SKEW, TURNED = (1.0, 0.2, 0.0, 1.0, 0.0, 1.0, -0.5, 0.3), (1.0, 0.2, -0.5, 1.0, 0.3, 1.0, 0.0, 0.0)
+D = (1.0, 0.2, 0.1, 0.2, 1.0, 0.3, 0.1, 0.3, 1.0)
+SKEW, TURNED = (1.0, 0.2, 0.0, 0.2, 1.0, 0.0, -0.5, 0.3, 1.0), (1.0, 0.2, -0.5, 0.2, 1.0, 0.3, 0.0, 0.0, 1.0)
 
 
 def filled(layout: Elimination, mass: float, d: tuple[float, ...] = D) -> Array:

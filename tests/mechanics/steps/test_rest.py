@@ -136,7 +136,7 @@ def test_what_does_not_move_at_all_is_at_rest(monkeypatch):
         raise ConvergenceError("undecided")
 
     monkeypatch.setattr(
-        module, "_step_from_rest", lambda p, at, last: replace(step(p, at, last), at=at.copy())
+        module, "_step_from_rest", lambda p, at, *more: replace(step(p, at, *more), at=at.copy())
     )
     monkeypatch.setattr(module, "find_equilibrium", undecided)
     monkeypatch.setattr(module, "certified", lambda *_: rested)
@@ -199,7 +199,7 @@ def test_what_is_unstable_does_not_rest_however_little_is_unbalanced(blocks, sti
 
 def test_what_is_stable_comes_back():
     problem, at = leaning(1, 20_000.0, 1e-3)
-    assert abs(motion_to_rest(problem, at).state.positions[:, 2]).max() < 1e-9
+    assert abs(motion_to_rest(problem, at).state.positions[:, 2]).max() < 1e-8
 
 
 def test_a_slender_arch_sinks_by_a_hundred_times_what_its_joints_are_compressed():
