@@ -23,12 +23,12 @@ LINES = {
     "assessment/studies": 2269,
     "assessment/workflow": 919,
     "mechanics": 978,
-    "mechanics/kernels": 3642,
+    "mechanics/kernels": 3699,
     "mechanics/model": 3001,
     "mechanics/procedures": 3365,
     "mechanics/records": 1004,
     "mechanics/solvers": 1069,
-    "mechanics/steps": 1821,
+    "mechanics/steps": 1822,
 }
 
 

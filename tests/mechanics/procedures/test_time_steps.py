@@ -56,7 +56,7 @@ def test_collapse_on_stiff_joints_is_seen_at_the_usual_step() -> None:
 
 
 def test_stiff_joints_move_as_rigid_ones_in_the_limit() -> None:
-    """The first uplift, 0.55 s at 0.25 g in steps of 2.5 ms: 23, 10 to 13, 5.2 mrad on 1e7, 1e8 kN/m³ and rigid joints."""
+    """The first uplift at 0.25 g in steps of 2.5 ms: 23, 10 to 13, 5.2 mrad on 1e7, 1e8 kN/m³ and rigid joints."""
     wave = shaking(0.25, 0.5 * STEP, 0.55)
     turned = []
     for stiffness, contacts in ((1e7, "elastic"), (1e8, "elastic"), (1e8, "rigid")):
