@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -10,7 +11,7 @@ import numpy as np
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnstableError
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Direction, State
-from mechanics.procedures.limit_analysis import limit_in
+from mechanics.procedures.limit_analysis import Limit, limit_in
 from mechanics.procedures.path_start import START, PathStart, elastic_start, mechanism_start
 from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
 from mechanics.procedures.step_control import reach
@@ -82,6 +83,7 @@ class PushPath:
         self.rate = self.first.rate
         self.control_rate = self._control_rate()
         self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
+        self.limits: dict[int, Limit | None] = {}
         self.end: Message | None = None
         self.reached, self.lost, self.endless = False, False, False
 
@@ -346,6 +348,29 @@ class PushPath:
                 added[point], best = step, step.alpha
         for point in sorted(added, reverse=True):
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
+
+    def drop_other_flows(self) -> None:
+        """Drop the points at the peak whose multiplier is of another flow: in its state there is one of a lesser one.
+
+        Where a joint has just closed, forces that slides leave open may balance a multiplier that nothing leads to.
+        """
+        while 0 < (peak := peak_of(self.multiplier)) < len(self.points) - 1:
+            least = self.limit_at(peak)
+            if least is None or self.points[peak].step.alpha <= (1.0 + self.tolerances.flat) * least.alpha:
+                return
+            dropped = self.points.pop(peak)
+            self.points[peak] = replace(self.points[peak], jumped=dropped.jumped or self.points[peak].jumped)
+
+    def limit_at(self, point: int) -> Limit | None:
+        """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""
+        step = self.points[point].step
+        if id(step) not in self.limits:
+            self.limits[id(step)] = None
+            with suppress(NoEquilibriumError, ConvergenceError):
+                self.limits[id(step)] = limit_in(
+                    self.model, self.push.direction, step.state, self.system.sliding
+                )
+        return self.limits[id(step)]
 
     @property
     def is_hidden_by_rounding(self) -> bool:

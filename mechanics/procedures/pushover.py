@@ -22,7 +22,7 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.pictures import draw_curve, film
-from mechanics.procedures.limit_analysis import limit_analysis, limit_in
+from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.model_check import check_path
 from mechanics.procedures.path_start import no_way_from_rest
@@ -175,6 +175,7 @@ def _followed(push: PushInput, system: StaticSystem, state: State | None) -> Pus
     follow(curve, Bisection(push.increment, curve.first.share * push.increment))
     if curve.system.rigid:
         curve.locate_peak()
+        curve.drop_other_flows()
     return curve
 
 
@@ -252,10 +253,9 @@ def _mechanism_at(curve: PushPath, point: int) -> Array:
     """Return virtual displacements (b, 3) at a point: with elastic joints those of the step from it."""
     if curve.system.rigid and point == 0:
         return curve.first.rate
-    state = curve.points[point].step.state
-    if curve.system.rigid:
-        with suppress(NoEquilibriumError, ConvergenceError):
-            return limit_in(curve.model, curve.push.direction, state, curve.system.sliding).mechanism
+    limit = curve.limit_at(point) if curve.system.rigid else None
+    if limit is not None:
+        return limit.mechanism
     begin = min(point, len(curve.points) - 2)
     one, two = (each.step.state.positions for each in curve.points[begin : begin + 2])
     return two - one

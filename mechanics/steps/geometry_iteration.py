@@ -11,7 +11,7 @@ from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Solution, certify
-from mechanics.solvers import interior
+from mechanics.solvers import GOOD, interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.static_step import (
@@ -62,7 +62,7 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     *rough, final = STEP.residuals(system.behaviour)
     residuals = (*(each for each in rough if each <= system.lightest), final)
     stages = residuals + (residuals[-1],) * STEP.rounds
-    now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
+    now, best, close, relaxation, stable = _begin(system, guess, last), None, None, Relaxation(), True
     for stage, residual in enumerate(stages):
         before, now = now, _solve_round(problem, now, residual)
         if stage < len(residuals) - 1:
@@ -72,8 +72,12 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             now = replace(now, touching=others)
             continue
         found = certified(problem, now)
-        if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
-            return _stable(found)
+        worst = found.certificate.worst(problem.size)
+        if worst <= GOOD or close is not None:
+            return _stable(_nearer(close, found))
+        if worst <= STEP.certificate(system.behaviour):
+            close = found  # one more: it squares what is left
+            continue
         # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
             raise NoEquilibriumError(

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from assessment import arch as arch_of_voussoirs
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushover, time_history
+from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover, time_history
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
@@ -407,3 +408,25 @@ def test_a_wall_that_leans_on_a_neighbour_rests(contacts, sliding):
     assert curve.multiplier.max() <= SLENDER * (1.0 + 1e-9)
     # touched at 0.10 m of the height of 2 m: 0.15 m at the top
     assert curve.displacement[-1] == pytest.approx(0.15, abs=0.0101)
+
+
+@pytest.mark.parametrize("increment", [0.01, 0.003])
+def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state(increment):
+    """Behind a joint that closes, forces that slides leave open balance other multipliers: 0.447 and 0.409 were told."""
+    stone, rows = Material(20.0, 0.7756), [(0.0, 0.636, 1.272, 1.908), (0.0, 0.2961, 0.9321, 1.5682)]
+    rows = [*rows, rows[0], (0.0, 0.368, 1.004, 1.6401)]
+    bases = [
+        Block(rectangle(low, -0.3, high, 0.0), 1.0, stone, support=name)
+        for low, high, name in ((-0.3, 0.954, "left"), (0.954, 2.6, "right"))
+    ]
+    bricks = [
+        Block(rectangle(low, 0.3 * k, high, 0.3 * (k + 1)), 1.0, stone)
+        for k, row in enumerate(rows)
+        for low, high in pairwise(row)
+    ]
+    model = Assembly([*bases, *bricks])
+    settled = pushdown(model, "right", (0.0262461, -0.0111493), increment=0.002).final
+    curve = pushover(model, increment=increment, state=settled)
+    peak = curve.states[curve.peak]
+    assert curve.alpha_0 == pytest.approx(limit_analysis(model, "+x", peak).alpha, rel=1e-3)
+    assert curve.alpha_0 == pytest.approx(0.353, rel=0.01)
