@@ -11,7 +11,16 @@ from assessment import arch as arch_of_voussoirs
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover, time_history
+from mechanics import (
+    Assembly,
+    Block,
+    Material,
+    UnstableError,
+    limit_analysis,
+    pushdown,
+    pushover,
+    time_history,
+)
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
@@ -412,7 +421,7 @@ def test_a_wall_that_leans_on_a_neighbour_rests(contacts, sliding):
 
 @pytest.mark.parametrize("increment", [0.01, 0.003])
 def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state(increment):
-    """Behind a joint that closes, forces that slides leave open balance other multipliers: 0.447 and 0.409 were told."""
+    """Behind a joint that closes, forces that slides leave open balance other multipliers: 0.447 and 0.409."""
     stone, rows = Material(20.0, 0.7756), [(0.0, 0.636, 1.272, 1.908), (0.0, 0.2961, 0.9321, 1.5682)]
     rows = [*rows, rows[0], (0.0, 0.368, 1.004, 1.6401)]
     bases = [
