@@ -14,7 +14,7 @@ from mechanics.model.assembly import Direction, State
 from mechanics.procedures.limit_analysis import Limit, limit_in
 from mechanics.procedures.path_start import START, PathStart, elastic_start, mechanism_start
 from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
-from mechanics.procedures.step_control import reach
+from mechanics.procedures.step_control import PATH, reach
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import StaticSystem
@@ -30,7 +30,8 @@ class PushoverTolerances:
     largest multiplier: `zero`, a multiplier that counts as zero (located to as much of a step: else it jumps); `flat`,
     a change that does not count; `closing`, to which the peak behind a joint that closes is located. `wedged`:
     multiplier beyond which the load only wedges the blocks, times that of limit analysis where this is above 1;
-    `points`: most points of a curve.
+    `points`: most points of a curve; `bends`: slopes of an elastic curve by which α rises beyond a change that does not
+    count, without another branch.
     """
 
     still: float = 1e-3
@@ -40,6 +41,7 @@ class PushoverTolerances:
     closing: float = 2e-4
     wedged: float = 10.0
     points: int = 5000
+    bends: float = 2.0
 
 
 PUSHOVER = PushoverTolerances()
@@ -82,6 +84,7 @@ class PushPath:
         # the next step is predicted from the displacements of blocks and control point per unit work in the last one
         self.rate = self.first.rate
         self.control_rate = self._control_rate()
+        self.slope = np.inf  # what α has changed per unit work in the last step
         self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
         self.limits: dict[int, Limit | None] = {}
         self.end: Message | None = None
@@ -179,6 +182,8 @@ class PushPath:
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
         step, jumped = self._step(work, fastest, shortest)
+        if not (self.system.rigid or jumped):
+            work, step = self._on_branch(work, fastest, step, shortest)
         if step.alpha > self.tolerances.wedged * max(self.first.limit, 1.0):
             self._lean()
             return
@@ -211,6 +216,32 @@ class PushPath:
         here, size = self.points[-1].step, work * fastest
         problem = StepProblem(here.system, here.state, self.model.dead_load, size, self.lateral, work)
         return reach(problem, here.state.positions + work * self.rate, here, shortest)
+
+    def _on_branch(
+        self, work: float, fastest: float, step: Equilibrium, shortest: bool
+    ) -> tuple[float, Equilibrium]:
+        """Return an elastic step on the branch of the last ones, of the given `work` (kNm) or a part of it.
+
+        α that rises by more than its slope leads to is that of a joint that closes, or of another branch: where blocks
+        rock, that on which they slide. Shorter steps tell them apart: raises ConvergenceError if there are any.
+        """
+        part, found = work, step
+        while (
+            found.alpha
+            > self.alpha
+            + self.tolerances.bends * max(self.slope, 0.0) * part
+            + self.tolerances.flat * self.largest
+        ):
+            if not shortest:
+                raise ConvergenceError(message("the multiplier rises by more than its slope leads to"))
+            part *= 0.5
+            if part < PATH.shortest(work):
+                return work, step
+            try:
+                found, _ = self._step(part, fastest, False)
+            except (NoEquilibriumError, ConvergenceError):
+                return work, step
+        return part, found
 
     def _down_to_zero(
         self, work: float, fastest: float, beyond: Equilibrium, shortest: bool
@@ -300,6 +331,7 @@ class PushPath:
     def _append(self, work: float, step: Equilibrium, jumped: bool) -> None:
         """Add a point, the rate of the next step, and why the curve ends if it does."""
         then, before = self.far, self.last.positions
+        self.slope = np.inf if jumped else (step.alpha - self.alpha) / work
         self.points.append(PushPoint(step, self.along(step.state.positions), jumped))
         now, alpha, largest = self.far, step.alpha, self.largest
         if not jumped:

@@ -23,6 +23,7 @@ from mechanics import (
 )
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.steps.tolerances import REST
+from tests.stress.corpus import assemblies
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry
@@ -439,3 +440,13 @@ def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state(increment):
     peak = curve.states[curve.peak]
     assert curve.alpha_0 == pytest.approx(limit_analysis(model, "+x", peak).alpha, rel=1e-3)
     assert curve.alpha_0 == pytest.approx(0.353, rel=0.01)
+
+
+@pytest.mark.parametrize(("case", "told"), [(9, 0.8583), (13, 0.4361)])
+def test_an_elastic_curve_on_which_an_end_brick_rocks_does_not_change_to_its_sliding(case, told):
+    """Told 1.16 and 1.08, where motions under a load that rises slowly fall from 0.88 and 0.44 on."""
+    model = dict(assemblies(24, seed=5))[case]
+    rigid = pushover(model, increment=0.02 * model.size)
+    elastic = pushover(model, contacts="elastic", increment=0.02 * model.size, until=0.25)
+    assert elastic.alpha_0 == pytest.approx(told, rel=1e-3)
+    assert elastic.alpha_0 < rigid.alpha_0
