@@ -86,7 +86,7 @@ class PushPath:
         self.control_rate = self._control_rate()
         self.slope = np.inf  # what α has changed per unit work in the last step
         self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
-        self.limits: dict[int, Limit | None] = {}
+        self.limits: dict[Equilibrium, Limit | None] = {}
         self.end: Message | None = None
         self.reached, self.lost, self.endless = False, False, False
 
@@ -396,13 +396,11 @@ class PushPath:
     def limit_at(self, point: int) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""
         step = self.points[point].step
-        if id(step) not in self.limits:
-            self.limits[id(step)] = None
+        if step not in self.limits:
+            self.limits[step] = None
             with suppress(NoEquilibriumError, ConvergenceError):
-                self.limits[id(step)] = limit_in(
-                    self.model, self.push.direction, step.state, self.system.sliding
-                )
-        return self.limits[id(step)]
+                self.limits[step] = limit_in(self.model, self.push.direction, step.state, self.system.sliding)
+        return self.limits[step]
 
     @property
     def is_hidden_by_rounding(self) -> bool:

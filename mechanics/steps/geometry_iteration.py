@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.errors import NoEquilibriumError, UnsettledError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
 from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
@@ -54,36 +55,31 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     A sequence of programs is solved, each from where the last one ended; the first ones roughly. Each is convex in its
     geometry, and contains the change of the last forces with that (Newton's method for geometry and forces together).
     By Coulomb's law joints yield a little to changes of their forces (proximal). `last`: the previous equilibrium of
-    the path. Raises NoEquilibriumError if none lies near or elastic joints do not hold it (it
-    is unstable), UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be
-    decided.
+    the path. Raises NoEquilibriumError if none lies near or it is unstable, UnsettledError if geometry and forces do
+    not agree in the end, ConvergenceError if neither can be decided.
     """
     system, model = problem.system, problem.system.model
     *rough, final = STEP.residuals(system.behaviour)
     residuals = (*(each for each in rough if each <= system.lightest), final)
     stages = residuals + (residuals[-1],) * STEP.rounds
-    now, best, close, relaxation, stable = _begin(system, guess, last), None, None, Relaxation(), True
+    now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
     for stage, residual in enumerate(stages):
         before, now = now, _solve_round(problem, now, residual)
         if stage < len(residuals) - 1:
             continue
-        others = _other_contacts(problem, now)
-        if others is not None:
+        if (others := _other_contacts(problem, now)) is not None:
             now = replace(now, touching=others)
             continue
         found = certified(problem, now)
-        worst = found.certificate.worst(problem.size)
-        if worst <= GOOD or close is not None:
-            return _stable(_nearer(close, found))
-        if worst <= STEP.certificate(system.behaviour):
-            close = found  # one more: it squares what is left
-            continue
+        if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
+            return _stable(_once_more(problem, now, found))
         # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
             raise NoEquilibriumError(
                 message("loss of stability: the structure gives way under forces that it should bear")
             )
-        best, stable = _nearer(best, found), found.stable
+        best = min(best or found, found, key=lambda each: each.certificate.equilibrium)
+        stable = found.stable
         way = (now.at - before.at)[model.movable] * (1.0, 1.0, model.size)
         relaxation = relaxation.after(way)
         now = replace(now, at=before.at + relaxation.factor * (now.at - before.at))
@@ -116,7 +112,7 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
         near = before.warm(program, last.distance)
         if last.reference is not None:
             program = proximal(program, last.reference[index])
-    found, solves, nearby = solve_program(program, system.layout.take(index), near, residual)
+    found, solves, reached = solve_program(program, system.layout.take(index), near, residual)
     reference = last.reference
     if system.dilation < 1.0 and last.stage < STEP.memory:
         reference = spread(found.forces, index, len(system.contacts))
@@ -124,7 +120,7 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
     check_motion(problem, at)
     everywhere = over_all(found, index, len(system.contacts))
     distance = STEP.go_on * residual
-    if program.curved is not None and not nearby:
+    if program.curved is not None and not reached:
         distance = min(STEP.wider * last.distance, interior.APART)
     return Round(
         at,
@@ -137,6 +133,17 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
         reference=reference,
         stage=last.stage + 1,
     )
+
+
+def _once_more(problem: StepProblem, now: Round, found: Equilibrium) -> Equilibrium:
+    """Return the better of an equilibrium and what one more program makes of it: that squares what is left."""
+    if found.certificate.worst(problem.size) > GOOD:
+        with suppress(NoEquilibriumError, ConvergenceError):
+            now = _solve_round(problem, now, STEP.residuals(problem.system.behaviour)[-1])
+            if _other_contacts(problem, now) is None:
+                again = certified(problem, now)
+                return min(found, again, key=lambda each: each.certificate.worst(problem.size))
+    return found
 
 
 def _other_contacts(problem: StepProblem, now: Round) -> Index | None:
@@ -179,13 +186,6 @@ def _stable(found: Equilibrium) -> Equilibrium:
             message("loss of stability: the equilibrium of the structure is an unstable one")
         )
     return found
-
-
-def _nearer(one: Equilibrium | None, other: Equilibrium) -> Equilibrium:
-    """Return the one with the smaller certificate, the first of equal ones."""
-    if one is None or other.certificate.equilibrium < one.certificate.equilibrium:
-        return other
-    return one
 
 
 def _farthest(displacement: Array) -> int:

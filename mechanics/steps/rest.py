@@ -55,11 +55,11 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         mass = model.mass / (time**2 * model.size / GRAVITY)
         if last:
             last = _over(last, before.system, now.system)
-        taken = _step_from_rest(replace(now, mass=mass), at, last, time > tolerances.first)
-        if taken is None:
+        found = _step_from_rest(replace(now, mass=mass), at, last, time > tolerances.first)
+        if found is None:
             time = max(0.5 * time, tolerances.first)
             continue
-        last, moved, solves = taken, taken.at, solves + taken.solves
+        last, moved, solves = found, found.at, solves + found.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
             raise RunawayError(
@@ -69,7 +69,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
                 )
             )
         force = left / time**2  # unbalanced force per mass
-        if 0 < step == tolerances.steps // 2:
+        if half_way == np.inf and step >= tolerances.steps // 2 > 0:
             half_way = force
         size = max(least, tolerances.stride * far)
         time *= min(2.0, np.sqrt(size / max(left, 1e-300)))
@@ -83,8 +83,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         held = certified(replace(now, size=problem.size), last)
         with suppress(NoEquilibriumError, ConvergenceError):
             # next to an unstable equilibrium a motion is slow too, and another may lie on its other side
-            found = find_equilibrium(replace(now, size=problem.size), moved, held)
-            return replace(found, solves=found.solves + solves)
+            rested = find_equilibrium(replace(now, size=problem.size), moved, held)
+            return replace(rested, solves=rested.solves + solves)
         # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
         if slowing and held.stable and held.certificate.worst(least) <= exact:
             return replace(held, solves=solves)

@@ -192,7 +192,7 @@ def proximal(program: Program, forces: Array) -> Program:
 def solve_program(
     program: Program, layout: Elimination, near: Iterate | None, accepted: float
 ) -> tuple[Iterate, int, bool]:
-    """Return the iterate that solves a program to a residual, the number of solves, and whether it was found nearby.
+    """Return the iterate that solves a program to a residual, the number of solves, and whether that is reached.
 
     The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
     with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.

@@ -106,6 +106,18 @@ def test_what_comes_to_no_rest_is_refused():
         motion_to_rest(problem, problem.start.positions, replace(REST, steps=1))
 
 
+def test_what_falls_all_the_time_has_fallen_though_its_step_half_way_is_taken_again(monkeypatch):
+    high, calls, step = raised(block_on_base(0.6, 4.2, stiffness=1e6), 2.0), [], module._step_from_rest
+
+    def too_long_half_way(*given):
+        calls.append(1)
+        return None if len(calls) == 4 else step(*given)
+
+    monkeypatch.setattr(module, "_step_from_rest", too_long_half_way)
+    with pytest.raises(RunawayError, match="does not come to rest"):
+        motion_to_rest(high, high.start.positions, replace(REST, steps=6, farthest=10.0))
+
+
 def test_a_motion_without_inertia_left_is_not_repeated(monkeypatch):
     """Blocks that rest, to rounding, where no static program is certified: the rest is undecided, and told at once."""
     problem = raised(block_on_base(0.6, 4.2, stiffness=1e6), 0.0)
