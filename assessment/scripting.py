@@ -22,7 +22,7 @@ from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, MotionTable
-from mechanics import Assembly, ConvergenceError, Material, Record, State
+from mechanics import ArgumentError, Assembly, ConvergenceError, Material, Record, State
 from mechanics.pictures import draw_curve
 from mechanics.types import Array, Mask
 
@@ -137,8 +137,10 @@ def incremental(
 
     `control`: a drawn point (2,) m in or on a block; `state`: at rest, where every motion begins, default as drawn;
     `tolerance_g`: between the lowest collapse and the highest level withstood below it. Raises ConvergenceError where a
-    motion is not solved, ArgumentError as `time_history`.
+    motion is not solved, ArgumentError as `time_history`, and for a record that is none.
     """
+    if not isinstance(record, Record):
+        raise ArgumentError(f"record = {type(record).__name__}: must be a Record, as read_record returns")
     x, z = (float(value) for value in np.asarray(control))
     setting = Setting(MotionTable(contacts=contacts), ControlTable(name="control", point_m=(x, z)))
     reach = Reach(max_scale, width=tolerance_g)

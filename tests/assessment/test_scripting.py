@@ -9,7 +9,7 @@ import pytest
 
 import assessment
 from assessment.project.catalogue.new_project import TEMPLATES, template_options
-from mechanics import Material, Record, limit_analysis
+from mechanics import ArgumentError, Material, Record, limit_analysis
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
@@ -54,3 +54,5 @@ def test_incremental_finds_the_level_that_overturns_and_fragility_counts_what_wi
     fit = assessment.fragility([short, long])
     assert fit.median > long.collapse and fit.beta > 0.0
     assert assessment.fragility([short]) is None
+    with pytest.raises(ArgumentError, match="record = ndarray: must be a Record"):
+        assessment.incremental(block, time, (0.3, 3.0))

@@ -10,7 +10,7 @@ from tests import ROOT
 
 LINES = {
     # of code, comments and blank lines in *.py
-    "assessment": 187,
+    "assessment": 189,
     "assessment/analyses": 4369,
     "assessment/app": 1302,
     "assessment/benchmark": 1141,
