@@ -382,16 +382,21 @@ class PushPath:
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
 
     def drop_other_flows(self) -> None:
-        """Drop the points at the peak whose multiplier is of another flow: in its state there is one of a lesser one.
+        """Drop points about the peak whose multiplier is of another flow: in its state there is one of a lesser one.
 
-        Where a joint has just closed, forces that slides leave open may balance a multiplier that nothing leads to.
+        Where a joint has just closed, or joints slide, forces that slides leave open may balance a multiplier that
+        nothing leads to. Points beside the peak that are above the lesser one, too, are of the same flow.
         """
-        while 0 < (peak := peak_of(self.multiplier)) < len(self.points) - 1:
+        while 0 < (peak := peak_of(self.multiplier)) < (end := len(self.points) - 1):
             least = self.limit_at(peak)
-            if least is None or self.points[peak].step.alpha <= (1.0 + self.tolerances.flat) * least.alpha:
+            most = np.inf if least is None else (1.0 + self.tolerances.flat) * least.alpha
+            if self.points[peak].step.alpha <= most:
                 return
-            dropped = self.points.pop(peak)
-            self.points[peak] = replace(self.points[peak], jumped=dropped.jumped or self.points[peak].jumped)
+            alpha = self.multiplier
+            first = max((k + 1 for k in range(peak) if alpha[k] <= most), default=1)
+            last = min((k for k in range(peak, end) if alpha[k] <= most), default=end)
+            jumped = any(point.jumped for point in self.points[first : last + 1])
+            self.points[first : last + 1] = [replace(self.points[last], jumped=jumped)]
 
     def limit_at(self, point: int) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""

@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 978,
     "mechanics/kernels": 3699,
     "mechanics/model": 3001,
-    "mechanics/procedures": 3420,
+    "mechanics/procedures": 3425,
     "mechanics/records": 1004,
     "mechanics/solvers": 1069,
     "mechanics/steps": 1826,
