@@ -140,6 +140,7 @@ def _curvatures(places: Array, forces: Array, law: Array) -> Array:
     """Return how the forces (j, 3) of joints change with the geometry, (j, CURVED): see kernels.joint.curvature."""
     curved = np.empty((len(places), CURVED))
     curvatures(places, forces, curved)
+    # the associative program is the minimum of an energy: what is not symmetric has none
     curved[law[:, DILATION] >= 1.0, SHIFTS:] = 0.0
     return curved
 
