@@ -264,7 +264,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if whole:
         watch(f"interrupted: {unchanged}", INCOMPLETE, lambda: record(INCOMPLETE))
         collect_rarely()
-        before_compiling(lambda: tell("compiling, once for this version: about a minute"))
+        before_compiling(lambda: tell("compiling, for later commands too: up to a minute"))
         # what libraries warn of and log, with the user's names in it, stays off the terminal, of other processes too
         logging.getLogger().addHandler(logging.NullHandler())
         if not sys.warnoptions:

@@ -15,11 +15,11 @@ from pydantic import ValidationError
 
 from assessment.project.schema import GENERATED, ProjectContent, keys_at, tables_of
 from assessment.project.schema import values as kinds
-from assessment.runtime.errors import ProjectError, nearest, shortened
+from assessment.runtime.errors import ProjectError, alike, nearest, shortened
 from assessment.runtime.files import SUFFIXES, read_picture
 from mechanics.messages import layer_key
 
-_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")  # a number with a decimal comma
+_QUOTED = re.compile(r"\s*([+-]?\d+)([.,]\d+)?\s*")  # a number that was written as a text
 
 _MOST_TOLD = 24  # problems of a file: one screen
 
@@ -59,35 +59,34 @@ def project_error(
     return ProjectError("\n".join(lines))
 
 
-def _remedy(path: kinds.KeyPath) -> str:
-    """Return what to do about a key that does not exist: the tables that have it, or the nearest one of its table."""
-    key = str(path[-1])
+def _homes(path: kinds.KeyPath) -> list[str]:
+    """Return the tables that have a key that does not exist in its own; none where the unit of one here is left out."""
+    if any(each.startswith(f"{path[-1]}_") for each in keys_at(path[:-1])):
+        return []
     inside: dict[str, kinds.KeyPath] = {"list": (0,), "named": ("",), "single": ()}
-    homes = [
-        f"[{name}]"
-        for name, form in tables_of(ProjectContent).items()
-        if key in keys_at((name, *inside[form]))
-    ]
-    return f"it is a key of {' and '.join(homes)}" if homes else nearest(key, keys_at(path[:-1]))
+    tables = tables_of(ProjectContent).items()
+    return [f"[{name}]" for name, form in tables if path[-1] in keys_at((name, *inside[form]))]
 
 
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[kinds.Problem]:
     """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
     expected: dict[kinds.KeyPath, list[str]] = {}
     problems: dict[kinds.KeyPath, str] = {}
+    meant, missing = set[kinds.KeyPath](), set[kinds.KeyPath]()
     for detail in error.errors(include_url=False):
         kind, context = detail["type"], detail.get("ctx", {})
         path, node = _walk(detail["loc"], content)
         value = detail["input"]
-        at_outline = path[-1:] == ("region_m",) and isinstance(value, list)
+        parts = value if path[-1:] == ("region_m",) and isinstance(value, list) else [value]
         if kind == "extra_forbidden":
-            problems[path] = f"unknown key; {_remedy(path)}"
+            homes, names = _homes(path), (str(path[-1]), keys_at(path[:-1]))
+            remedy = f"it is a key of {' and '.join(homes)}" if homes else nearest(*names)
+            problems[path] = f"unknown key; {remedy}"
+            meant |= {(*path[:-1], each) for each in alike(*names) if not homes}
         elif kind == "missing" and isinstance(node, dict):
-            key = str(detail["loc"][-1])
-            problems[(*path, key)] = f"missing; add it ({keys_at(path)[key]})"
-        elif "region_m" in path and any(
-            isinstance(part, list) for part in (value if at_outline else [value])
-        ):
+            missing.add(place := (*path, key := str(detail["loc"][-1])))
+            problems[place] = f"missing; add it ({keys_at(path)[key]})"
+        elif "region_m" in path and any(isinstance(part, list) for part in parts):
             flat = f"{_shown(value)} is wrong; write one flat list: [x1, z1, x2, z2, …]"
             problems.setdefault(path[: path.index("region_m") + 1], flat)
         elif kind == "value_error":
@@ -97,7 +96,8 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
             problems[path] = f"{_shown(value)} is wrong; write {' or '.join(expected[path])}"
     # Of the alternatives of one value, the one that was understood further gives the message.
     shallow = {path[:n] for path in problems for n in range(len(path)) if path[:n] in expected}
-    return [kinds.Problem(path, text) for path, text in problems.items() if path not in shallow]
+    there = missing & meant  # under another name
+    return [kinds.Problem(path, text) for path, text in problems.items() if path not in shallow | there]
 
 
 def _walk(location: tuple[str | int, ...], content: Any) -> tuple[kinds.KeyPath, Any]:
@@ -123,9 +123,11 @@ def _phrase(path: kinds.KeyPath, detail: Mapping[str, Any]) -> str:
     if kind == "too_long" and context["max_length"] == 2:  # [0,6] of one number, or [0,6, 0,8] of two
         return "two numbers" + (", with decimal points" if all(type(each) is int for each in value) else "")
     expected = _EXPECTED[kind].format(**context) if kind in _EXPECTED else str(detail["msg"])
-    if kind == "float_type" and isinstance(value, str) and (comma := _COMMA.fullmatch(value)):
-        meant = shortened(f"{comma[1]}.{comma[2]}", kinds.SHOWN)
-        expected += f", with a decimal point and without quotes: {meant}"
+    if kind == "float_type" and isinstance(value, str) and _QUOTED.fullmatch(value):
+        point = "with a decimal point and " if "," in value else ""
+        expected += f", {point}without quotes: {shortened(value.strip().replace(',', '.'), kinds.SHOWN)}"
+    if kind == "tuple_type" and isinstance(value, str):
+        expected += f": {_shown([value])}"
     return expected
 
 
@@ -188,8 +190,8 @@ def wrong_file(kind: str, folder: Path, name: str) -> str | None:
         names = iglob("*", root_dir=folder / parent)  # noqa: PTH207 - of a folder that cannot be read none
         beside = islice(names, kinds.MOST_ENTRIES)
         files = sorted(str(parent / each) for each in beside if _is_file(folder / parent / each))
-        alike = [each for each in files if Path(each).suffix.lower() == Path(name).suffix.lower()]
-        remedy = nearest(name, alike) if alike else "put it there or correct the name"
+        same_kind = [each for each in files if Path(each).suffix.lower() == Path(name).suffix.lower()]
+        remedy = nearest(name, same_kind) if same_kind else "put it there or correct the name"
         if (folder / name).is_dir():
             return f'"{name}" is a folder; name a file'
         return f'no file "{name}" in the project folder; {remedy}'
@@ -239,13 +241,11 @@ def _tables(
     yield path, table
     for key, form in tables_of(type(table)).items():
         value: Any = getattr(table, key)
-        if value is None:
-            continue
-        if form == "single":
-            yield from _tables(value, (*path, key))
-        else:
+        if form != "single":
             for name, each in value.items() if form == "named" else enumerate(value):
                 yield from _tables(each, (*path, key, name))
+        elif value is not None:
+            yield from _tables(value, (*path, key))
 
 
 def _named(value: Any, path: kinds.KeyPath) -> Iterator[tuple[kinds.KeyPath, str]]:

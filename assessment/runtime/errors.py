@@ -1,7 +1,7 @@
 """The errors that end a command with one message, and the remedies that messages propose."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from opcode import opmap
 
 DONE, WRONG_INPUT, INCOMPLETE = 0, 2, 3  # exit codes of a run
@@ -39,16 +39,20 @@ def error_text(error: Exception) -> str:
     return str(error)
 
 
-def nearest(name: str, valid: Iterable[str]) -> str:
-    """Return the remedy for a name that does not exist: the nearest valid one, those that hold it, or what is valid."""
+def alike(name: str, valid: Iterable[str]) -> list[str]:
+    """Return the valid names that hold one that does not exist as a word, else the nearest, if one is near."""
     by_lower = {each.lower(): each for each in valid}
-    holding = [f'"{each}"' for low, each in by_lower.items() if name.lower() in low.split("_")]
-    if holding:
-        return f"did you mean {' or '.join(holding[:_MOST_NAMES])}?"
-    close = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.5)
-    if close:
-        return f'did you mean "{by_lower[close[0]]}"?'
-    shown = [f'"{each}"' for each in by_lower.values()]
+    holding = [each for low, each in by_lower.items() if name.lower() in low.split("_")]
+    near = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.5)
+    return holding[:_MOST_NAMES] or [by_lower[each] for each in near]
+
+
+def nearest(name: str, valid: Collection[str]) -> str:
+    """Return the remedy for a name that does not exist: those alike, or what is valid."""
+    meant = alike(name, valid)
+    shown = [f'"{each}"' for each in meant or valid]
+    if meant:
+        return f"did you mean {' or '.join(shown)}?"
     return f"valid: {', '.join(shown[:_MOST_NAMES])}{', …' if len(shown) > _MOST_NAMES else ''}"
 
 

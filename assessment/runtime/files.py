@@ -19,7 +19,6 @@ from assessment.runtime.errors import ProjectError
 if TYPE_CHECKING:
     from PIL import Image
 
-
 SCRATCH = ".assesto-"  # prefix of the folders where files are made before they are put in place
 LAST = "results.json"  # of a run: if it is there, all files are
 LONGEST = 600.0  # s between two writes to one file: older temporary files are of processes that were killed
@@ -70,8 +69,7 @@ def clear_left_over(folder: Path, age: float = LONGEST) -> None:
                 path.unlink()
 
 
-# in a process: a folder may hold thousands of files, and is written as often
-_clear_once = cache(clear_left_over)
+_clear_once = cache(clear_left_over)  # in a process: thousands of files may be written to a folder
 
 
 def clear(folder: Path) -> None:
@@ -133,8 +131,7 @@ def read_picture(path: Path) -> Image.Image:
     ImageFile.LOAD_TRUNCATED_IMAGES = False
     try:
         with warnings.catch_warnings():
-            # an error from twice that size on
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # from twice its size an error
             with Image.open(path, formats=("PNG", "JPEG")) as picture:
                 picture.load()
                 return picture

@@ -279,8 +279,7 @@ def elapsed(seconds: Mapping[str, float]) -> float:
 def first_run(folder: Path) -> str:
     """Return `expected_line` of a project; for one that cannot be read, how to find out why."""
     try:
-        project = load_project(folder)
-        return expected_line(read_inputs(project, build_model(project)))
+        return expected_line(read_inputs(project := load_project(folder), build_model(project)))
     except (ValueError, OSError):
         return f"it cannot be run as it is: assesto check {folder} says why"
 
@@ -289,7 +288,8 @@ def expected_line(read: Checked) -> str:
     """Return what a run computes and about how long it takes with all cores of this machine, as a line."""
     seconds = expected(read)
     parts = ", ".join(f"{stage} {about(each)}" for stage, each in seconds.items())
-    return f"a run: about {about(elapsed(seconds))} ({parts}), a minute more where nothing is compiled yet"
+    shared = f" on {cores()} cores" if elapsed(seconds) < sum(seconds.values()) else ""
+    return f"a run: about {about(elapsed(seconds))}{shared} ({parts}), a minute more where nothing is compiled yet"
 
 
 def about(seconds: float) -> str:

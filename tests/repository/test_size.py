@@ -19,7 +19,7 @@ LINES = {
     "assessment/project": 4579,
     "assessment/report": 6006,
     "assessment/results": 3182,
-    "assessment/runtime": 1444,
+    "assessment/runtime": 1442,
     "assessment/studies": 2269,
     "assessment/workflow": 919,
     "mechanics": 978,

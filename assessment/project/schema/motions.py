@@ -82,7 +82,7 @@ class IncrementalTable(StatesTable):
     """[incremental]: incremental dynamic analysis, PGA at incipient collapse per record and state."""
 
     records: Annotated[kinds.Names, FileName("pattern")] = entry(
-        'record files; patterns such as "records/*.acc" are expanded'
+        'list of record files; patterns such as "records/*.acc" are expanded'
     )
     tolerance_g: kinds.Acceleration = entry("tolerance of the PGA at collapse, g", 0.01)
     max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)

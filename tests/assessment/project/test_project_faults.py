@@ -28,6 +28,7 @@ TOLD = r"""
 # unknown keys, with the nearest
 max_scale = 5.0 | max_scale = 5.0\nvertical_record = "a" | incremental.vertical_record | a key of [history]
 depth_m = 0.10 | depth_m = 0.10\ndepht_m = 1 | geometry.depht_m | unknown key; did you mean "depth_m"?
+depth_m = 0.10 | depth = 0.10 | geometry.depth | unknown key; did you mean "depth_m"?
 depth_m = 5.5 | deep = 5.5 | layers.PIERS.deep | "depth_m"
 directions | direction | pushover.direction | "directions"
 confidence_factor | FC | assessment.FC | valid: "limit_states"
@@ -37,14 +38,15 @@ unit = "mm" |  | geometry.unit | missing; add it (unit of the drawing: mm, cm or
 unit_weight_kN_m3 = 11.5 |  | material.unit_weight_kN_m3 | missing; add it (unit weight
 records = ["records/*.acc"] |  | incremental.records | missing
 # wrong types
-depth_m = 0.10 | depth_m = "0,10" | geometry.depth_m | "0,10" is wrong; write a number
+depth_m = 0.10 | depth_m = "0,10" | geometry.depth_m | write a number, with a decimal point and without quotes: 0.10
+depth_m = 0.10 | depth_m = "0.10" | geometry.depth_m | "0.10" is wrong; write a number, without quotes: 0.10
 depth_m = 0.10 | depth_m = 0.10\nsegments_per_joint = 4.5 | geometry.segments_per_joint | a whole number
 load_has_mass = true | load_has_mass = "yes" | layers.ROOF.load_has_mass | true or false
 point_m = [1, 3] | point_m = 1 | control[2].point_m | 1 is wrong; write a list in brackets
 [0.020, -0.020] | [0.020] | settlements[1].displacement_m | [0.02] is wrong; write two numbers
 [15.0, 22.0] | "aria" | history[1].window_s | or "arias"
 [pushover] | [[pushover]] | pushover | [pushover] with single brackets, once
-["records/*.acc"] | "records/*.acc" | incremental.records | a list in brackets
+["records/*.acc"] | "records/*.acc" | incremental.records | a list in brackets: ["records/*.acc"]
 unit = "mm" | unit = "in" | geometry.unit | write "mm", "cm" or "m"
 ["+x", "-x"] | ["+x", "x"] | pushover.directions[2] | write "+x" or "-x"
 ["+x", "-x"] | [] | pushover.directions | write a list of 1 or more entries
@@ -150,6 +152,10 @@ def test_a_wrong_key_is_named_with_its_file_and_remedy(folder, old, new, key, sa
     first, *_ = message(folder, CONTRACT.replace(old, new + old * (old == BEFORE_REPORT), 1)).splitlines()
     assert first.startswith(f"project.toml: {key}: ")
     assert said in first
+
+
+def test_a_key_that_is_spelt_otherwise_is_not_missing_too(folder):
+    assert message(folder, CONTRACT.replace("depth_m = 0.10", "depth = 0.10")).count("\n") == 0
 
 
 CONTROL = '[[control]]\nname = "C"\npoint_m = [0, 0]\n'
