@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from assessment.report.tables import capacity, cracks, dynamic, mechanisms, structure, studies  # noqa: F401 - entered
-from assessment.report.tables.nrml import fragility_model
+from assessment.report.tables.dynamic import fragility_model
 from assessment.report.tables.rows import TABLES
 from assessment.results.schema import Results
 from assessment.results.table import Table

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from assessment.ntc.tables import CHECKS, LINEAR
+from assessment.ntc.tables import LINEAR
 from assessment.report.language import Words
 from assessment.report.tables.rows import TABLES, Curves, Found, capacities, curves, table, without
 from assessment.results.schema import Results, StateResults
-from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
+from assessment.results.schema.checks import CHECKS, Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line
 from assessment.results.schema.part import Part, present
 from assessment.results.summary import checks_asked, determined_indices, undetermined

@@ -1,6 +1,9 @@
-"""The tables of motions: time histories, the incremental analysis, campaigns and their fragility."""
+"""The tables of motions: time histories, the incremental analysis, campaigns; fragilities as OpenQuake reads them."""
 
+import math
+import re
 from collections.abc import Iterator, Sequence
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from assessment.ntc.tables import farthest
 from assessment.report.tables.rows import Curves, Found, curves, table, without
@@ -248,3 +251,43 @@ def measures(results: Results) -> Found:
         for each in own:
             row = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
             yield row | {"median_of_measure": each.median, "beta_of_measure": each.beta}
+
+
+FARTHEST = 5.0  # β above the median: the largest level
+WIDEST = 5.0  # β; beyond, mean and deviation soon pass all floats
+LONGEST = 60  # characters of an identifier; they are letters and digits of ASCII, and _
+
+
+def fragility_model(results: Results) -> bytes | None:
+    """Return a fragility model (NRML 0.5) of the states of [incremental] and the movements of the campaign, if any.
+
+    Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
+    takes them. A fragility without β, or with one above WIDEST, is left out.
+    """
+    document = Element("nrml", xmlns="http://openquake.org/xmlns/nrml/0.5")
+    model = SubElement(
+        document, "fragilityModel", id="collapse", assetCategory="buildings", lossCategory="structural"
+    )
+    SubElement(model, "description").text = results.title
+    SubElement(model, "limitStates").text = "collapse"
+    states = ((name, found.fragility) for name, found in _incrementals(results))
+    fits: list[tuple[str, str, float | None, float | None]]
+    fits = [(name, "PGA", fit.median_g, fit.dispersion) for name, fit in states if fit]
+    if campaign := results.campaign:
+        measure = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
+        moved = ((f"{each.settlement} {each.share:g}", each) for each in campaign.fragility)
+        fits += [(name, measure, each.median_g, each.beta) for name, each in moved]
+    for number, (name, measure, median, beta) in enumerate(fits, 1):
+        if not median or not beta or beta > WIDEST:
+            continue
+        own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
+        function = SubElement(model, "fragilityFunction", id=own, format="continuous", shape="logncdf")
+        most, mean = median * math.exp(FARTHEST * beta), median * math.exp(0.5 * beta**2)
+        levels = {"noDamageLimit": "0.0", "minIML": "0.0", "maxIML": f"{most:.6g}"}
+        SubElement(function, "imls", levels, imt=measure)
+        spread = mean * math.sqrt(math.expm1(beta**2))
+        SubElement(function, "params", ls="collapse", mean=f"{mean:.6g}", stddev=f"{spread:.6g}")
+    if model.find("fragilityFunction") is None:
+        return None
+    indent(document)
+    return tostring(document, encoding="utf-8", xml_declaration=True)

@@ -12,8 +12,7 @@ from assessment.report.chapters.synthesis import lead
 from assessment.report.document import render_html
 from assessment.report.figures.motions import draw_campaign_curves
 from assessment.report.language import words_of
-from assessment.report.tables.dynamic import static_dynamic
-from assessment.report.tables.nrml import fragility_model
+from assessment.report.tables.dynamic import fragility_model, static_dynamic
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
