@@ -54,12 +54,7 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
         first = procedures.limit_in(model, direction, path.states[0], path.sliding)
         onset = _mechanism(control, met, 0, float(path.multiplier[0]), path.states[0], first)
         found = found.replace(onset=onset)
-    carried = [*([None] * (len(path.states) - len(path.steps))), *(step.forces for step in path.steps)]
-    carried[path.formed] = path.forces
-    moved = list(np.diff([state.positions for state in path.states], axis=0))
-    moved = [*(moved[:1] or [path.mechanism]), *moved]
-    moved[path.formed] = path.mechanism
-    if ties := frames.along_path(model, path, carried, path.formed, None, frames.determined(model, moved)):
+    if ties := frames.along_path(path, path.formed, rigid=True):
         found = found.replace(ties=ties)
     # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
     slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
@@ -82,8 +77,7 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
         peak_configuration=paths.configuration(model, path.states[path.peak]),
         frames=frames.pushover_frames(model, path, Met(model)),
     )  # fmt: skip
-    carried = [step.forces for step in path.steps]
-    ties = frames.along_path(model, path, carried, path.peak, carried[0])
+    ties = frames.along_path(path, path.peak, rigid=False)
     return found.replace(ties=ties) if ties else found
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
-from assessment.results.frames import along_path, determined, pushdown_frames
+from assessment.results.frames import along_path, pushdown_frames
 from assessment.results.schema import LocalLoss, PushdownPath, QualityRow
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, H
@@ -260,11 +260,5 @@ def _pushdown_path(
         control_displacement_m=along, frames=pushdown_frames(model, path, whole),
     )  # fmt: skip
     asked = int(np.argmin(abs(path.movement - whole)))
-    carried = [step.forces for step in path.steps]
-    if not carried or not model.ties:
-        return found
-    if behaviour == "elastic":
-        return found.replace(ties=along_path(model, path, carried, asked, carried[0]))
-    moved = list(np.diff([state.positions for state in path.states], axis=0))
-    known = determined(model, [*(moved[:1] or [np.zeros_like(path.states[0].positions)]), *moved])
-    return found.replace(ties=along_path(model, path, carried, asked, None, known))
+    ties = along_path(path, asked, behaviour == "rigid") if path.steps else None
+    return found.replace(ties=ties) if ties else found

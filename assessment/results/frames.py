@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+import mechanics
 from assessment.results.joint_states import Met, outlines, shares
 from assessment.results.schema import DrawnTie, Frames, Results, ShakenTie, Snapshots, TieTension
 from assessment.results.schema.part import finite
@@ -17,9 +18,6 @@ from mechanics import Assembly, State
 from mechanics.model import Contacts
 from mechanics.pictures import field, place
 from mechanics.types import Array, Index, Mask
-
-if TYPE_CHECKING:
-    from mechanics.procedures import Pushdown, Pushover
 
 YIELDS = 1.0 - 1e-6  # of the yield force: the tension of a tie that yields
 NOTICED = 1e-6  # of the largest displacement, or of the model's size: less is none
@@ -37,46 +35,57 @@ def tensions(model: Assembly, forces: Array) -> Array:
     return found
 
 
-def along_path(
-    model: Assembly,
-    path: Pushdown | Pushover,
-    carried: Sequence[Array | None],
-    peak: int,
-    rest: Array | None,
-    known: Mask | None = None,
-) -> list[TieTension] | None:
-    """Return the tension of each tie along a path, None where there is no tie.
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What joints carry: forces N, P, T (j, 3), kN and kNm, of contacts, the drawn joints first."""
 
-    `carried`: forces (j, 3) at each point of the `path`, None: not known; `peak`: which point; `rest`: forces where the
-    path starts; `known` (k, t): at which points the tension of a tie is determined, default at all.
+    contacts: Contacts
+    forces: Array
+
+
+def carried_along(path: mechanics.Pushdown | mechanics.Pushover) -> list[Carried | None]:
+    """Return what joints carry at each point of a path; None: not known, as a rigid curve begins without a step.
+
+    Where a mechanism forms it is what limit analysis has there.
     """
+    steps = [Carried(step.contacts, step.forces) for step in path.steps]
+    found = [*[None] * (len(path.states) - len(steps)), *steps]
+    if isinstance(path, mechanics.Pushover):
+        found[path.formed] = Carried(path.contacts, path.forces)
+    return found
+
+
+def along_path(
+    path: mechanics.Pushdown | mechanics.Pushover, peak: int, rigid: bool
+) -> list[TieTension] | None:
+    """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie.
+
+    With `rigid` joints it is known where it is determined, and not at rest.
+    """
+    model, carried = path.model, carried_along(path)
     if not model.ties:
         return None
-    pulled = np.full((len(carried), len(model.ties)), np.nan)
-    for point, forces in enumerate(carried):
-        if forces is not None:
-            pulled[point] = tensions(model, forces)
-    if known is not None:
-        pulled[~known] = np.nan
+    unknown = np.full(len(model.ties), np.nan)
+    pulled = np.array([unknown if each is None else tensions(model, each.forces) for each in carried])
+    if rigid:
+        moved = list(np.diff([state.positions for state in path.states], axis=0))
+        still = np.zeros_like(path.states[0].positions)
+        moved = [*(moved[:1] or [still]), *moved]
+        if isinstance(path, mechanics.Pushover):
+            moved[path.formed] = path.mechanism
+        pulled[~determined(model, moved)] = np.nan
     greatest = np.fmax.reduce(pulled, axis=0)
-    at_rest = np.full(len(model.ties), np.nan) if rest is None else tensions(model, rest)
     begun, ended = (path.states[at].lengthened for at in (0, -1))
     longer = (0.0 if ended is None else ended) - (np.zeros(len(model.ties)) if begun is None else begun)
     found = []
     for tie, *three, yields, more in zip(
-        model.ties, at_rest, pulled[peak], greatest, yielding(model, greatest), longer, strict=True
-    ):
+        model.ties, unknown if rigid else pulled[0], pulled[peak], greatest, yielding(model, greatest), longer,
+        strict=True,
+    ):  # fmt: skip
         start, top, most = (finite(float(force)) for force in three)
-        found.append(
-            TieTension(
-                tie=tie.name,
-                rest_kN=start,
-                peak_kN=top,
-                greatest_kN=most,
-                yields=bool(yields),
-                lengthening_m=float(more),
-            )
-        )
+        found.append(TieTension(
+            tie=tie.name, rest_kN=start, peak_kN=top, greatest_kN=most, yields=bool(yields), lengthening_m=float(more)
+        ))  # fmt: skip
     return found
 
 
@@ -170,28 +179,15 @@ def _owner(ties: Sequence[DrawnTie]) -> Index:
     return np.array([tie.blocks for tie in ties], dtype=np.intp).reshape(-1, 2)
 
 
-@dataclass(frozen=True, eq=False)
-class Carried:
-    """What joints carry: forces N, P, T (j, 3), kN and kNm, of contacts, the drawn joints first."""
-
-    contacts: Contacts
-    forces: Array
-
-
-def pushover_frames(model: Assembly, path: Pushover, met: Met) -> Frames:
+def pushover_frames(model: Assembly, path: mechanics.Pushover, met: Met) -> Frames:
     """Frames of a capacity curve, its onset, peak and end among them; see `frames`."""
-    # a rigid curve has no step at its onset: the forces there are those of the limit analysis
-    lead: list[Carried | None] = [] if len(path.steps) == len(path.states) else [None]
-    carried = [*lead, *(Carried(step.contacts, step.forces) for step in path.steps)]
-    carried[path.formed] = Carried(path.contacts, path.forces)
-    return frames(model, path.states, carried, (path.peak, path.formed), met)
+    return frames(model, path.states, carried_along(path), (path.peak, path.formed), met)
 
 
-def pushdown_frames(model: Assembly, path: Pushdown, whole: float) -> Frames:
+def pushdown_frames(model: Assembly, path: mechanics.Pushdown, whole: float) -> Frames:
     """Frames of a movement, that of the `whole` movement (m) among them; see `frames`."""
     asked = int(np.argmin(abs(path.movement - whole)))
-    carried = [Carried(step.contacts, step.forces) for step in path.steps]
-    return frames(model, path.states, carried, (asked,), Met(model))
+    return frames(model, path.states, carried_along(path), (asked,), Met(model))
 
 
 def frames(
