@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -12,19 +12,19 @@ from assessment.analyses.demand import (
     Demands,
     confidence_source,
     demand_return_periods,
-    ground_of,
     site_acceleration,
 )
-from assessment.analyses.found import Found, as_part, lines
+from assessment.analyses.found import Found
 from assessment.analyses.lateral import FRICTION
 from assessment.analyses.paths import loss_sentence
 from assessment.analyses.states import PAST_PEAK
 from assessment.ntc import capacity_curve as oscillator
 from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
+from assessment.ntc.floor_spectrum import ground_of
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import farthest
-from assessment.ntc.verification import THRUSTING_A_G, Method, Verification, verify, vertical_component
+from assessment.ntc.verification import THRUSTING_A_G, Method, verify, vertical_component
 from assessment.project.project import Project
 from assessment.results.schema import checks as parts
 from assessment.results.schema import static
@@ -120,7 +120,8 @@ def _assessed(
         with suppress(CapacityError):
             other = _by_law(*curve, law)
     capacity, checks, method = own.capacity, own.checks, own.method
-    notes = list(dict.fromkeys(note for check in checks.values() for note in check.notes))
+    said = dict.fromkeys(note for check in checks.values() for note in check.notes)
+    notes = cast("list[Message]", [*said])  # what is not read from a file is none but messages
     given, loss = assessment.local_displacement_limit_m, rigid.local_loss
     if loss is not None and given is not None and given > loss.displacement_m:
         beyond = message("local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
@@ -134,7 +135,7 @@ def _assessed(
         alpha_0=fit.alpha_0, e_star=own.part.e_star, gamma_star=own.part.gamma_star,
         T_0_s=finite(capacity.T_0), model=fit.model, d_0_star_m=finite(capacity.d_0_star),
         notes=list(fit.notes), curve=curve_of(capacity),
-        trace=lines((*own.part.steps(), *capacity.steps()[2:])),
+        trace=[*own.part.steps(), *capacity.steps()[2:]],
     ).with_checks(checks_of(capacity, checks))  # fmt: skip
     if curves.run is not None:
         made = made.replace(run=curves.run)
@@ -186,7 +187,7 @@ class _ByLaw(NamedTuple):
     part: oscillator.Participation
     capacity: oscillator.CapacityCurve
     method: Method
-    checks: Mapping[str, Verification]
+    checks: Mapping[str, parts.Check]
 
 
 def _by_law(
@@ -211,7 +212,7 @@ def _by_law(
     return _ByLaw(law, part, capacity, method, verify(capacity, demands.spectra, method))
 
 
-def _apart(checks: Mapping[str, Verification], others: Mapping[str, Verification]) -> list[Message]:
+def _apart(checks: Mapping[str, parts.Check], others: Mapping[str, parts.Check]) -> list[Message]:
     """Return the checks whose ratios by two laws differ by more than TOLD."""
     pairs = ((name, check.zeta_E, others[name].zeta_E) for name, check in checks.items() if name in others)
     return [
@@ -243,11 +244,11 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
 
 
 def _scalings(
-    capacity: oscillator.CapacityCurve, used: Verification, spectrum: Spectrum, method: Method
+    capacity: oscillator.CapacityCurve, used: parts.Check, spectrum: Spectrum, method: Method
 ) -> dict[str, parts.ScaledCheck]:
     """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
     ways, common = {"shape": "demand-shape", "return_period": "grid"}, len(capacity.steps())
-    found = {ways[method.scaling]: check_of(parts.ScaledCheck, replace(used, trace=()), 0, used=True)}
+    found = {ways[method.scaling]: check_of(parts.ScaledCheck, used.replace(trace=[]), 0, used=True)}
     for scaling in ways.keys() - {method.scaling}:
         other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
         found[ways[scaling]] = check_of(parts.ScaledCheck, other, common, used=False)
@@ -257,7 +258,7 @@ def _scalings(
 def _vertical(
     model: Assembly,
     capacity: oscillator.CapacityCurve,
-    linear: Verification | None,
+    linear: parts.Check | None,
     demands: Mapping[str, Spectrum],
 ) -> parts.VerticalCheck | None:
     """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
@@ -270,8 +271,7 @@ def _vertical(
     if linear is None or ground is None or ground.ag < THRUSTING_A_G or not proportional:
         return None
     demand = known(linear.demand_a_star_g)
-    made = vertical_component(ground, capacity.activation.alpha, capacity.a_0_star, demand)
-    return as_part(parts.VerticalCheck, made)
+    return vertical_component(ground, capacity.activation.alpha, capacity.a_0_star, demand)
 
 
 def nominal_check(
@@ -340,12 +340,13 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     )
 
 
-def check_of(kind: type[Kind], check: Verification, common: int, **more: Any) -> Kind:
-    """Return a check as a part of the results, with `more`, its trace but for the `common` first steps."""
-    return as_part(kind, check, **{"trace": lines(check.trace[common:])} | more)
+def check_of(kind: type[Kind], check: parts.Check, common: int, **more: Any) -> Kind:
+    """Return a check with `more` keys, of another kind perhaps, its trace but for the `common` first steps."""
+    told = {name: getattr(check, name) for name in check.model_fields_set}
+    return kind(**told | {"trace": check.trace[common:]} | more)
 
 
-def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, Verification]) -> dict[str, parts.Check]:
+def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, parts.Check]) -> dict[str, parts.Check]:
     """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
     common = len(curve.steps())
     linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from assessment.analyses import kinematics
 from assessment.analyses.capacity import checks_of, curve_of, method_of
 from assessment.analyses.demand import Demands, confidence_source
-from assessment.analyses.found import as_part, lines
+from assessment.analyses.found import as_part
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.spectrum import Spectrum
@@ -201,7 +201,7 @@ def evaluate(
         d_0_m=finite(capacity.fit.d_0), d_0_star_m=finite(capacity.d_0_star),
         curve=curve_of(capacity) if capacity.fit.d_0 is not None else None, moving_weight_kN=work.moving,
         macro_blocks=turned, displacements=(delta / abs(delta[:, :2]).max()).tolist(),
-        sliding_joints=sliding, met=met.joints, notes=[*notes], trace=lines(steps),
+        sliding_joints=sliding, met=met.joints, notes=[*notes], trace=steps,
     ).with_checks(checks_of(capacity, checks))  # fmt: skip
 
 

@@ -6,8 +6,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from assessment.analyses.found import as_part, lines
+from assessment.analyses.found import as_part
 from assessment.ntc import floor_spectrum
+from assessment.ntc.floor_spectrum import ground_of
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
 from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
@@ -130,7 +131,7 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSp
             steps = (*_hazard_steps(project.assessment, demands, name, spectrum), *ground.parameter_steps())
             part = part.replace(
                 F0=ground.F0, Tc_star_s=ground.Tc_star, soil=ground.soil, topography=ground.topography,
-                T_B_s=ground.T_B, T_C_s=ground.T_C, T_D_s=ground.T_D, trace=lines(steps),
+                T_B_s=ground.T_B, T_C_s=ground.T_C, T_D_s=ground.T_D, trace=[*steps],
             )  # fmt: skip
         found[name] = part
     return found
@@ -159,13 +160,6 @@ def _hazard_steps(assessment: AssessmentTable, demands: Demands, name: str, spec
     if floor is not None and floor.period_s is None and ground_of(spectrum) is not spectrum:
         steps = (*steps, floor_spectrum.fundamental_period(floor.building_height_m))
     return steps
-
-
-def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
-    """Return the spectrum at the ground; None for that of a record."""
-    if isinstance(spectrum, floor_spectrum.FloorSpectrum | floor_spectrum.FloorSpectrum2009):
-        return spectrum.ground
-    return spectrum if isinstance(spectrum, ElasticSpectrum) else None
 
 
 def state_indices(
@@ -207,7 +201,7 @@ def state_indices(
 def knowledge_of(knowledge: KnowledgeTable) -> parts.Knowledge:
     """Return F_C, its components, and the calculation of F_C from them."""
     line = confidence_factor(knowledge.level, knowledge.components)
-    return as_part(parts.Knowledge, knowledge, F_C=line.result, trace=lines([line]))
+    return as_part(parts.Knowledge, knowledge, F_C=line.result, trace=[line])
 
 
 def confidence_source(assessment: AssessmentTable | None) -> str:

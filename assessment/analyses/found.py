@@ -1,14 +1,13 @@
 """What an analysis found and what is to be told of it; the accuracy that a project asks for, and its increments."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from assessment.ntc.tables import Step
 from assessment.project.project import Project
 from assessment.project.schema import SettlementTable
-from assessment.results.schema import WORST, Line, Part, Quality, QualityRow, finite
+from assessment.results.schema import WORST, Part, Quality, QualityRow, finite
 from mechanics.messages import Message
 
 Value = TypeVar("Value")
@@ -32,14 +31,14 @@ class Found(Generic[Value]):
 
 
 def as_part(kind: type[Kind], *found: object, **more: Any) -> Kind:
-    """Return a part with the keys that what was `found` has, and `more`; a `trace` as lines; null: not finite."""
+    """Return a part with the keys that what was `found` has, and `more`; null: not finite."""
     names = kind.model_fields.keys() - more.keys()
     values = {name: getattr(each, name) for each in found for name in names if hasattr(each, name)}
     for name, value in values.items():
         if isinstance(value, float):
             values[name] = finite(value)
         elif isinstance(value, tuple):
-            values[name] = lines(value) if name == "trace" else list(value)
+            values[name] = list(value)
     return kind(**values, **more)
 
 
@@ -127,9 +126,3 @@ def _worst(rows: Sequence[QualityRow]) -> dict[str, float]:
     """Return the worst certificates of some rows; motions have no penetration and no cone violation."""
     known = {key: [value for row in rows if (value := getattr(row, key)) is not None] for key in WORST}
     return {key: max(values) for key, values in known.items() if values}
-
-
-def lines(trace: Iterable[Step]) -> list[Line]:
-    """Return the steps of a calculation as lines of results.json, in their order."""
-    told = [{name: getattr(step, name) for name in Line.model_fields} for step in trace]
-    return [Line(**each | {"inputs": dict(each["inputs"])}) for each in told]

@@ -11,9 +11,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from assessment.ntc.tables import Step, Trace, datum, names, step
+from assessment.ntc.tables import Trace, datum, names, step
 from assessment.project.masonry import Chosen, RotatingBlocks
 from assessment.results.frames import lengthenings
+from assessment.results.schema import Line
 from mechanics import Assembly, Tie
 from mechanics.messages import SaidError, message
 from mechanics.types import GRAVITY, Array
@@ -93,7 +94,7 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
     _, seismic = _weights(model)
     moving = np.concatenate([part.blocks for part in chosen.parts])
     total, second = float(seismic[moving].sum()), float(seismic @ delta[:, 0] ** 2)
-    lines: list[Step] = []
+    lines: list[Line] = []
     for k, part in enumerate(chosen.parts, 1):
         lines += _macro_block(k, part, model, positions)
 
@@ -113,7 +114,7 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
     return VirtualWork(dead, lateral, total, second, tuple(lines), by_ties)
 
 
-def _macro_block(k: int, part: RotatingBlocks, model: Assembly, positions: Array) -> list[Step]:
+def _macro_block(k: int, part: RotatingBlocks, model: Assembly, positions: Array) -> list[Line]:
     """Return weights, centres and virtual displacements of the k-th macro-block."""
     weight, seismic = (each[part.blocks] for each in _weights(model))
     x, z = positions[part.blocks, :2].T

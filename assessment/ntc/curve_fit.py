@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.tables import Step, Trace, datum, step
+from assessment.ntc.tables import Trace, datum, step
+from assessment.results.schema.model import Line
 from mechanics.errors import require
 from mechanics.messages import Message, SaidError, message
 from mechanics.types import Array
@@ -223,7 +224,7 @@ def _idealised(
     knots = [(0.0, 0.0), (d_y, alpha_y)] + ([(end, alpha_y)] if end > d_y else [])
     displacement = np.concatenate([[knot[0] for knot in knots], d[d > end]])
     multiplier = np.concatenate([[knot[1] for knot in knots], np.minimum(alpha[d > end], alpha_y)])
-    steps: list[Step] = [
+    steps: list[Line] = [
         datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
         datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
         step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", K, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from assessment.ntc.hazard import RETURN_PERIODS, Hazard, HazardCurve
 from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
-from assessment.ntc.tables import Step, Trace, step
+from assessment.ntc.tables import Trace, step
+from assessment.results.schema.model import Line
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY, Array
@@ -44,7 +45,7 @@ class Mode:
         require(is_between(self.damping, 0.0, 1.0), "damping", self.damping, must_be)
 
 
-def fundamental_period(building_height: float) -> Step:
+def fundamental_period(building_height: float) -> Line:
     """Return the step of T_1 = C_1 H^(3/4) (s), C_1 = 0.05, H (m) up to 40 (C7.3.3.2 [k])."""
     T_1 = 0.05 * float(building_height**0.75)
     return step("T_1", "0.05*H**0.75", T_1, "s", "Circolare 7/2019, C7.3.3.2", H=building_height)
@@ -161,7 +162,7 @@ class FloorSpectrum(_OnGround):
 
     def _modes_steps(self, T: float) -> Trace:
         """Return √Σ S_eZ,k²(T) by hand."""
-        lines: list[Step] = []
+        lines: list[Line] = []
         squares = {}
         for k, mode in enumerate(self.modes, 1):
             lines += self._modal_steps(k, mode, T)
@@ -185,7 +186,7 @@ class FloorSpectrum(_OnGround):
         above = 1.0 + (A - 1.0) * np.maximum(T / (_UPPER * T_k) - 1.0, 0.0) ** 1.2
         return np.asarray(A * self._peak(mode) / (below * above))
 
-    def _modal_steps(self, k: int, mode: Mode, T: float) -> list[Step]:
+    def _modal_steps(self, k: int, mode: Mode, T: float) -> list[Line]:
         damped = self.ground.with_damping(mode.damping)
         a_Z, A, xi = self._peak(mode), self._amplification(mode), mode.damping
         S_ek = float(damped.acceleration(mode.period))
@@ -198,7 +199,7 @@ class FloorSpectrum(_OnGround):
         if "T_" in formula:
             numbers |= {"T": T, f"T_{k}": mode.period}
         return [
-            replace(_ground_step(damped, "S_e", mode.period), symbol="S_ek"),
+            _ground_step(damped, "S_e", mode.period).replace(symbol="S_ek"),
             step(f"a_Z_{k}", "S_ek*abs(gamma*psi)*sqrt(1 + 0.0004*(100*xi_k)**2)", a_Z, "g",
                  f"{_LAW_2019} (C7.2.7)", S_ek=S_ek, gamma=mode.gamma, psi=mode.psi, xi_k=xi),
             step(f"A_{k}", "max(1, 1.1*eta/sqrt(xi_k))", A, "", f"{_LAW_2019} (C7.2.8)", eta=self.ground.eta,
@@ -248,8 +249,8 @@ class FloorSpectrum2009(_OnGround):
         resonance = "psi*gamma/sqrt((1 - T/T_1)**2 + 0.02*T/T_1)"
         return (
             *self.ground.steps(T),
-            replace(first, symbol="S_e_1"),
-            replace(second, symbol="S_De_1"),
+            first.replace(symbol="S_e_1"),
+            second.replace(symbol="S_De_1"),
             step("S_eZ", f"max(S_e, S_e_1*{resonance})", float(self.acceleration(T)), "g", _LAW_2009,
                  S_e=S_e, S_e_1=first.result, **shape),
             step("S_DeZ", f"max(S_De, S_De_1*(T/T_1)**2*{resonance})", float(self.displacement(T)), "m",
@@ -261,7 +262,7 @@ class FloorSpectrum2009(_OnGround):
         return self.mode.psi * self.mode.gamma / np.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
 
 
-def _ground_step(ground: ElasticSpectrum, symbol: str, T: float) -> Step:
+def _ground_step(ground: ElasticSpectrum, symbol: str, T: float) -> Line:
     return next(line for line in ground.steps(T) if line.symbol == symbol)
 
 
@@ -300,9 +301,17 @@ def spectrum_at_return_period(
 
 def with_hazard(spectrum: Spectrum, hazard: Hazard) -> Spectrum:
     """Return the spectrum on the same ground under another hazard. Raises ValueError for that of a record."""
-    if isinstance(spectrum, ElasticSpectrum):
-        return replace(spectrum, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
-    if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009):
-        ground = replace(spectrum.ground, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
-        return replace(spectrum, ground=ground)
-    raise ValueError('scaling = "return_period": must be "shape" where the spectrum is that of a record')
+    if (ground := ground_of(spectrum)) is None:
+        raise ValueError('scaling = "return_period": must be "shape" where the spectrum is that of a record')
+    ground = replace(ground, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
+    return (
+        replace(spectrum, ground=ground)
+        if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009)
+        else ground
+    )
+
+
+def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:
+    """Return the spectrum at the ground; None for that of a record."""
+    found = getattr(spectrum, "ground", spectrum)
+    return found if isinstance(found, ElasticSpectrum) else None

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Step, Trace, datum, return_period, step
+from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, return_period, step
+from assessment.results.schema.model import Line
 from mechanics.errors import ArgumentError, is_between, require
 from mechanics.types import Array
 
@@ -210,7 +211,7 @@ class HazardCurve:
             return float(RETURN_PERIODS[0] if ag <= table[0] else RETURN_PERIODS[-1])
         return exp(float(np.interp(log(ag), np.log(table), np.log(RETURN_PERIODS))))
 
-    def return_period_step(self, ag: float) -> Step:
+    def return_period_step(self, ag: float) -> Line:
         """Return the inverse interpolation of return_period(ag) by hand; its bounds are 30 and 2475 years."""
         table = self.values[:, 0]
         k = int(np.clip(np.searchsorted(table, ag), 1, len(table) - 1))
@@ -235,7 +236,7 @@ class HazardCurve:
             )  # fmt: skip
         return tuple(lines)
 
-    def _space(self, symbol: str, unit: str, column: int, j: int) -> Step:
+    def _space(self, symbol: str, unit: str, column: int, j: int) -> Line:
         p, d, at = self.node_values[:, column, j], self.distances, f"; T_R = {RETURN_PERIODS[column]:g}"
         if len(d) == 1:
             return datum(symbol, p[0], unit, f"{self.name}: one node, the site itself{at}")
@@ -369,7 +370,7 @@ _LAW = "D.M. 58/2017, Allegato A; NTC 2018, §3.2.1"
 
 def capacity_return_period(
     a_g: float, pga: float, demand_pga: float, demand_T_R: float | None, hazard: HazardCurve | None
-) -> Step | None:
+) -> Line | None:
     """Return the step of T_R,C (years); None where neither the hazard curve nor the demand's T_R is known.
 
     a_g (g) on rock is looked up on the site's hazard between 30 and 2475 years; beyond, and without a curve,

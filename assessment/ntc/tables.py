@@ -1,19 +1,16 @@
-"""What the standard tabulates: limit states, return periods, variable loads, confidence factors. Plain Python.
+"""What the standard tabulates: limit states, return periods, variable loads, confidence factors; lines by hand.
 
-A run in which nothing has changed reads a project, and needs no arrays for that.
+Without arrays: a run in which nothing has changed reads a project, and needs none for that.
 """
 
 import re
 from collections.abc import Container, Mapping
-from dataclasses import dataclass
 from math import inf, log
-from types import MappingProxyType
 from typing import Final
 
+from assessment.results.schema.model import Line
+
 _NAME = re.compile(r"[A-Za-z_]\w*")
-# SLO, SLD and "SLV linear" are the linear kinematic check (a_0* of the rigid multiplier); "elastic" is the end of the
-# elastic branch of a curve that has one; SLV and SLC are the nonlinear check
-CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
 LINEAR = ("SLO", "SLD", "SLV linear")
 QUOTED = ("SLC", "SLV", "SLD", "SLO")  # the farthest first
 # the ratio of a_g borne to a_g demanded at the first that is checked is ζ_E (NTC 2018, §8.3)
@@ -29,32 +26,19 @@ USE_COEFFICIENT = {"I": 0.7, "II": 1.0, "III": 1.5, "IV": 2.0}  # C_U, Tab. 2.4.
 SHORTEST, LONGEST = 30.0, 2475.0  # years, of the reference hazard
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One line of a calculation: symbol = formula(inputs) = result [unit], paragraph.
-
-    An empty formula marks a datum: a number given by the user or read from a table, a curve or a record.
-    """
-
-    symbol: str
-    formula: str
-    inputs: Mapping[str, float]
-    result: float
-    unit: str
-    paragraph: str
+Trace = tuple[Line, ...]
 
 
-Trace = tuple[Step, ...]
-
-
-def step(symbol: str, formula: str, result: float, unit: str, paragraph: str, /, **inputs: float) -> Step:
-    """Return a Step whose inputs are the keyword arguments, in their order."""
+def step(symbol: str, formula: str, result: float, unit: str, paragraph: str, /, **inputs: float) -> Line:
+    """Return a line whose inputs are the keyword arguments, in their order."""
     numbers = {name: float(value) for name, value in inputs.items()}
-    return Step(symbol, formula, MappingProxyType(numbers), float(result), unit, paragraph)
+    return Line(
+        symbol=symbol, formula=formula, inputs=numbers, result=float(result), unit=unit, paragraph=paragraph
+    )
 
 
-def datum(symbol: str, value: float, unit: str, source: str) -> Step:
-    """Return the Step of a number that is given or read, not calculated; `source`: from where."""
+def datum(symbol: str, value: float, unit: str, source: str) -> Line:
+    """Return the line of a number that is given or read, not calculated; `source`: from where."""
     return step(symbol, "", value, unit, source)
 
 
@@ -106,7 +90,7 @@ COMPONENTS = {  # F_Ck that may be chosen, from limited to exhaustive knowledge 
 }
 
 
-def confidence_factor(level: str | None, components: Mapping[str, float]) -> Step:
+def confidence_factor(level: str | None, components: Mapping[str, float]) -> Line:
     """Return the step of F_C of a level of knowledge (C8.5.4), or 1 + Σ F_Ck of the components where none is given."""
     if level is not None:
         return datum("F_C", LEVELS[level], "", f"{CONFIDENCE_FACTOR}, {level}")

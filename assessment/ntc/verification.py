@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf, pi, sqrt
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
@@ -16,14 +16,20 @@ from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
-from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Step, Trace, datum, step
+from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Trace, datum, step
+from assessment.results.schema.checks import Check, CheckMethod, VerticalCheck
+from assessment.results.schema.model import Line
+from assessment.results.schema.part import finite
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY
 
-CheckMethod = Literal["linear", "elastic", "nonlinear"]
 ACTIVATION_DAMPING = 0.05
 _SURFACE_LAW = "NTC 2018, §3.2.3.2.1"
+NOTHING = dict.fromkeys((  # numbers of a check whose capacity is not defined
+    "d_star_m", "a_star_g", "T_s", "a_g_g", "pga_g", "S", "zeta_E", "verified", "damping", "return_period_years",
+    "return_period_stated", "demand_a_star_g",
+))  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,51 +103,9 @@ class Solved:
     notes: tuple[Message, ...]
 
 
-@dataclass(frozen=True)
-class Verification:
-    """The answer of one check of one limit state; its numbers are the keys of a check in the results (docs/results.md).
-
-    zeta_E is the index ζ_E at SLV only (§8.3). Numbers are None where the capacity is not defined, `notes` say why.
-    """
-
-    limit_state: str
-    method: CheckMethod
-    demand_a_g_g: float
-    reference: str
-    demand_S: float  # noqa: N815
-    notes: tuple[Message, ...]
-    d_star_m: float | None = None
-    a_star_g: float | None = None
-    T_s: float | None = None
-    a_g_g: float | None = None
-    S: float | None = None
-    zeta_E: float | None = None  # noqa: N815
-    verified: bool | None = None
-    damping: float | None = None
-    return_period_years: float | None = None
-    governing: str = ""
-    trace: Trace = ()
-    demand_a_star_g: float | None = None
-
-    @property
-    def pga_g(self) -> float | None:
-        """Capacity at the surface S a_g, g."""
-        return None if self.a_g_g is None or self.S is None else self.S * self.a_g_g
-
-    @property
-    def demand_pga_g(self) -> float:
-        """Demand at the surface S a_g, g."""
-        return self.demand_S * self.demand_a_g_g
-
-    @property
-    def return_period_stated(self) -> str | None:
-        """Bound of a return period outside what the hazard is known for."""
-        return stated(self.return_period_years)
-
-
 def verify(
     capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method | None = None
-) -> dict[str, Verification]:
+) -> dict[str, Check]:
     """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
 
     SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, of a curve that has
@@ -160,9 +124,7 @@ def verify(
         try:
             checks[state] = check_nonlinear(capacity, state, spectrum, method)
         except CapacityError as refusal:
-            checks[state] = Verification(
-                state, "nonlinear", *_demand(state, spectrum, method), (refusal.message,)
-            )
+            checks[state] = _part(state, spectrum, method, "nonlinear", notes=[refusal.message])
         if state == "SLV":
             checks["SLV linear"] = check_linear(capacity, state, spectrum, method)
     life, collapse = (checks[state].a_g_g if state in checks else None for state in ("SLV", "SLC"))
@@ -171,13 +133,11 @@ def verify(
             "a_g of SLC comes out below that of SLV because their demand spectra differ in shape: the smaller one "
             "counts for both"
         )
-        checks["SLC"] = replace(checks["SLC"], notes=(*checks["SLC"].notes, shapes))
+        checks["SLC"] = checks["SLC"].replace(notes=[*checks["SLC"].notes, shapes])
     return checks
 
 
-def check_linear(
-    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
-) -> Verification:
+def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method) -> Check:
     """Return the linear kinematic check of a_0* = α0/(e* F_C), of the rigid multiplier (Circolare 7/2019, C8.7.1.2).
 
     At the ground a_0* ≥ a_g S/q, at height a_0* ≥ a_Z(z)/q with a_Z = S_e(T_1) |γ ψ| √(1 + 0.0004 ξ²), not below
@@ -196,12 +156,12 @@ def check_linear(
             *spectrum.with_damping(ACTIVATION_DAMPING).steps(0.0),
             step("a_demand", "S_eZ/q", at_rest / q, "g", law, S_eZ=at_rest, q=q),
         )
-    return replace(check, demand_a_star_g=steps[-1].result, trace=(*check.trace, *steps))
+    return check.replace(demand_a_star_g=steps[-1].result, trace=[*check.trace, *steps])
 
 
 def check_nonlinear(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
-) -> Verification:
+) -> Check:
     """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2, or that of 2009).
 
     d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same), T = 1.68 π √(d/a) at
@@ -235,8 +195,8 @@ def _first(life: Solved, collapse: Solved) -> Solved:
     *steps, last = collapse.steps
     line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"],
                 a_g_life=life.a_g, a_g_collapse=collapse.a_g)  # fmt: skip
-    steps = [*life.steps[:-1], replace(life.steps[-1], symbol="a_g_life"), *steps,
-             replace(last, symbol="a_g_collapse"), line]  # fmt: skip
+    steps = [*life.steps[:-1], life.steps[-1].replace(symbol="a_g_life"), *steps,
+             last.replace(symbol="a_g_collapse"), line]  # fmt: skip
     note = message(
         "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
         "the plateau): that a_g counts"
@@ -257,8 +217,8 @@ def _demand(limit_state: str, spectrum: Spectrum, method: Method) -> tuple[float
 def _check(
     limit_state: str, solved: Solved, capacity: CapacityCurve, spectrum: Spectrum, method: Method,
     kind: CheckMethod,
-) -> Verification:  # fmt: skip
-    """Return the verification of a solution against the demand."""
+) -> Check:  # fmt: skip
+    """Return the check of a solution against the demand."""
     a_g, S = solved.a_g, solved.base.S
     demand, reference, S_demand = _demand(limit_state, spectrum, method)
     given = limit_state in method.site_acceleration
@@ -278,11 +238,23 @@ def _check(
         lines += [period] if period else []
     else:
         period = None
-    return Verification(
-        limit_state, kind, demand, reference, S_demand, (*capacity.fit.notes, *solved.notes), solved.d_star,
-        solved.a_star, solved.T, a_g, S, zeta, zeta >= 1.0, solved.damping, period.result if period else None,
-        solved.governing, (*capacity.steps(), *solved.steps, *lines),
+    T_R = period.result if period else None
+    return _part(
+        limit_state, spectrum, method, kind, d_star_m=solved.d_star, a_star_g=solved.a_star, T_s=solved.T, a_g_g=a_g,
+        pga_g=pga, S=S, zeta_E=zeta, verified=bool(zeta >= 1.0), damping=solved.damping, governing=solved.governing,
+        return_period_years=T_R, return_period_stated=stated(T_R), notes=[*capacity.fit.notes, *solved.notes],
+        trace=[*capacity.steps(), *solved.steps, *lines],
     )  # fmt: skip
+
+
+def _part(limit_state: str, spectrum: Spectrum, method: Method, kind: CheckMethod, **found: Any) -> Check:
+    """Return a check of what was `found`, by its keys; null: what was not, as where the capacity is not defined."""
+    demand, reference, S = _demand(limit_state, spectrum, method)
+    asked = {"demand_a_g_g": demand, "demand_pga_g": S * demand, "demand_S": S, "reference": reference}
+    told = {
+        name: finite(float(value)) if isinstance(value, float) else value for name, value in found.items()
+    }
+    return Check(method=kind, **NOTHING | {"governing": "", "trace": []} | asked | told)
 
 
 def _solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q: float = 1.0) -> Solved:
@@ -372,7 +344,7 @@ def _solve_displacement(
 
 def _limit(
     capacity: CapacityCurve, limit_state: str, method: Method, rule: Nonlinear
-) -> tuple[float, str, Step]:
+) -> tuple[float, str, Line]:
     """Return the displacement limit d* (m), what sets it, and its step."""
     d_0, Gamma = capacity.d_0_star, capacity.gamma_star
     if d_0 is None:
@@ -420,22 +392,9 @@ THRUSTING_A_G = 0.15
 _SHARE = 0.3  # of the components that are not the leading one, §7.3.5
 
 
-@dataclass(frozen=True)
-class VerticalComponent:
-    """The linear check with lighter weights: named as in the results, step by step."""
-
-    a_v_g: float
-    alpha_0: float
-    a_0_star_g: float
-    demand_a_star_g: float
-    ratio: float
-    verified: bool
-    trace: Trace
-
-
 def vertical_component(
     spectrum: ElasticSpectrum, alpha_0: float, a_0_star: float, demand: float
-) -> VerticalComponent:
+) -> VerticalCheck:
     """Return the linear check of a mechanism with the weights made lighter by the vertical component.
 
     Rigid masses feel S_ve(0) = 1.35 S_T √(a_g/g) a_g (§3.2.3.2.2, S_S = 1). What bears is in proportion to the weights:
@@ -447,7 +406,7 @@ def vertical_component(
     factor = min(1.0 - _SHARE * a_v, (1.0 - a_v) / _SHARE)
     law, rule = "NTC 2018, §3.2.3.2.2", "NTC 2018, §7.2.2, §7.3.5"
     lighter = factor * a_0_star
-    trace = (
+    trace = [
         datum("a_g", a_g, "g", "hazard of the site, or peak of the record"),
         step("a_v", "1.35*S_T*sqrt(a_g)*a_g", a_v, "g", law, S_T=S_T, a_g=a_g),
         step("lambda_v", "min(1 - 0.3*a_v, (1 - a_v)/0.3)", factor, "", rule, a_v=a_v),
@@ -456,7 +415,8 @@ def vertical_component(
              a_0_star=a_0_star),
         step("r_v", "a_0_star_v/a_demand", lighter / demand, "", "Circolare 7/2019, C8.7.1.2",
              a_0_star_v=lighter, a_demand=demand),
+    ]  # fmt: skip
+    return VerticalCheck(
+        a_v_g=a_v, alpha_0=factor * alpha_0, a_0_star_g=lighter, demand_a_star_g=demand, ratio=lighter / demand,
+        verified=bool(lighter >= demand), trace=trace,
     )  # fmt: skip
-    return VerticalComponent(
-        a_v, factor * alpha_0, lighter, demand, lighter / demand, lighter >= demand, trace
-    )

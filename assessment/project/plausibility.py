@@ -9,8 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from assessment.ntc.floor_spectrum import ground_of
 from assessment.ntc.hazard import Hazard, hazard_range
-from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import return_period
 from assessment.project.project import Project
 from assessment.project.schema import LayerTable, MaterialTable, SettlementTable, TieTable
@@ -79,11 +80,10 @@ def implausible_hazard(project: Project, demands: Mapping[str, Spectrum]) -> lis
     site = project.assessment.site if project.assessment else None
     if site is None:
         return []
-    grounds = {name: getattr(spectrum, "ground", spectrum) for name, spectrum in demands.items() if site.grid}
     numbers = {
         name: (ground.ag, ground.F0, ground.Tc_star)
-        for name, ground in grounds.items()
-        if isinstance(ground, ElasticSpectrum)
+        for name, spectrum in demands.items()
+        if site.grid and (ground := ground_of(spectrum))
     } or {name: (each.ag_g, each.F0, each.Tc_star_s) for name, each in site.typed.items()}
     values = {}
     for name, each in numbers.items():

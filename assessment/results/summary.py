@@ -4,9 +4,9 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from assessment.ntc.tables import CHECKS, INDEXED, SURFACE, farthest
+from assessment.ntc.tables import INDEXED, SURFACE, farthest
 from assessment.results import schema
-from assessment.results.schema.checks import Capacity, Direction
+from assessment.results.schema.checks import CHECKS, Capacity, Direction
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
 from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
 from assessment.results.table import ORIGINAL, reduction, static_pga

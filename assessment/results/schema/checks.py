@@ -3,12 +3,15 @@
 from collections.abc import Mapping
 from typing import Literal, Self
 
-from assessment.ntc.tables import CHECKS
 from assessment.results.schema.model import Face, Line
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional, present
 from assessment.results.schema.static import MassShares, OtherLaw, Run, Sliding
 
 Direction = Literal["+x", "-x"]
+CheckMethod = Literal["linear", "elastic", "nonlinear"]
+# SLO, SLD and "SLV linear" are the linear kinematic check (a_0* of the rigid multiplier); "elastic" is the end of the
+# elastic branch of a curve that has one; SLV and SLC are the nonlinear check
+CHECKS = ("SLO", "SLO elastic", "SLD", "SLD elastic", "SLV linear", "SLV", "SLC")
 
 
 class OscillatorCurve(Part):
@@ -21,7 +24,7 @@ class OscillatorCurve(Part):
 class Check(MassShares):
     """A check of a limit state."""
 
-    method: Literal["linear", "elastic", "nonlinear"] = key("which check")
+    method: CheckMethod = key("which check")
     d_star_m: float | None = key("displacement that counts; null: none", "d*", shown="mm", null="none")
     a_star_g: float | None = key("acceleration that counts; null: not defined", "a*", null="not_determined")
     T_s: float | None = key("period that counts; null: not defined", "T", null="not_determined")

@@ -9,10 +9,9 @@ from typing import Any, Union, get_args, get_origin
 import pytest
 from pydantic import ValidationError
 
-from assessment.ntc.tables import CHECKS
 from assessment.results.file import as_bytes, read_results
 from assessment.results.schema import FORMAT, Results, json_schema
-from assessment.results.schema.checks import Capacity, Check
+from assessment.results.schema.checks import CHECKS, Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.part import first_error
 from assessment.results.table import cells
