@@ -123,7 +123,7 @@ def begun(
 ) -> tuple[Array, JointMotion, kinematics.VirtualWork]:
     """Return virtual displacements (b, 3), motion in the joints, virtual work. Raises MechanismError as `evaluate`."""
     delta = kinematics.virtual_displacements(model, positions, chosen)
-    motion, work = joint_motion(model, positions, delta), kinematics.virtual_work(model, positions, chosen)
+    motion = joint_motion(model, positions, delta)
     if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does
         deep = message(
             "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
@@ -135,6 +135,7 @@ def begun(
         if np.isinf(tie.yield_force):
             raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
                                          "mechanism that it allows", name=tie.name))  # fmt: skip
+    work = kinematics.virtual_work(model, positions, chosen)
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
         raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
     if work.alpha_0 <= 0.0:
