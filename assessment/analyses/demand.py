@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -177,16 +177,15 @@ def state_indices(
     at_life = {direction: indices(each) for direction, each in _at(capacities, "SLV", "SLV linear").items()}
     if (life := _least(at_life)) is None or not all(at_life.values()):
         return None
-    zeta, direction, limit = life
-    check = capacities[direction].checks[limit]
+    zeta, check = life.ratio, capacities[life.direction].checks[life.limit_state]
     damage, collapse = _least(_at(capacities, "SLD", "SLD elastic")), _least(_at(capacities, "SLC"))
-    T_SLD = capacities[damage.direction].checks[damage.check].return_period_years if damage else None
+    T_SLD = capacities[damage.direction].checks[damage.limit_state].return_period_years if damage else None
     use_class, T_R = assessment.site.use_class, demand_return_periods(project).get("SLV")
     T_SLV = check.return_period_years
     a_g, demanded = known(check.a_g_g), check.demand_a_g_g
     made = as_part(
         parts.Indices, heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
-        direction=direction, check=limit, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
+        direction=life.direction, check=life.limit_state, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
         ratio_SLD=damage.ratio if damage else None, T_SLV_years=T_SLV,
         T_SLV_stated=check.return_period_stated, T_R_SLV_years=T_R, use_class=use_class,
         required_zeta=required_zeta(zeta, use_class),
@@ -216,28 +215,22 @@ def confidence_source(assessment: AssessmentTable | None) -> str:
 
 def governing(capacities: Mapping[parts.Direction, parts.Capacity]) -> parts.Governing | None:
     """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
-    least = _least({direction: each.ratios for direction, each in capacities.items()})
-    return least and parts.Governing(direction=least.direction, limit_state=least.check, ratio=least.ratio)
+    return _least({direction: each.ratios for direction, each in capacities.items()})
 
 
 def safety_index(capacities: Mapping[parts.Direction, parts.Capacity]) -> parts.SafetyIndex | None:
     """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
     least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
-    return least and parts.SafetyIndex(direction=least.direction, limit_state=least.check, zeta_E=least.ratio)
+    if least is None:
+        return None
+    return parts.SafetyIndex(direction=least.direction, limit_state=least.limit_state, zeta_E=least.ratio)
 
 
-class _Least(NamedTuple):
-    """The least `ratio` of a_g borne to a_g demanded, by direction and name of the check."""
-
-    ratio: float
-    direction: parts.Direction
-    check: str
-
-
-def _least(ratios: Mapping[parts.Direction, Mapping[str, float]]) -> _Least | None:
+def _least(ratios: Mapping[parts.Direction, Mapping[str, float]]) -> parts.Governing | None:
     """Return the least of the ratios by direction and check; None where there is none."""
-    pairs = ((direction, *each) for direction, checks in ratios.items() for each in checks.items())
-    return min((_Least(ratio, direction, check) for direction, check, ratio in pairs), default=None)
+    found = ((ratio, way, check) for way, checks in ratios.items() for check, ratio in checks.items())
+    least = min(found, default=None)
+    return parts.Governing(ratio=least[0], direction=least[1], limit_state=least[2]) if least else None
 
 
 def _at(
