@@ -1,4 +1,4 @@
-"""The commands: each takes its options and returns its exit code.
+"""The commands: each takes its options and returns its exit code; what a run tells at its end.
 
 What a command needs is imported when it is called: `--help` answers in under 0.3 s.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import say, tell, unwritten
@@ -16,7 +16,11 @@ from assessment.runtime.errors import DONE, INCOMPLETE, WRONG_INPUT, error_text
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterable
     from pathlib import Path
+
+    from assessment.results.schema import Results
+    from assessment.runtime.tasks import Outcome
 
 
 EXIT_CODES = f"""exit codes:
@@ -46,7 +50,6 @@ def tell_error(error: ValueError | OSError) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """Carry out the stages and print the summary; INCOMPLETE where an analysis was not completed."""
-    from assessment.cli.summary import as_json, summary
     from assessment.project.project import load_project
     from assessment.runtime.progress import progress
     from assessment.workflow.run import carry_out, select
@@ -65,7 +68,6 @@ def check(options: argparse.Namespace) -> int:
 
     With `--repair` first write a repaired drawing beside the project's, list every change, and check that one.
     """
-    from assessment.cli.summary import warning_lines
     from assessment.project.model import with_repaired_drawing
     from assessment.project.motions import described
     from assessment.project.project import load_project
@@ -233,3 +235,78 @@ def _writable(folder: Path) -> Path:
     if not existing.is_dir() or not os.access(existing, os.W_OK):
         raise ValueError(f"{existing}: {wrong} give another folder with --out DIR")
     return folder
+
+
+def warning_lines(warnings: Iterable[str]) -> list[str]:
+    """Return the warnings as lines, each once."""
+    return [f"warning: {text}" for text in dict.fromkeys(warnings)]
+
+
+def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
+    """Return a summary of the run: what was found, a table by state and direction, then the warnings."""
+    from assessment.report.terminal import told
+
+    lines = [outcome.told or told(outcome.results)]
+    if outcome.taken:
+        lines.append(
+            f"taken over from earlier runs: {outcome.taken} of {outcome.taken + outcome.computed} analyses, "
+            "inputs unchanged (--fresh computes them again)"
+        )
+    lines.append(f"results: {folder}")
+    return "\n".join([*lines, *warning_lines(_warnings(outcome.results, warnings))])
+
+
+def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
+    """Return the summary as one JSON object; null for what was not asked for or not reached."""
+    from assessment.results.schema import plain
+    from assessment.results.summary import best_of, undetermined
+
+    results = outcome.results
+    best = best_of(results.identification) if results.identification else None
+    content = {
+        "assesto": results.assesto, "title": results.title, "output": str(folder),
+        "complete": outcome.complete, "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
+        "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
+        "summary": plain(results.summary), "undetermined": undetermined(results),
+        "capacities": capacities(results), "ultimate_movements": _ultimates(results),
+        "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
+        "comparison": plain(results.comparison), "strengthening": plain(results.strengthening),
+        "best_movement": plain(best.movement) if best else None, "warnings": _warnings(results, warnings),
+        "timing_s": results.timing_s,
+    }  # fmt: skip
+    return json.dumps(content, allow_nan=False, indent=2)
+
+
+def capacities(results: Results) -> list[dict[str, Any]]:
+    """Return α0, d_0 (m), a_g (g) and ζ_E of the farthest limit state, and every check, by state and direction."""
+    from assessment.ntc.tables import farthest
+
+    rows = []
+    for name, state in results.states.items():
+        for direction, curves in state.pushover.items():
+            capacity = state.capacity.get(direction)
+            found = capacity.checks if capacity else {}
+            checks = {name: {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E} for name, check in found.items()}
+            limit = farthest(found)
+            rows.append(
+                {
+                    "state": name, "direction": direction,
+                    "alpha_0": curves.rigid.alpha_0 if curves.rigid else None,
+                    "d_0_m": curves.rigid.d_0_m if curves.rigid else None, "limit_state": limit,
+                    **(checks[limit] if limit else {"a_g_g": None, "zeta_E": None}), "checks": checks,
+                }
+            )  # fmt: skip
+    return rows
+
+
+def _ultimates(results: Results) -> list[dict[str, Any]]:
+    """Return the ultimate movement (m) of every state and behaviour of its joints; None: not sought, or not reached."""
+    return [
+        {"state": name, "contacts": behaviour, "ultimate_movement_m": path.ultimate_movement_m}
+        for name, state in results.states.items()
+        for behaviour, path in state.pushdown.items()
+    ]
+
+
+def _warnings(results: Results, others: Iterable[str]) -> list[str]:
+    return [*results.model.warnings, *results.quality.warnings, *others]

@@ -7,7 +7,7 @@ are of one point of the curve that is reported, which is printed with its α whe
 import numpy as np
 import pytest
 
-from assessment.cli.summary import capacities
+from assessment.cli.commands import capacities
 from assessment.report.chapters.remarks import onsets
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.deformed import draw_thrust

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 from markupsafe import Markup
 
-from assessment.cli.summary import summary as terminal
+from assessment.cli.commands import summary as terminal
 from assessment.project.project import json_schema
 from assessment.report.chapters.grids import check_grids, grid, printed_tables
 from assessment.report.chapters.judgement import draft_judgement
