@@ -350,8 +350,8 @@ def _limit(
     if d_0 is None:
         positive = message(
             "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
-            "{displacement:.6g} m; follow the pushover with rigid contacts to zero",
-            limit=limit_state, displacement=float(capacity.fit.displacement[-1]),
+            "d* = {displacement:.4g} m; follow the pushover with rigid contacts to zero",
+            limit=limit_state, displacement=float(capacity.displacement[-1]),
         )  # fmt: skip
         raise CapacityError(positive)
     symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"

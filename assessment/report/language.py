@@ -314,7 +314,8 @@ def written(name: str, value: Any, words: Words, significant: int = 3) -> Markup
         return value
     found = QUANTITIES[name]
     if value is None:
-        return words(f"value.{found.null or ('none' if found.words else 'not_reached')}")
+        null = found.null or ("none" if found.words else "not_reached")
+        return words("value.open" if null == "not_determined" and not found.words else f"value.{null}")
     if name in WRITERS:
         return Markup.escape(WRITERS[name](value, words))
     if value == "inf" and not found.words:  # an input: results have no infinity

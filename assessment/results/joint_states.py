@@ -41,10 +41,8 @@ def described(model: Assembly, contacts: Contacts) -> list[Face]:
         contacts.a, contacts.b, lines.ends, lines.middle, contacts.strength, strict=True
     ):
         thin = float(min(depth[a], depth[b]))
-        friction = finite(
-            min(model.blocks[block].material.friction for block in (a, b))
-        )  # JSON has no infinity
-        limits: dict[str, Any] = {"friction": friction, "depth_m": thin}
+        friction = min(model.blocks[each].material.friction for each in (a, b))
+        limits: dict[str, Any] = {"friction": finite(friction), "depth_m": thin}  # JSON has no infinity
         limits["compressive_strength_kN_m2"] = finite(float(strength) / thin)
         lines_m = {"middle_m": middle.tolist(), "faces_m": ends.tolist()}
         found.append(Face(blocks=[int(a), int(b)], **lines_m, **limits))
@@ -130,9 +128,7 @@ def shares(places: Array, forces: Array) -> Array:
 
 def outlines(results: Results) -> Shape:
     """Return the outlines of the blocks in the drawing position."""
-    told = (
-        (block.vertices_m, block.centroid_m, block.support is not None) for block in results.geometry.blocks
-    )
+    told = ((each.vertices_m, each.centroid_m, each.support is not None) for each in results.geometry.blocks)
     return Shape.of(*zip(*told, strict=True))
 
 

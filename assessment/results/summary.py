@@ -138,19 +138,23 @@ def _row(
     state, original = states[name], states.get(ORIGINAL) if name != ORIGINAL else None
     (capacity, pushed), (was, before) = there(state), there(original)
     checks = {limit: _counting(capacity, limit) for limit in limits}
+
+    def change(capacity: Capacity | None, limit: str) -> float | None:
+        before, after = _counting(capacity, limit), checks[limit]
+        alike = before.check == after.check or limit not in INDEXED  # else one is linear, one is not
+        return reduction(before.zeta_E, after.zeta_E) if alike else None
+
     for limit, check in checks.items() if original else ():
-        checks[limit] = check.replace(loss=reduction(_counting(was, limit).zeta_E, check.zeta_E))
+        checks[limit] = check.replace(loss=change(was, limit))
     if (made := state.strengthening) is not None and made.of in states:
         for limit, check in checks.items():
-            change = reduction(_counting(there(states[made.of])[0], limit).zeta_E, check.zeta_E)
-            checks[limit] = check.replace(gain=None if change is None else -change)
+            fallen = change(there(states[made.of])[0], limit)
+            checks[limit] = check.replace(gain=None if fallen is None else -fallen)
     ratios = {limit: ratio for limit, check in checks.items() if (ratio := check.zeta_E) is not None}
     indexed = [limit for limit in INDEXED if limit in checks] or list(checks)
     row: dict[str, Any] = {"state": name, "direction": direction, "checks": checks}
-    before_it = (
-        states.get(made.of) if made else state
-    )  # not reached: its configuration is that of the drawing
-    row["reached"] = before_it is None or before_it.settlement is None or any(map(any, state.configuration))
+    of = states.get(made.of) if made else state  # not reached: its configuration is that of the drawing
+    row["reached"] = of is None or of.settlement is None or any(map(any, state.configuration))
     row["governing"] = min(ratios, key=lambda limit: ratios[limit], default=None)
     row["verified"] = _all(checks[limit].verified for limit in indexed)
     row["limit_state"] = farthest(capacity.checks) if capacity else None

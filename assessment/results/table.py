@@ -43,9 +43,7 @@ def columns_of(row: type) -> tuple[str, ...]:
     """
     if issubclass(row, Part):
         described = row.model_fields.items()
-        return tuple(
-            name for name, field in described if name in QUANTITIES and plain_value(field.annotation)
-        )
+        return tuple(name for name, each in described if name in QUANTITIES and plain_value(each.annotation))
     hints = get_type_hints(row, include_extras=True)
     for name, hint in hints.items():
         for told in getattr(hint, "__metadata__", ()):

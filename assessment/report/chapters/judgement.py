@@ -312,9 +312,7 @@ def to_html(markdown: str) -> Markup:
     from markdown_it import MarkdownIt
 
     parser = MarkdownIt("zero").enable(["heading", "list", "emphasis", "escape", "newline"])
-    closed = (
-        markdown.rfind("-->") + 3
-    )  # beyond, every comment that begins would be sought to the end of the text
+    closed = markdown.rfind("-->") + 3  # beyond, each that begins would be sought to the end of the text
     tokens = parser.parse(COMMENT.sub("", markdown[:closed]) + markdown[closed:])
     for block in tokens:
         for token in (block, *(block.children or ())):

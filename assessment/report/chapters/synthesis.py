@@ -53,7 +53,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     value = check.zeta_E if check else getattr(row, quantity)
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
-    where = [words.plain("value.pushover"), limit if check else "", direction_name(row.direction or "")]
+    kind = "linear" if check and check.check.endswith(" linear") else "pushover"
+    where = [words.plain(f"value.{kind}"), limit if check else "", direction_name(row.direction or "")]
     place = {
         "symbol": indexed(label(quantity, words)),
         "value": written(quantity, value, words),
@@ -149,11 +150,14 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         yield from (words.state(row.state), direction_name(row.direction or "–"))
         yield from (_ratio(row, limit, words) for limit in limits)
         if changed:
-            loss = row.checks[first].loss if first and row.state != ORIGINAL else None
-            yield dash if loss is None else written("reduction", -loss, words)
+            loss = row.checks[first].loss if first else None
+            none = dash if row.state == ORIGINAL else words("value.open")
+            yield none if loss is None else written("reduction", -loss, words)
+        shaken = results.states[row.state].incremental.records is not None
+        asked = {"static_pga_g": bool(row.checks), "dynamic_pga_g": shaken}
         for name in listed:
             value = getattr(row, name)
-            yield dash if value is None else written(name, value, words)
+            yield dash if value is None and not asked.get(name) else written(name, value, words)
         moves = row.mechanism and row.direction
         yield mechanism_name(results, row.state, moves, words) if moves else dash
         if limits:

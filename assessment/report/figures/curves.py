@@ -34,9 +34,7 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
             along, width = mm * np.asarray(path.movement_m), WIDTHS[contacts]
             axes.plot(along, force, color="0.0", linewidth=width, label=named)
         axes.set(xlabel=label("movement_m", words), ylabel=label(f"reaction_{component}_kN", words))
-        reactions = [
-            f for path in content.pushdown.values() for f in (*path.reaction_x_kN, *path.reaction_z_kN)
-        ]
+        reactions = [f for way in content.pushdown.values() for f in (*way.reaction_x_kN, *way.reaction_z_kN)]
         largest, (low, high) = max(map(abs, reactions)), axes.get_ylim()
         if high - low < 1e-3 * largest:  # a reaction that does not change is a level line, not its rounding
             axes.set_ylim(*((low + high) / 2.0 + side * largest for side in (-0.1, 0.1)))

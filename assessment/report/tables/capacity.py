@@ -60,9 +60,7 @@ def summary(results: Results) -> Table:
         for sources in zip(*(_sources(state, direction) for state in results.states.values()), strict=True):
             quantity, limit, _ = sources[0]
             parts = {name: part for name, (*_, part) in zip(results.states, sources, strict=True) if part}
-            values = {
-                name: found[quantity] for name, part in parts.items() if (found := cells(part, [quantity]))
-            }
+            values = {name: one[quantity] for name, part in parts.items() if (one := cells(part, [quantity]))}
             if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
                 values = dict.fromkeys(lacking) | values
             if values:

@@ -23,8 +23,8 @@ class SummaryCheck(Part):
     zeta_E: float | None = key("ζ_E at SLV and SLC, the ratio at SLO and SLD; null: not determined")
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
     verified: bool | None = key("whether it is 1 or more")
-    loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original)")
-    gain: float | None = optional("of a strengthened state: ζ_E/ζ_E(before) − 1")
+    loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original), both by this check")
+    gain: float | None = optional("of a strengthened state: ζ_E/ζ_E(before) − 1, likewise")
 
 
 class SummaryMechanism(Count):

@@ -60,15 +60,21 @@ def sentence_agrees(results):
     limit, state = index_limit(results), worst_settled(results) or "original"
     said = Markup(lead(results, WORDS)[0]).striptags()
     found = re.search(
-        r"ζE = (\S+) \((\w+), ([+−]x)\)(?:; before the settlement (\S+): .*? of (\S+) %)?", said
-    )
+        r"ζE = (\S+) \((pushover|linear check), (\w+), ([+−]x)\)"
+        r"(?:; before the settlement (\S+): .*? of (\S+)\s%)?", said,
+    )  # fmt: skip
     if found is None or limit is None:
+        assert "ζE = " not in said
         return
-    value, where, direction, before, share = found.groups()
+    value, kind, where, direction, before, share = found.groups()
     own = {way: borne(results, state, way, limit) for way in ("+x", "-x")}
     known = {way: ratio for way, ratio in own.items() if ratio is not None}
     way = direction.replace("−", "-")
     assert where == limit and known[way] == min(known.values()) and value == WORDS.ratio(known[way])
+    there = {each.state: each for each in results.summary.rows if each.direction == way}
+    nonlinear = {name: row.checks[limit].check == limit for name, row in there.items()}
+    assert (kind == "pushover") == nonlinear[state]
+    assert before is None or nonlinear["original"] == nonlinear[state]
     if before is not None:
         was = borne(results, "original", way, limit)
         assert before == WORDS.ratio(was) and share == written(
@@ -97,6 +103,16 @@ def test_so_do_those_of_an_analysis(make):
     made = agrees(results)
     sentence_agrees(results)
     assert len(made.rows) == 4 and "ζ" in lead(results, WORDS)[0]
+
+
+def test_the_answer_is_of_the_linear_check_where_the_nonlinear_one_has_no_number():
+    content = analysed("en")
+    for capacity in content["states"][worst_settled(typed(content))]["capacity"].values():
+        capacity["SLV"] |= {"zeta_E": None, "verified": None}
+    results = typed(content)
+    sentence_agrees(results)
+    said = lead(results, WORDS)[0]
+    assert "(linear check, SLV, " in said and "before the settlement" not in said
 
 
 def test_what_is_just_below_the_threshold_is_told_with_digits_enough():
