@@ -8,12 +8,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 
-from assessment.analyses.demand import (
-    Demands,
-    confidence_source,
-    demand_return_periods,
-    site_acceleration,
-)
+from assessment.analyses.demand import Demands, confidence_source, demand_return_periods, site_acceleration
 from assessment.analyses.found import Found
 from assessment.analyses.lateral import FRICTION
 from assessment.analyses.paths import loss_sentence

@@ -9,14 +9,7 @@ from typing import Any, Self
 
 from assessment.analyses.found import Found, joined
 from assessment.analyses.lateral import Pushed, PushSetting, push, pushover_title
-from assessment.analyses.paths import (
-    Settled,
-    configuration,
-    not_back,
-    path_title,
-    rest_as_drawn,
-    settle,
-)
+from assessment.analyses.paths import Settled, configuration, not_back, path_title, rest_as_drawn, settle
 from assessment.project.model import StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable, SettlementTable

@@ -17,13 +17,7 @@ from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.results import hand_check
 from assessment.results.frames import tie_ends, ties_of
-from assessment.results.joint_states import (
-    Situation,
-    faces_of,
-    joint_states,
-    outlines,
-    thrust_lines,
-)
+from assessment.results.joint_states import Situation, faces_of, joint_states, outlines, thrust_lines
 from assessment.results.schema import Configuration, Direction, Face, GivenMechanism, Point, Results, known
 from assessment.results.summary import best_of
 from mechanics import pictures
