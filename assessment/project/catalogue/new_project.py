@@ -17,7 +17,7 @@ from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import left_over, naming, temporary_of
 from mechanics.messages import visible
 
-NUMBER = "number"  # unit of a dimension that counts: a whole number
+NUMBER = ""  # unit of a dimension that counts, a whole number
 UNITS = {"_kN_m3": "kN/m³", "_kN": "kN", "_deg": "°", "_m": "m"}  # by the end of a name
 LARGEST = {NUMBER: 100, "m": 1e3, "kN": 1e6, "kN/m³": 1e3, "°": 89.0}
 LEAST = 1e-3  # m, of a dimension that is not 0 by default
