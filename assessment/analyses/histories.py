@@ -101,9 +101,7 @@ def enough(courses: Sequence[Track], scatter: Scatter, size: float) -> bool:
     return len(courses) == PAIR and agree(courses[0], courses[1], scatter.tolerance, size)
 
 
-def lowest_median_highest(
-    values: Sequence[float | None],
-) -> tuple[float | None, float | None, float | None]:
+def lowest_median_highest(values: Sequence[float | None]) -> tuple[float | None, float | None, float | None]:
     """Return lowest, median and highest of several values; None, a collapse, counts as higher than any value."""
     counted = [math.inf if value is None else value for value in values]
     low, middle, high = (None if math.isinf(f(counted)) else float(f(counted)) for f in (min, median, max))

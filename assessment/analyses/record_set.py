@@ -61,9 +61,10 @@ def scaled_to(target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTa
                 record=motion.name, wanted=best, taken=factor, low=low, high=high,
             )  # fmt: skip
             notes += (limited,)
-        scaled, original = (each.scaled(factor) for each in (motion.record, motion.original))
-        pga, scale = factor * motion.pga, factor * motion.scale
-        found.append(replace(motion, record=scaled, original=original, pga=pga, scale=scale, notes=notes))
+        scaled, original = motion.at_amplitude(factor), motion.original.scaled(factor)
+        pga, scale, own = factor * motion.pga, factor * motion.scale, motion.amplitude
+        scaled = replace(scaled, original=original, pga=pga, scale=scale, amplitude=own, notes=notes)
+        found.append(scaled)
     return found
 
 

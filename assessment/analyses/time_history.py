@@ -225,7 +225,7 @@ def history_title(shaking: Shaking) -> Message:
 
 def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> History:
     """Return a time history without an answer, and the `reason` why there is none."""
-    told = History(
+    return History(
         record=motion.name,
         pga_g=motion.pga,
         scale=motion.scale,
@@ -239,8 +239,8 @@ def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> His
         collapsed=None,
         time_of_collapse_s=None,
         reason=reason,
+        **motion.told_vertical,
     )
-    return told if motion.vertical is None else told.replace(vertical_pga_g=float(abs(motion.vertical).max()))
 
 
 def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: Response) -> History:

@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, zip_longest
 from pathlib import Path
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -50,6 +50,11 @@ class BaseMotion:
         """Name in tables and figures."""
         return self.record.name
 
+    @property
+    def told_vertical(self) -> dict[str, Any]:
+        """The largest vertical acceleration (g), where there is one, as results name it."""
+        return {} if self.vertical is None else {"vertical_pga_g": float(abs(self.vertical).max())}
+
     def at_half_step(self) -> Self:
         """Return the same broken lines with a sample between any two."""
         record = self.record.resampled(0.5 * self.record.time_step)
@@ -92,8 +97,9 @@ _read_once = lru_cache(maxsize=64)(lambda path, time_step, changed: read_record(
 def history_motions(project: Project) -> list[BaseMotion]:
     """Return the base motion of each [[history]]. Raises ProjectError or ValueError naming key or file."""
     motions = [
-        _motion(project, f"history[{n}]", table, project.path(table.record), table)
+        _motion(project, f"history[{n}]", table, project.path(table.record), vertical, table)
         for n, table in enumerate(project.history, 1)
+        for vertical in [project.path(table.vertical_record) if table.vertical_record else None]
     ]
     doubles = Counter(motion.name for motion in motions)
     for k, motion in enumerate(motions):
@@ -106,22 +112,28 @@ def history_motions(project: Project) -> list[BaseMotion]:
 def set_motions(project: Project, key: Literal["incremental", "campaign"]) -> list[BaseMotion]:
     """Return the base motion, unscaled, of each record file of the table of that name. Raises as history_motions."""
     table = project.incremental if key == "incremental" else project.campaign
-    return [_motion(project, key, table, path) for path in project.record_files(table)] if table else []
+    files, vertical = (project.record_files(table, name) for name in ("records", "vertical_records"))
+    if vertical and len(vertical) != len(files):
+        text = f"{len(vertical)} files for {len(files)} records; write one of each, in the same order"
+        raise ProjectError(f"{project.source}: {key}.vertical_records: {text}")
+    return [_motion(project, key, table, *both) for both in zip_longest(files, vertical)] if table else []
 
 
 def _motion(
-    project: Project, key: str, table: MotionTable, path: Path, history: HistoryTable | None = None
-) -> BaseMotion:
+    project: Project, key: str, table: MotionTable, path: Path, vertical: Path | None,
+    history: HistoryTable | None = None,
+) -> BaseMotion:  # fmt: skip
     scale = history.scale if history else 1.0
     record = _read(path, table.time_step_s).scaled(scale)
     if abs(scale) > 1.0 and record.pga > HIGHEST_CREDIBLE_PGA:
         raise ProjectError(f"{project.source}: {key}.scale: makes a PGA of {record.pga:.3g} g; write less")
     original = replace(record, name=history.name if history and history.name else visible(record.name))
     motion = replace(motion_of(project, key, table, original, path.name), scale=scale)
-    if history and history.vertical_record:
-        path = project.path(history.vertical_record)
-        return replace(motion, vertical=_vertical(project, key, history, path, motion.record, motion.start))
-    return motion
+    if vertical is None:
+        return motion
+    where = f"{project.source}: {key}.{'vertical_record' if history else 'vertical_records'}: {vertical.name}"
+    whole = _read(vertical, table.time_step_s).scaled(scale)
+    return replace(motion, vertical=_vertical(whole, motion.record, motion.start, where))
 
 
 def motion_of(
@@ -164,13 +176,9 @@ def _at_step(record: Record, step: float, where: str) -> Record:
     raise ProjectError(f"{where}: {text}; write time_step_s = {record.time_step:g}, its own, or half of it")
 
 
-def _vertical(
-    project: Project, key: str, history: HistoryTable, path: Path, horizontal: Record, start: float
-) -> Array:
+def _vertical(whole: Record, horizontal: Record, start: float, where: str) -> Array:
     """Vertical acceleration (n,) g at the samples of the horizontal one; both files begin at the same instant."""
-    whole = _read(path, history.time_step_s).scaled(history.scale)
     missing = start + horizontal.duration - whole.duration
-    where = f"{project.source}: {key}.vertical_record: {path.name}"
     if missing > horizontal.time_step:
         raise ProjectError(f"{where} ends {missing:.3g} s before the horizontal one; give more or a window_s")
     time: Array = start + horizontal.time

@@ -16,8 +16,8 @@ from assessment.project.formats import SOURCES, is_converted
 from assessment.project.formats.toml import read_toml
 from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.problems import content_problems, matches, project_error, schema_problems
-from assessment.project.schema import Behaviour, CampaignTable, ControlTable, Direction, ProjectContent
-from assessment.project.schema.motions import GENERATED, IncrementalTable
+from assessment.project.schema import Behaviour, ControlTable, Direction, ProjectContent
+from assessment.project.schema.motions import GENERATED, SetTable
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import file_digest
 from mechanics.messages import visible
@@ -63,9 +63,10 @@ class Project(ProjectContent):
         control = self.pushover.control if self.pushover else None
         return self.control_point(control.get(direction) if isinstance(control, dict) else control)
 
-    def record_files(self, table: IncrementalTable | CampaignTable | None) -> tuple[Path, ...]:
-        """Return the record files of a table, patterns expanded, each once; none where its records are generated."""
-        patterns = [each for each in (table.records if table else ()) if not each.startswith(GENERATED)]
+    def record_files(self, table: SetTable | None, *keys: str) -> tuple[Path, ...]:
+        """Return the files of those keys of a table (all), patterns expanded, each once; none of generated records."""
+        names = [getattr(table, key, None) or () for key in keys or ("records", "vertical_records")]
+        patterns = [each for own in names for each in own if not each.startswith(GENERATED)]
         return tuple(dict.fromkeys(file for each in patterns for file in matches(self.folder, each)))
 
     def attachments(self) -> tuple[Path, ...]:

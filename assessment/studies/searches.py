@@ -288,7 +288,7 @@ def _search(both: Sequence[Asked], scans: Scans) -> dynamic.Search:
     worse = failed[0] if failed else min(signs, key=lambda part: part.pga_collapse_g or float("inf"))
     counted = next(each for each in both if each.sign == worse.sign)
     seen, motion = observed_in(scans.of(counted)), counted.shaking.motion
-    shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)}
+    shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)} | motion.told_vertical
     return dynamic.Search(
         record=motion.name,
         record_pga_g=motion.pga,

@@ -59,6 +59,15 @@ class StatesTable(MotionTable):
     )
 
 
+class SetTable(MotionTable):
+    """What [incremental] and [campaign] have in common: sets of records, each scaled until the structure falls."""
+
+    vertical_records: Annotated[kinds.Names | None, FileName("pattern")] = absent(
+        "files of their vertical ground accelerations, in the same order, scaled by the same factors"
+    )
+    max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)
+
+
 class HistoryTable(StatesTable):
     """[[history]]: a time history of one record, from every state."""
 
@@ -78,17 +87,16 @@ class HistoryTable(StatesTable):
         yield from super().contradictions(project)
 
 
-class IncrementalTable(StatesTable):
+class IncrementalTable(StatesTable, SetTable):
     """[incremental]: incremental dynamic analysis, PGA at incipient collapse per record and state."""
 
     records: Annotated[kinds.Names, FileName("pattern")] = entry(
         'list of record files; patterns such as "records/*.acc" are expanded'
     )
     tolerance_g: kinds.Acceleration = entry("tolerance of the PGA at collapse, g", 0.01)
-    max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)
 
 
-class CampaignTable(MotionTable):
+class CampaignTable(SetTable):
     """[campaign]: records x movements x shares of them x signs; fragility and loss of capacity against movement."""
 
     records: Annotated[kinds.RecordSet, FileName("records")] = entry(
@@ -112,7 +120,6 @@ class CampaignTable(MotionTable):
     tolerance: Annotated[float, Field(ge=1e-3, le=0.5)] = entry(
         "tolerance of the level at collapse, relative to it", 0.05
     )
-    max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)
     spectrum_compatible: bool = entry(
         "scale each record to the spectrum of the site between periods_s", False
     )

@@ -69,7 +69,7 @@ def motions(results: Results) -> Curves:
         yield (motion.name,), (motion.T_s, motion.S_a_g, motion.S_d_m)
 
 
-@table("incremental", f"state record record_pga_g {LEVELS} resurrections widest_gap runs")
+@table("incremental", f"state record record_pga_g vertical_pga_g {LEVELS} resurrections widest_gap runs")
 def incremental(results: Results) -> Found:
     """List the bracket of the PGA at collapse of every record and state."""
     for state, found in _incrementals(results):

@@ -85,13 +85,18 @@ class OfRecord(Part):
     record: str = key("name of the record", "Accelerogramma|Record")
 
 
-class History(OfRecord, Peaks):
+class OfBaseMotion(OfRecord):
+    """What is of one record that shakes the base."""
+
+    vertical_pga_g: float | None = optional(
+        "PGA of its vertical record, scaled; missing: none", "PGA verticale|Vertical PGA", ground="surface"
+    )
+
+
+class History(OfBaseMotion, Peaks):
     """`history[]`: one record from the state at rest; without a start only the reason is there."""
 
     pga_g: float = key("its largest acceleration in the window, scale included")
-    vertical_pga_g: float | None = optional(
-        "the same of the vertical record; missing: none", "PGA verticale|Vertical PGA", ground="surface"
-    )
     scale: float = key("factor on the record")
     time_step_s: float = key("time step")
     contacts: str = key("rigid or elastic", "Giunti|Contacts")
@@ -201,7 +206,7 @@ class SignScan(Scanned):
     same_as: int | None = optional("the sign that was run: of a symmetric structure this is its mirror image")
 
 
-class Search(OfRecord, Scanned):
+class Search(OfBaseMotion, Scanned):
     """`incremental.records[]`: the PGA at collapse of one record; the numbers are those of the worse sign."""
 
     record_pga_g: float = key("its own PGA", "PGA dell’accelerogramma|PGA of the record", ground="surface")
@@ -280,7 +285,7 @@ class Incremental(Part):
     pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all levels collapse")
 
 
-class CampaignRecord(OfRecord):
+class CampaignRecord(OfBaseMotion):
     """`campaign.records[]`: a record as applied."""
 
     record_pga_g: float = key("its PGA, the factor included")

@@ -27,6 +27,7 @@ from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.records.record import Record, read_record
 from mechanics.records.spectrum import response_spectrum
+from tests.support.block_project import TURNED, block, write_block
 from tests.support.pictured import draw_sections
 from tests.support.structures import arch_on_piers, block_on_base
 from tests.support.typed import typed
@@ -315,6 +316,52 @@ def test_a_history_tells_the_peak_of_its_vertical_record(setting):
     )
     assert one.vertical_pga_g == pytest.approx(0.03 * abs(WAVE).max())
     assert "vertical_pga_g" not in two.model_fields_set
+
+
+PULSE = """[incremental]
+records = ["pulse.csv"]
+vertical_records = ["up.csv"]
+contacts = "rigid"
+states = ["original"]
+[campaign]
+records = ["pulse.csv"]
+vertical_records = ["up.csv"]
+contacts = "rigid"
+shares = [0.0]
+"""
+
+
+def _pulsed(folder, tables, *names):
+    """The block under a pulse a of 3 s, and files of those names with 0.8 a downward."""
+    write_block(folder, f'scatter = 1\naccuracy = "fast"\n{block()}{TURNED}{tables}')
+    time = 0.02 * np.arange(201)
+    pulse = np.where((time > 0.1) & (time < 3.1), 0.2, 0.0)
+    np.savetxt(folder / "pulse.csv", np.column_stack([time, pulse]), delimiter=",")
+    for name in names:
+        np.savetxt(folder / name, np.column_stack([time, -0.8 * pulse]), delimiter=",")
+    return load_project(folder)
+
+
+def test_a_set_of_records_is_scaled_with_its_vertical_ones(tmp_path):
+    """Under a long pulse a block of slenderness α falls from a = α(1 − 0.8 a) on, in both directions and analyses."""
+    project = _pulsed(tmp_path / "block", PULSE, "up.csv")
+    outcome = run(project, build_model(project), jobs=1)
+    alpha, found = 0.6 / 4.2, outcome.results
+    [row], levels = found.states["original"].incremental.records, found.campaign.combinations
+    for each in (*row.signs, *levels):
+        assert each.lowest_collapse_g == pytest.approx(alpha / (1.0 + 0.8 * alpha), rel=0.04)
+    assert row.vertical_pga_g == found.campaign.records[0].vertical_pga_g == pytest.approx(0.16)
+    filled = {table.name: table for table in tables(found)}
+    for name in ("incremental", "campaign_records"):
+        assert "vertical_pga_g" in filled[name].columns
+
+
+@pytest.mark.parametrize("key", ["incremental", "campaign"])
+def test_vertical_records_are_as_many_as_the_records(tmp_path, key):
+    both = PULSE.replace(f'[{key}]\nrecords = ["pulse.csv"', f'[{key}]\nrecords = ["pulse.csv", "other.csv"')
+    project = _pulsed(tmp_path / "block", both, "up.csv", "other.csv")
+    with pytest.raises(ProjectError, match=rf"{key}\.vertical_records: 1 files for 2 records"):
+        read_motions(project)
 
 
 def test_thinned_curves_keep_their_shape():
