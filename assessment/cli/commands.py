@@ -147,9 +147,7 @@ def new(options: argparse.Namespace) -> int:
         return DONE
     given = [each for each in (options.template, options.example, options.drawing) if each is not None]
     if len(given) != 1:
-        what = (
-            "more than one given; choose one" if given else "missing; assesto new --list names what there is"
-        )
+        what = "more than one given; choose one" if given else "missing; assesto new --list names them"
         raise ValueError(f"--template, --drawing or --example: {what}")
     if options.folder is None:
         raise ValueError("DIR: missing; give the folder to make: assesto new DIR --template NAME")
@@ -206,7 +204,8 @@ def report(options: argparse.Namespace) -> int:
     folder = _writable(options.out or project.folder / "output")
     for warning in print_again(project, folder):
         tell(f"warning: {warning}")
-    say(f"report: {folder / 'report.html'}")
+    pdf = folder / "report.pdf"
+    say(f"report: {pdf if pdf.is_file() else pdf.with_suffix('.html')}")
     return DONE
 
 

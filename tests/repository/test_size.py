@@ -14,7 +14,7 @@ LINES = {
     "assessment/analyses": 4327,
     "assessment/app": 1302,
     "assessment/benchmark": 1141,
-    "assessment/cli": 635,
+    "assessment/cli": 634,
     "assessment/ntc": 2129,
     "assessment/project": 4595,
     "assessment/report": 5991,

@@ -202,7 +202,9 @@ def test_results_changed_by_hand_are_told_in_the_report(project, capsys):
     content["model"]["weight_kN"] *= 2.0
     stored.write_text(json.dumps(content), encoding="utf-8")
     assert main(["report", str(project)]) == 0
-    assert "results.json was changed after the run that wrote it" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "results.json was changed after the run that wrote it" in told.err
+    assert told.out.endswith("report.pdf\n") == (project / "output" / "report.pdf").is_file()
     page = (project / "output" / "report.html").read_text(encoding="utf-8")
     assert "results.json è stato modificato" in page
     assert main(["report", str(project)]) == 0
