@@ -102,9 +102,8 @@ def check_grids(results: Results, words: language.Words) -> Iterator[Grid]:
                 row: Row = {"direction": direction, "limit_state": words("value.vertical_check")}
                 row |= {"a_star_g": lifted.a_0_star_g, "zeta_E": lifted.ratio, "verified": lifted.verified}
                 rows.append(row)
-        limits = Markup("; ").join(
-            dict.fromkeys(language.check_name(row["limit_state"], words) for row in own)
-        )
+        names = dict.fromkeys(language.check_name(row["limit_state"], words) for row in own)
+        limits = Markup("; ").join(names)
         missing = dict.fromkeys(row["direction"] for row in own if row["direction"] not in state.capacity)
         open_: Row = {"limit_state": limits, "zeta_E": None, "verified": None}
         rows += [open_ | {"direction": way} for way in missing]

@@ -11,7 +11,7 @@ from assessment.report.language import Words, direction_name, heading, indexed, 
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.results.hand_check import governing_view, rigid_push
-from assessment.results.schema import Results, SummaryRow, known
+from assessment.results.schema import Results, SummaryCheck, SummaryRow, known
 from assessment.results.summary import (
     coulomb,
     index_limit,
@@ -53,8 +53,7 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     value = check.zeta_E if check else getattr(row, quantity)
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
-    kind = "linear" if check and check.check.endswith(" linear") else "pushover"
-    where = [words.plain(f"value.{kind}"), limit if check else "", direction_name(row.direction or "")]
+    where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
     place = {
         "symbol": indexed(label(quantity, words)),
         "value": written(quantity, value, words),
@@ -65,11 +64,18 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
         return words("synthesis.original", **place)
     key = "current" if len(settled(results)) == 1 else "worst"
     said = words(f"synthesis.{key}", state=name, count=len(settled(results)), **place)
+    drawn = {each.direction: index_of(each, limit) for each in rows_of(results, ORIGINAL)}
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
         change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=abs(loss))
         said += words("synthesis.before", before=before, change=change)
+    elif check and (was := drawn.get(row.direction)):
+        said += words("synthesis.before_by", before=was.zeta_E, kind=_kind(was, words))
     return said + Markup.escape(f". {outcome}" if outcome else ".")
+
+
+def _kind(check: SummaryCheck | None, words: Words) -> str:
+    return words.plain(f"value.{'linear' if check and check.check.endswith(' linear') else 'pushover'}")
 
 
 def _outcome(results: Results, name: str, words: Words) -> str:

@@ -317,10 +317,8 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
     handles: list[Any] = [key(words.plain("figure.thrust"), **pictures.THRUST)] if any(lines) else []
     handles.append(key(scale, **RESULTANT))
     conditions = {each for states in joints for each in states.condition}
-    named = [
-        (each, style) for each, style in (*JOINTS.items(), ("edge", pictures.HINGE)) if each in conditions
-    ]
-    handles += [key(words.plain(f"figure.joint_{each}"), **style) for each, style in named]
+    named = [(each, look) for each, look in (*JOINTS.items(), ("edge", pictures.HINGE)) if each in conditions]
+    handles += [key(words.plain(f"figure.joint_{each}"), **look) for each, look in named]
     handles += parts.tie_handles(results, words, *(situation.state for situation in shown))
     above = 7.0 if any(situation.direction for situation in shown) else 3.0  # the arrow of the loads
     page = sheet(pictures.union(shapes), len(shown), border_mm=above, height_mm=136.0)
@@ -329,9 +327,8 @@ def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> F
             forces = words.plain("figure.at_rest_forces", contacts=situation.contacts)
             axes.set_title(f"{words.state(situation.state)}\n{forces}")
         else:
-            axes.set_title(
-                f"{words.at(situation.state, situation.direction)}\nα = {words.show(situation.alpha)}"
-            )
+            push = words.at(situation.state, situation.direction)
+            axes.set_title(f"{push}\nα = {words.show(situation.alpha)}")
         pictures.fill_roles(axes, shape)
         fine = min(1.0, (CROWD / len(states.condition)) ** 0.5)
         are = np.array(states.condition)

@@ -199,10 +199,8 @@ def joint_table(results: Results) -> Found:
         s = joint_states(results, each)
         forces = [s.normal, s.shear, s.eccentricity, s.contact, s.pressure, s.uncrushed]
         numbers = np.column_stack([np.arange(len(s.blocks)), s.blocks]).tolist()
-        values = zip(
-            numbers, np.column_stack([*forces, s.opening, s.slip]).tolist(), s.condition, strict=True
-        )
-        for number, value, condition in values:
+        told = zip(numbers, np.column_stack([*forces, s.opening, s.slip]).tolist(), s.condition, strict=True)
+        for number, value, condition in told:
             yield _where(each) | dict(zip(JOINT.split(), (*number, *value, condition), strict=True))
 
 
