@@ -13,7 +13,7 @@ from mechanics.steps.equilibrium import check_self_weight, closed_program, react
 from mechanics.steps.static_system import static_system
 from tests.stress.harness import Case, sound
 from tests.stress.scales import by_highs
-from tests.support.structures import block_on_base, rectangle, semicircular_arch
+from tests.support.structures import block_on_base, on_base, rectangle, semicircular_arch
 
 STONE = Material(18.0, 0.7, 1e8)
 
@@ -94,10 +94,7 @@ def tee(overlap: float) -> None:
 
 def column(blocks: int, stiffness: float = 1e9) -> Assembly:
     stone = Material(18.0, 0.7, stiffness)
-    base = Block(rectangle(-1.0, -0.5, 2.0, 0.0), 1.0, stone, support="base")
-    return Assembly(
-        [base, *(Block(rectangle(0.0, 0.1 * i, 1.0, 0.1 * i + 0.1), 1.0, stone) for i in range(blocks))]
-    )
+    return on_base(stone, (-1.0, -0.5, 2.0), *((0.0, 0.1 * i, 1.0, 0.1 * i + 0.1) for i in range(blocks)))
 
 
 def stacked(blocks: int) -> None:

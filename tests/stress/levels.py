@@ -22,7 +22,7 @@ from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
 from assessment.studies.scans import LOOKED_TO, LOOKS, level_found, observed_in
 from mechanics import Assembly, Block, Material, read_record
-from tests.support.structures import column, rectangle
+from tests.support.structures import column, on_base, rectangle
 
 STEP, LENGTH = 0.005, 8.0  # s
 FINE, DEEP, SURE = (
@@ -50,9 +50,8 @@ def arch(voussoirs: int, stiffness: float | None = None) -> Assembly:
 def portal() -> Assembly:
     """A lintel on two piers."""
     stone = Material(20.0, 0.7)
-    blocks = [rectangle(0.0, 0.0, 0.5, 2.0), rectangle(2.0, 0.0, 2.5, 2.0), rectangle(0.0, 2.0, 2.5, 2.4)]
-    base = Block(rectangle(-1.0, -0.3, 3.5, 0.0), 1.0, stone, support="base")
-    return Assembly([base, *(Block(each, 1.0, stone) for each in blocks)])
+    blocks = (0.0, 0.0, 0.5, 2.0), (2.0, 0.0, 2.5, 2.0), (0.0, 2.0, 2.5, 2.4)
+    return on_base(stone, (-1.0, -0.3, 3.5), *blocks)
 
 
 STRUCTURES = {

@@ -8,9 +8,16 @@ from assessment.benchmark.structures import block_on_base, in_frame, rectangle, 
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
-    "arch_on_piers", "block_on_base", "column", "in_frame", "rectangle", "running_bond", "semicircular_arch",
-    "tied_arch",
+    "arch_on_piers", "block_on_base", "column", "in_frame", "on_base", "rectangle", "running_bond",
+    "semicircular_arch", "tied_arch",
 ]  # fmt: skip
+
+
+def on_base(stone: Material, base: tuple[float, float, float], *boxes: tuple[float, ...]) -> Assembly:
+    """Boxes (left, bottom, right, top), 1 m deep, and a support `base` (left, bottom, right) that ends at z = 0."""
+    left, bottom, right = base
+    under = Block(rectangle(left, bottom, right, 0.0), 1.0, stone, support="base")
+    return Assembly([under, *(Block(rectangle(*box), 1.0, stone) for box in boxes)])
 
 
 def arch_on_piers(

@@ -12,7 +12,7 @@ from mechanics.procedures.elastic_periods import first_frequency
 from mechanics.procedures.motion_start import Integrator
 from mechanics.steps.static_system import Behaviour
 from mechanics.types import GRAVITY
-from tests.support.structures import block_on_base, rectangle
+from tests.support.structures import block_on_base, on_base, rectangle
 
 FLAT = {"width": 2.0, "height": 0.2, "friction": 0.3}
 
@@ -123,8 +123,7 @@ def winkler() -> tuple[Assembly, float]:
     """
     width, height, stiffness = 0.5, 2.0, 2e6
     stone = Material(18.0, 2.0, stiffness)
-    base = Block(rectangle(-1.0, -0.5, 1.5, 0.0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)])
+    model = on_base(stone, (-1.0, -0.5, 1.5), (0.0, 0.0, width, height))
     rotational = stiffness * width**3 / 12.0 - model.weight * height / 2.0
     inertia = model.weight / GRAVITY * (height**2 / 3.0 + width**2 / 12.0)
     return model, float(np.sqrt(rotational / inertia))
@@ -212,8 +211,7 @@ def test_dashpots_of_a_block_that_rocks_act_in_contact_alone(integrator: Integra
     """By explicit steps over sixty fibres that press where they overlap; pressed before, the second peak is 0.86."""
     ratio, width, height, stiffness = 0.2, 0.5, 2.0, 2e5
     stone = Material(20.0, 10.0, stiffness, tangential_stiffness=stiffness)
-    base = Block(rectangle(-2.0, -0.5, 2.5, 0.0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)])
+    model = on_base(stone, (-2.0, -0.5, 2.5), (0.0, 0.0, width, height))
     a = 0.55 * np.sin(2.0 * np.pi * np.arange(0.0, 2.0, 0.0025) / 0.7)
     a[280:] = 0.0
     motion = time_history(model, a, 0.0025, "elastic", integrator=integrator, damping_ratio=ratio)

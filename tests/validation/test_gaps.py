@@ -6,8 +6,8 @@ A gap wider than the tolerance of the drawing bears nothing. Piers that do not t
 
 import pytest
 
-from mechanics import Assembly, Block, Material, limit_analysis, pushover
-from tests.support.structures import rectangle
+from mechanics import Assembly, Material, limit_analysis, pushover
+from tests.support.structures import on_base
 
 B, H = 0.6, 3.0
 
@@ -15,13 +15,7 @@ B, H = 0.6, 3.0
 def piers(gap: float) -> Assembly:
     """A base and two piers b × h, the second narrower by the gap (m) before it."""
     stone = Material(20.0, 0.6, normal_stiffness=1e6)
-    return Assembly(
-        [
-            Block(rectangle(-1.0, -0.4, 2.5, 0.0), 1.0, stone, support="base"),
-            Block(rectangle(0.0, 0.0, B, H), 1.0, stone),
-            Block(rectangle(B + gap, 0.0, 2 * B, H), 1.0, stone),
-        ]
-    )
+    return on_base(stone, (-1.0, -0.4, 2.5), (0.0, 0.0, B, H), (B + gap, 0.0, 2 * B, H))
 
 
 @pytest.mark.parametrize("tolerances", [1.05, 1.9])

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from assessment.benchmark.motions import ShakenCase
-from mechanics import Assembly, Block, Material
+from mechanics import Material
 from tests.support.contact_dynamics import motion
-from tests.support.structures import rectangle
+from tests.support.structures import on_base
 
 FINE = 2e-4  # s; with 2e-5 it falls between 0.570 and 0.571 g, and between 0.2250 and 0.2255 g
 FALLS = {
@@ -26,9 +26,8 @@ def sine(amplitude: float, period: float = 0.5) -> Callable[[np.ndarray], np.nda
 def stack() -> ShakenCase:
     """Two blocks of 0.5 × 1.5 m upon each other under one sine, followed for 6 s."""
     stone = Material(18.0, 0.7, 1e6)
-    base = Block(rectangle(-2.0, -0.2, 2.5, 0.0), 1.0, stone, support="base")
-    two = [Block(rectangle(0.0, z, 0.5, z + 1.5), 1.0, stone) for z in (0.0, 1.5)]
-    return ShakenCase("stack of two", Assembly([base, *two]), "rigid", (0.5, 3.0), 6.0, sine(0.5))
+    model = on_base(stone, (-2.0, -0.2, 2.5), *((0.0, z, 0.5, z + 1.5) for z in (0.0, 1.5)))
+    return ShakenCase("stack of two", model, "rigid", (0.5, 3.0), 6.0, sine(0.5))
 
 
 @pytest.mark.parametrize(("period", "levels"), FALLS.items())

@@ -19,7 +19,7 @@ from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from tests.support.block_project import PROJECT
-from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
+from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle, semicircular_arch
 from tests.support.trace_check import recomputed
 from tests.support.typed import typed
 from tests.support.wording import in_italian
@@ -181,12 +181,8 @@ def test_a_wedge_without_hinges_has_no_nonlinear_check():
 
 def test_a_block_in_the_way_stops_the_motion():
     """A wall that turns about its corner into a pillar 50 mm away, reached before α = 0 (d_0 = 0.3 m at its centre)."""
-    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
-    blocks += [
-        Block(rectangle(0.0, 0.0, 0.6, 4.2), 1.0, STONE),
-        Block(rectangle(0.65, 0.0, 2.0, 3.0), 1.0, STONE),
-    ]
-    answer = found(Assembly(blocks), ((0.6, 0.0), -1.0, [1]), demands={"SLV": GROUND})
+    model = on_base(STONE, (-1.0, -0.3, 3.0), (0.0, 0.0, 0.6, 4.2), (0.65, 0.0, 2.0, 3.0))
+    answer = found(model, ((0.6, 0.0), -1.0, [1]), demands={"SLV": GROUND})
     assert any("block 1 runs into block 2" in note for note in answer.notes)
     assert "SLV" not in answer.checks
 
@@ -204,9 +200,7 @@ def test_blocks_of_one_macro_block_do_not_run_into_each_other():
 
 def test_the_last_configuration_of_a_motion_is_looked_at_too():
     """Of 41 every second one is looked at, from the second on; in the 41st the block has turned into the pillar."""
-    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
-    blocks += [Block(rectangle(x, 0.0, x + 0.6, 3.0), 1.0, STONE) for x in (0.0, 0.65)]
-    model = Assembly(blocks)
+    model = on_base(STONE, (-1.0, -0.3, 3.0), *((x, 0.0, x + 0.6, 3.0) for x in (0.0, 0.65)))
     start = model.initial.positions
     into = model.rotated(1, (0.6, 0.0), -0.1).positions
     with pytest.raises(KinematicsError, match="block 1 runs into block 2"):

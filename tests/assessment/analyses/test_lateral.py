@@ -18,7 +18,7 @@ from assessment.project.schema import ControlTable
 from assessment.results.schema.part import plain
 from assessment.results.schema.static import RigidPush
 from assessment.workflow.stages import run as analyse
-from mechanics import Assembly, Block, Material, Pushover, limit_analysis, pushdown, pushover
+from mechanics import Material, Pushover, limit_analysis, pushdown, pushover
 from mechanics.errors import NoEquilibriumError
 from mechanics.messages import Message, message
 from mechanics.procedures import limit_in
@@ -34,7 +34,7 @@ from tests.support.block_project import (
     write_block,
 )
 from tests.support.random_masonry import small_wall
-from tests.support.structures import block_on_base, column, rectangle
+from tests.support.structures import block_on_base, column, on_base
 from tests.support.wording import in_italian
 
 CONTROLS = re.compile(r"\[\[control\]\]\nname = .*\npoint_m = .*\n")
@@ -206,13 +206,12 @@ def test_rigid_joints_that_may_rest_where_they_may_move_are_told(friction, rests
     With 0.4 the wall slides, and both laws have one multiplier.
     """
     stone, rows = Material(18.0, friction), [(0.0, 0.4, 0.8), (0.0, 0.2, 0.6, 0.8), (0.0, 0.4, 0.8)]
-    blocks = [Block(rectangle(-0.5, -0.3, 1.3, 0.0), 1.0, stone, support="base")]
-    blocks += [
-        Block(rectangle(left, 0.25 * course, right, 0.25 * (course + 1)), 1.0, stone)
+    bricks = [
+        (left, 0.25 * course, right, 0.25 * (course + 1))
         for course, ends in enumerate(rows)
         for left, right in pairwise(ends)
     ]
-    model = Assembly(blocks)
+    model = on_base(stone, (-0.5, -0.3, 1.3), *bricks)
     found = rests_or_moves(model, "original", model.initial)
     if rests is None:
         assert found.value == pytest.approx(1.0, abs=1e-6)

@@ -19,10 +19,10 @@ from assessment.results.joint_states import (
     situations,
     thrust_lines,
 )
-from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
+from mechanics import Material, pushdown, pushover, time_history
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
-from tests.support.structures import block_on_base, rectangle, semicircular_arch
+from tests.support.structures import block_on_base, on_base, semicircular_arch
 from tests.support.typed import typed
 
 
@@ -164,10 +164,7 @@ def test_the_length_that_presses_and_its_edge_pressure_balance_what_acts(
 def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
     """Two blocks 50 mm apart: the slender one comes to lean on the stout one, and both balance."""
     stone = Material(20.0, 0.6)
-    base = Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, stone, support="base")
-    slender = Block(rectangle(0.0, 0.0, 0.3, 3.0), 1.0, stone)
-    stout = Block(rectangle(0.35, 0.0, 1.55, 2.0), 1.0, stone)
-    model = Assembly([base, slender, stout])
+    model = on_base(stone, (-1.0, -0.3, 3.0), (0.0, 0.0, 0.3, 3.0), (0.35, 0.0, 1.55, 2.0))
     path = pushover(model, (0.0, 3.0), "+x", increment=0.01)
     frames = pushover_frames(model, path, Met(model))
     assert frames.met

@@ -19,7 +19,7 @@ from mechanics import (
     time_history,
 )
 from mechanics.steps.static_system import static_system
-from tests.support.structures import rectangle
+from tests.support.structures import on_base, rectangle
 
 NONE = 1e-6  # a friction that is next to none: associated sliding then lifts nothing
 
@@ -134,13 +134,7 @@ def test_a_beam_on_two_alike_seats_uses_up_both_at_the_most():
 def neighbours() -> Assembly:
     """A wall of 2 m, and 50 mm beside it one of 1 m."""
     stone = Material(20.0, 0.6, 1e6)
-    return Assembly(
-        [
-            Block(rectangle(-2.0, -0.5, 3.0, 0.0), 1.0, stone, support="base"),
-            Block(rectangle(0.0, 0.0, 0.3, 2.0), 1.0, stone),
-            Block(rectangle(0.35, 0.0, 0.85, 1.0), 1.0, stone),
-        ]
-    )
+    return on_base(stone, (-2.0, -0.5, 3.0), (0.0, 0.0, 0.3, 2.0), (0.35, 0.0, 0.85, 1.0))
 
 
 def toppling(model: Assembly) -> State:
@@ -194,8 +188,7 @@ def test_a_settlement_that_closes_a_gap_is_carried_by_both():
 def test_a_joint_that_was_lost_comes_back(contacts):
     """A block thrown up by half a metre, and one that slides off a shelf onto the floor."""
     stone = Material(20.0, 0.4, 1e6)
-    base = Block(rectangle(-2.0, -0.5, 4.0, 0.0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(0.0, 0.0, 1.0, 0.5), 1.0, stone)])
+    model = on_base(stone, (-2.0, -0.5, 4.0), (0.0, 0.0, 1.0, 0.5))
     speed = np.zeros((2, 3))
     speed[1] = 1.0, 3.0, 0.0
     motion = time_history(model, np.zeros(400), 0.005, contacts, State(model.initial.positions, speed))

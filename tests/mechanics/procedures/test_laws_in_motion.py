@@ -17,7 +17,7 @@ from mechanics.procedures.motion_start import HISTORY, Integrator
 from mechanics.procedures.time_history import _notes
 from mechanics.types import GRAVITY, Array
 from tests.support.analysed import arch
-from tests.support.structures import block_on_base, column, rectangle, running_bond
+from tests.support.structures import block_on_base, column, on_base, rectangle, running_bond
 
 G = 9.80665
 
@@ -175,8 +175,7 @@ def test_a_small_arch_that_breaks_apart_is_solved_to_its_collapse(tmp_path):
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
 def test_blocks_without_any_joint_fall(contacts):
     """Free fall from 0.5 m above the base for 0.2 s: g t²/2, as trapezes have it exactly."""
-    base = Block(rectangle(-0.3, -0.2, 0.3, 0.0), 1.0, STONE, support="base")
-    apart = Assembly([base, Block(rectangle(0.0, 0.5, 0.2, 1.0), 1.0, STONE)])
+    apart = on_base(STONE, (-0.3, -0.2, 0.3), (0.0, 0.5, 0.2, 1.0))
     assert len(apart.contacts) == 0
     motion = time_history(apart, np.zeros(41), 0.005, contacts)
     fallen = motion.positions[0] - motion.positions[-1]

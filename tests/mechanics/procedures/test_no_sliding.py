@@ -20,7 +20,7 @@ from mechanics.procedures import static_theorem
 from mechanics.steps import unpressed
 from mechanics.types import GRAVITY
 from tests.support.random_masonry import random_masonry
-from tests.support.structures import arch_on_piers, column, rectangle
+from tests.support.structures import arch_on_piers, column, on_base, rectangle
 
 STONE = Material(20.0, np.inf, 1e6)
 
@@ -102,12 +102,7 @@ def test_a_support_that_leaves_a_beam_does_not_drag_it(contacts):
 )
 def test_a_block_in_the_air_moves_on_and_stops_where_it_lands(contacts, integrator):
     """Thrown at 0.1 m/s, 5 mm above its bed: it is there after √(2h/g) = 32 ms, and slides no farther."""
-    model = Assembly(
-        [
-            Block(rectangle(-2.0, -0.3, 2.0, 0.0), 1.0, STONE, support="base"),
-            Block(rectangle(-1.0, 0.0, 1.0, 0.2), 1.0, STONE),
-        ]
-    )
+    model = on_base(STONE, (-2.0, -0.3, 2.0), (-1.0, 0.0, 1.0, 0.2))
     up, speed = np.array([[0.0, 0.0, 0.0], [0.0, 0.005, 0.0]]), np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]])
     above = State(model.initial.positions + up, speed)
     path = time_history(model, np.zeros(121), 0.001, contacts, above, integrator=integrator).positions[:, 1]

@@ -27,7 +27,7 @@ from tests.stress.corpus import assemblies
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry
-from tests.support.structures import arch_on_piers, block_on_base, rectangle
+from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle
 
 STONE = Material(20.0, 0.6, 1e6)
 MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "push_path")}
@@ -120,13 +120,9 @@ def test_an_increment_wider_than_the_settlement_is_no_reason_to_give_up(contacts
 def test_a_loose_block_that_falls_against_a_stop_is_not_the_end_of_a_wall(contacts):
     """On soft joints the wall leant until the block fell, and took part in that: its α0 was 0.077, not 0.27."""
     stone = Material(20.0, 0.7, 1e6)
-    base = Block(rectangle(-2.0, -0.3, 5.0, 0.0), 1.0, stone, support="base")
-    wall = Block(rectangle(0.0, 0.0, 0.6, 2.0), 1.0, stone)
-    loose, stop = (
-        Block(rectangle(left, 0.0, right, 1.0), 1.0, stone) for left, right in ((2.0, 2.1), (2.3, 3.5))
-    )
-    expected = pushover(Assembly([base, wall]), (0.0, 2.0), "+x", contacts, 0.01)
-    found = pushover(Assembly([base, wall, loose, stop]), (0.0, 2.0), "+x", contacts, 0.01)
+    wall, loose, stop = (0.0, 0.0, 0.6, 2.0), (2.0, 0.0, 2.1, 1.0), (2.3, 0.0, 3.5, 1.0)
+    models = (on_base(stone, (-2.0, -0.3, 5.0), *boxes) for boxes in ([wall], [wall, loose, stop]))
+    expected, found = (pushover(model, (0.0, 2.0), "+x", contacts, 0.01) for model in models)
     assert found.multiplier.max() == pytest.approx(expected.multiplier.max(), rel=1e-2)
     assert found.displacement[-1] == pytest.approx(expected.displacement[-1], rel=1e-2)
 
@@ -135,11 +131,9 @@ def test_a_loose_block_that_falls_against_a_stop_is_not_the_end_of_a_wall(contac
 def test_a_wall_that_overturns_onto_its_neighbour_has_spent_its_capacity(contacts):
     """It fell by half a metre, rested on the other wall, and the push that moves both, 0.7, was taken for its α0."""
     stone = Material(20.0, 0.7, 1e6)
-    base = Block(rectangle(-2.0, -0.3, 5.0, 0.0), 1.0, stone, support="base")
-    wall = Block(rectangle(0.0, 0.0, 0.3, 2.0), 1.0, stone)
-    alone = Assembly([base, wall])
-    beside = Assembly([base, wall, Block(rectangle(1.0, 0.0, 2.2, 1.5), 1.0, stone)])
-    expected, found = (pushover(model, (0.3, 2.0), "+x", contacts, 0.02) for model in (alone, beside))
+    wall, other = (0.0, 0.0, 0.3, 2.0), (1.0, 0.0, 2.2, 1.5)
+    models = (on_base(stone, (-2.0, -0.3, 5.0), *boxes) for boxes in ([wall], [wall, other]))
+    expected, found = (pushover(model, (0.3, 2.0), "+x", contacts, 0.02) for model in models)
     assert found.reached_zero and not len(found.crossed)
     assert found.multiplier.max() == pytest.approx(expected.multiplier.max(), rel=1e-3)
     assert found.displacement[-1] == pytest.approx(expected.displacement[-1], rel=1e-3)

@@ -13,7 +13,7 @@ from mechanics.procedures.peaks import may_peak
 from mechanics.procedures.push_path import PUSHOVER
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import small_wall
-from tests.support.structures import in_frame, rectangle, running_bond
+from tests.support.structures import in_frame, on_base, rectangle, running_bond
 
 MOVED = (0.03, -0.02)
 
@@ -60,9 +60,7 @@ def test_a_settled_curve_begins_where_it_goes_on(direction, sliding):
 def test_a_leaning_panel_crushes_its_toe():
     """Turned by θ, α = tan(arctan((b/2 − N/2s)/(h/2)) − θ), N = W (cos θ − α sin θ)."""
     stone = Material(20.0, 0.7, compressive_strength=2000.0)
-    base = Block(rectangle(-3.0, -0.3, 3.0, 0.0), 1.0, stone, support="base")
-    panel = Block(rectangle(-0.3, 0.0, 0.3, 3.0), 1.0, stone)
-    model, turned = Assembly([base, panel]), 0.02
+    model, turned = on_base(stone, (-3.0, -0.3, 3.0), (-0.3, 0.0, 0.3, 3.0)), 0.02
     settled = pushdown(model, "base", rotation=-turned, increment=0.005).final
     normal = model.weight * np.cos(turned)
     for _ in range(20):  # N is the part of weight and push across the joint
@@ -253,8 +251,7 @@ STONE = Material(18.0, 0.7, 5e5)
 
 
 def wall_on_base() -> Assembly:
-    base = Block(rectangle(-1.0, -0.3, 1.0, 0.0), 1.0, STONE, support="base")
-    return Assembly([base, Block(rectangle(-0.3, 0.0, 0.3, 4.2), 1.0, STONE)])
+    return on_base(STONE, (-1.0, -0.3, 1.0), (-0.3, 0.0, 0.3, 4.2))
 
 
 @pytest.mark.parametrize(
@@ -271,9 +268,7 @@ def test_without_a_control_point_the_top_of_a_wall_is_followed(direction, foremo
 
 def test_a_corner_that_two_blocks_share_is_not_chosen():
     """Which of the two a drawn point is of would be luck."""
-    blocks = [Block(rectangle(-1.0, -0.3, 1.0, 0.0), 1.0, STONE, support="base")]
-    blocks += [Block(rectangle(-0.3, z, 0.3, z + 0.5), 1.0, STONE) for z in (0.0, 0.5, 1.0)]
-    model = Assembly(blocks)
+    model = on_base(STONE, (-1.0, -0.3, 1.0), *((-0.3, z, 0.3, z + 0.5) for z in (0.0, 0.5, 1.0)))
     begun = model.initial.positions
     moved = begun.copy()
     moved[2, 0] += 0.1  # its lower corners are of the block below, its upper ones of that above
@@ -282,11 +277,8 @@ def test_a_corner_that_two_blocks_share_is_not_chosen():
 
 
 def test_corners_go_equally_far_where_others_go_farther_against_the_push():
-    blocks = [Block(rectangle(-1.0, -0.3, 3.0, 0.0), 1.0, STONE, support="base")]
-    blocks += [
-        Block(rectangle(x, 0.0, x + 0.5, height), 1.0, STONE) for x, height in ((0, 1.0), (1, 1.2), (2, 1.0))
-    ]
-    model = Assembly(blocks)
+    walls = ((x, 0.0, x + 0.5, height) for x, height in ((0, 1.0), (1, 1.2), (2, 1.0)))
+    model = on_base(STONE, (-1.0, -0.3, 3.0), *walls)
     begun = model.initial.positions
     moved = begun + np.array([[0.0] * 3, [0.1 + 1e-9, 0.0, 0.0], [0.1, 0.0, 0.0], [-0.2, 0.0, 0.0]])
     point, block = farthest_corner(model, begun, moved, "+x")

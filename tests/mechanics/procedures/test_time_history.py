@@ -9,7 +9,7 @@ from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHi
 from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.procedures.motion_start import Integrator
 from mechanics.steps import dynamic_system
-from tests.support.structures import arch_on_piers, block_on_base, rectangle, semicircular_arch
+from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle, semicircular_arch
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
 STEP = 0.005
@@ -51,9 +51,8 @@ def two_blocks(scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0), turn
 )
 def test_the_integrator_that_is_chosen_and_why(blocks: int, contacts: str, integrator: str, why: str) -> None:
     stone = Material(18.0, 0.6, 1e6)
-    base = Block(rectangle(-0.1, -0.2, 0.8, 0.0), 1.0, stone, support="base")
-    row = [Block(rectangle(0.2 * k, 0.0, 0.2 * k + 0.1, 0.2), 1.0, stone) for k in range(blocks)]
-    motion = time_history(Assembly([base, *row]), np.zeros(3), STEP, contacts)
+    row = ((0.2 * k, 0.0, 0.2 * k + 0.1, 0.2) for k in range(blocks))
+    motion = time_history(on_base(stone, (-0.1, -0.2, 0.8), *row), np.zeros(3), STEP, contacts)
     assert motion.integrator == integrator and motion.chosen.startswith(why)
 
 
@@ -161,8 +160,7 @@ def test_energy_balance_misses_every_term(kind: str, term: str) -> None:
 def test_energy_of_springs_and_dashpots_is_in_the_balance() -> None:
     """A block that falls on its elastic joint, whose shear yields too."""
     stone = Material(18.0, 0.6, 1e5, tangential_stiffness=5e4)
-    base = Block(rectangle(-1.0, -0.2, 1.0, 0.0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(-0.25, 0.0, 0.25, 0.5), 1.0, stone)])
+    model = on_base(stone, (-1.0, -0.2, 1.0), (-0.25, 0.0, 0.25, 0.5))
     positions, velocities = model.initial.positions.copy(), np.zeros((2, 3))
     positions[1, 1] += 0.01
     velocities[1, 0] = 0.05

@@ -26,7 +26,7 @@ from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from tests.support.random_masonry import random_masonry
 from tests.support.steps import posed
-from tests.support.structures import arch_on_piers, rectangle, running_bond
+from tests.support.structures import arch_on_piers, on_base, rectangle, running_bond
 
 STONE = Material(20.0, 0.84, 1e6)
 
@@ -80,9 +80,8 @@ def test_walls_and_arches_stand_pressed_by_their_weight():
 @pytest.mark.parametrize("count", [10, 100])
 def test_no_block_of_a_tall_stack_is_named(count: int):
     """The beds of the probe yielded by 10⁻⁴ of a block a block above: 68 of 100 sank as if they fell."""
-    blocks = [Block(rectangle(-2.0, -0.5, 3.0, 0.0), 1.0, STONE, support="base")]
-    blocks += [Block(rectangle(0.0, 0.3 * k, 0.6, 0.3 * (k + 1)), 1.0, STONE) for k in range(count)]
-    assert not len(unpressed(Assembly(blocks)))
+    stack = ((0.0, 0.3 * k, 0.6, 0.3 * (k + 1)) for k in range(count))
+    assert not len(unpressed(on_base(STONE, (-2.0, -0.5, 3.0), *stack)))
 
 
 FRICTION = 0.3
