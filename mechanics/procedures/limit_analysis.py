@@ -227,9 +227,11 @@ def _least(
         if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
             return central  # what only turns has one multiplier
     best, tries, form = central, 0, qp_piqp.StandardForm.of(program)
+    answers: dict[bytes, tuple[Array, float] | None] = {}
     while tries <= min(LIMIT.tries, LIMIT.tried // len(flowing)):
-        answer = lp_highs.least_multiplier(form, flowing)
-        other, tries = None, tries + 1
+        if (key := flowing.tobytes()) not in answers:
+            answers[key] = lp_highs.least_multiplier(form, flowing)
+        answer, other, tries = answers[key], None, tries + 1
         if answer is not None:
             found = Solution(*answer, displacement, certify(program, *answer, displacement))
             less = best is None or found.alpha < best.alpha * (1.0 - GOOD)

@@ -1,4 +1,4 @@
-"""Linear programs by HiGHS: the program without beds and mass, and mechanisms that fit the forces of a flow.
+"""Linear programs by HiGHS and PIQP: the program without beds and mass, and mechanisms that fit the forces of a flow.
 
 Mechanisms are displacements that open or slide no joint but where these forces leave it free. Of a joint (y₁, y₂, λ₊,
 λ₋): the gaps of its ends and its slip forth and back. Without dilation
@@ -21,11 +21,12 @@ from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import FRICTION, SLID
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
-from mechanics.solvers.qp_piqp import Answer, StandardForm
+from mechanics.solvers.qp_piqp import Answer, StandardForm, sparse_solver
 from mechanics.types import Array, Mask
 
-# what HiGHS may leave of a row: the least that it takes
-EXACTLY = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+# what HiGHS may leave of a row, the least that it takes, and PIQP of a linear program
+ACCURACY = 1e-10
+EXACTLY = {"primal_feasibility_tolerance": ACCURACY, "dual_feasibility_tolerance": ACCURACY}
 STIFF = 1e10  # of what is not free, against displacements: rounding of the last step need not be undone
 
 
@@ -76,15 +77,24 @@ def least_multiplier(form: StandardForm, flowing: Mask) -> tuple[Array, float] |
     first, second, forth, back = flowing.T
     idle = np.stack([first | forth, first | back, second | forth, second | back], axis=1)  # rays of +T and −T
     idle |= ((forth | back) & np.isinf(form.program.law[:, FRICTION]))[:, None]  # what presses does not slide
-    q = np.zeros(len(form.q))
-    q[form.rays] = 1.0
-    bounds = np.zeros((len(q), 2))
-    bounds[:, 1] = np.append(np.where(idle.ravel(), 0.0, np.inf), LARGEST_MULTIPLIER)
-    # where no forces fit, the simplex method may take minutes to say so
-    found = linprog(q, A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ipm", options=EXACTLY)
-    if found.status != 0:
+    bears = np.append(~idle.ravel(), True)
+    a, q, most = form.a[:, bears], np.zeros(np.count_nonzero(bears)), np.full(np.count_nonzero(bears), np.inf)
+    q[-1], most[-1] = 1.0, LARGEST_MULTIPLIER
+    solver = sparse_solver(ACCURACY, ACCURACY)
+    solver.setup(sparse.csc_matrix((len(q), len(q))), q, a, form.b, None, None, None, np.zeros(len(q)), most)
+    status, x = solver.solve(), solver.result.x
+    if status == piqp.PIQP_PRIMAL_INFEASIBLE:
         return None
-    forces, alpha, _ = form.recover(np.asarray(found.x), np.zeros(len(form.b)))
+    if status != piqp.PIQP_SOLVED:  # forces without an interior
+        bounds = np.stack([np.zeros(len(q)), most], axis=1)
+        # where no forces fit, the simplex method may take minutes to say so
+        found = linprog(q, A_eq=a, b_eq=form.b, bounds=bounds, method="highs-ipm", options=EXACTLY)
+        if found.status != 0:
+            return None
+        x = found.x
+    z = np.zeros(len(bears))
+    z[bears] = x
+    forces, alpha, _ = form.recover(z, np.zeros(len(form.b)))
     return forces, alpha
 
 
@@ -137,9 +147,9 @@ def nearest_mechanism(program: Program, free: Mask, began: Mask, little: float) 
     most, kept = abs(program.lateral).max(), int(held.sum())
     load = sparse.csr_matrix(program.lateral * scale / most)
     g = sparse.vstack([rows_of[at_least], -rows_of[at_most]])
-    solver = piqp.SparseSolver()  # its status is not asked: the certificate of the step decides
-    solver.settings.eps_abs = solver.settings.eps_rel = 1e-12
-    solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = 1e-10
+    solver = sparse_solver(
+        1e-12, ACCURACY, 250
+    )  # its status is not asked: the certificate of the step decides
     solver.setup(
         sparse.diags(np.concatenate([np.ones(m), np.full(kept, STIFF)]), format="csc"),
         np.concatenate([rows_of.T @ (1.0 * (new & at_least) - 1.0 * (new & at_most)), np.zeros(kept)]),

@@ -42,11 +42,7 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
     form = StandardForm.of(program)
     if not all(np.isfinite(v).all() for v in (form.p.data, form.q, form.a.data, form.b)):
         raise ArgumentError("the program holds a number that is not finite")
-    solver = piqp.SparseSolver()
-    solver.settings.eps_abs = solver.settings.eps_rel = tolerance
-    solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = tolerance
-    solver.settings.reg_lower_limit = 1e-12  # at the default, 1e-10, one linear program in five stalls
-    solver.settings.max_iter = most_iterations
+    solver = sparse_solver(tolerance, tolerance, most_iterations)
     rays = form.rays
     lower, upper = np.full(len(form.q), -np.inf), np.full(len(form.q), np.inf)
     lower[:rays] = 0.0
@@ -58,6 +54,17 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
     if not (np.isfinite(z).all() and np.isfinite(y).all()):
         return None
     return form.recover(z, y)
+
+
+def sparse_solver(tolerance: float, gap: float, most_iterations: int = 60) -> piqp.SparseSolver:
+    """Return a solver without a program; `tolerance` of residuals and duality `gap` in the dimensionless program."""
+    solver = piqp.SparseSolver()
+    settings = solver.settings
+    settings.eps_abs = settings.eps_rel = tolerance
+    settings.eps_duality_gap_abs = settings.eps_duality_gap_rel = gap
+    settings.reg_lower_limit = 1e-12  # at the default, 1e-10, one linear program in five stalls
+    settings.max_iter = most_iterations
+    return solver
 
 
 @dataclass(frozen=True, eq=False)
