@@ -18,6 +18,7 @@ dilation has one: its multiplier is returned with that dilation.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -227,11 +228,9 @@ def _least(
         if not (flowing[:, 2:].any(axis=1) & (room[:, :2].max(axis=1) > none)).any():
             return central  # what only turns has one multiplier
     best, tries, form = central, 0, qp_piqp.StandardForm.of(program)
-    answers: dict[bytes, tuple[Array, float] | None] = {}
+    least = cache(lambda bits: lp_highs.least_multiplier(form, np.frombuffer(bits, bool).reshape(-1, 4)))
     while tries <= min(LIMIT.tries, LIMIT.tried // len(flowing)):
-        if (key := flowing.tobytes()) not in answers:
-            answers[key] = lp_highs.least_multiplier(form, flowing)
-        answer, other, tries = answers[key], None, tries + 1
+        answer, other, tries = least(flowing.tobytes()), None, tries + 1
         if answer is not None:
             found = Solution(*answer, displacement, certify(program, *answer, displacement))
             less = best is None or found.alpha < best.alpha * (1.0 - GOOD)
@@ -241,10 +240,9 @@ def _least(
                 room = margins(program, answer[0])
                 weights = chance.uniform(LIMIT.idle, 1.0, room.shape) ** 2 if tries else np.ones_like(room)
                 other = lp_highs.mechanism_of(program, room <= none, weights)
-        if other is not None:
-            displacement, flowing = other[0], other[1] > LIMIT.idle * program.step
-        else:
-            displacement, flowing = _of_other_frictions(program, layout, chance) or (displacement, flowing)
+        displacement, flowing = (
+            other or _of_other_frictions(program, layout, chance) or (displacement, flowing)
+        )
     if best is None or best is central:
         return best
     room = margins(program, best.forces)

@@ -21,7 +21,7 @@ from mechanics.types import GRAVITY, Array
 ACCEPTED = 1e-10  # residual of an interior-point solution, per weight and step
 GOOD = 1e-8  # a certificate that needs no second opinion
 USABLE = (
-    1e-6  # the worst certificate that is accepted, after all solvers have been tried or where a motion rests
+    1e-6  # the worst certificate that is accepted after all solvers have been tried or where a motion rests
 )
 BALANCED = USABLE  # of gravity: acceleration up to which loads count as balanced
 DOUBTFUL = 1e-3  # of gravity: a smaller acceleration may be none
@@ -48,8 +48,7 @@ def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | No
 
     The package's interior-point method is tried first; then PIQP, if the program is quadratic, and HiGHS, if it is
     linear. A solver's status is never relied on: the certificate decides. Raises NoEquilibriumError if the loads cannot
-    be balanced (a program of its own decides, see imbalance), ConvergenceError if they can but no solver finds forces,
-    or if that program is not solved either.
+    be balanced (see least_acceleration), ConvergenceError if they can but no solver finds forces, or it is not decided.
     """
     own = iterated(program, layout)
     if own is not None and own[0].certificate.worst(program.step) <= GOOD:
@@ -58,13 +57,14 @@ def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | No
     acceleration, undecided = 0.0, None
     if program.mass is None:
         try:
-            acceleration = imbalance(program, layout)
+            acceleration, _ = least_acceleration(program, layout)
         except ConvergenceError as error:  # ignored if an attempt finds a certified solution
             undecided = error
     if acceleration <= BALANCED:
         for answer in _second_opinions(program):
             if answer is not None:
-                best = _better(program, best, Solution(*answer, certify(program, *answer)))
+                found = Solution(*answer, certify(program, *answer))
+                best = min(found, best or found, key=lambda each: each.certificate.worst(program.step))
                 if best.certificate.worst(program.step) <= GOOD:
                     return best, None
         if best is not None and best.certificate.worst(program.step) <= USABLE:
@@ -79,17 +79,6 @@ def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | No
             )
         )
     raise ConvergenceError(message("equilibrium exists, but no solver found it to the required accuracy"))
-
-
-def _better(program: Program, best: Solution | None, found: Solution) -> Solution:
-    if best is None or found.certificate.worst(program.step) < best.certificate.worst(program.step):
-        return found
-    return best
-
-
-def imbalance(program: Program, layout: Elimination) -> float:
-    """Return the least acceleration, per gravity, with which blocks start to move: see least_acceleration."""
-    return least_acceleration(program, layout)[0]
 
 
 def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Array]:
@@ -110,7 +99,7 @@ def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Ar
     law[:, BED], law[:, SHEAR], law[:, SLID], law[:, DILATION] = np.inf, 0.0, 0.0, 1.0
     law[:, FRICTION] = np.minimum(
         law[:, FRICTION], STEEPEST
-    )  # T is nothing where N is, which no closed cone says
+    )  # T is nothing where N is: no closed cone says that
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)

@@ -9,12 +9,12 @@ Mechanisms are displacements that open or slide no joint but where these forces 
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import piqp
 from scipy import sparse
-from scipy.optimize import linprog
+from scipy.optimize import OptimizeResult, linprog
 
 from mechanics.errors import ArgumentError
 from mechanics.kernels.joint import PHI, H, U, V
@@ -39,8 +39,8 @@ def solve(program: Program, method: Literal["highs-ds", "highs-ipm"] = "highs-ds
     if form.p.nnz:
         raise ArgumentError("a program with beds or mass is not linear")
     bounds = [(0.0, None)] * form.rays + [(None, LARGEST_MULTIPLIER)] * (program.lateral is not None)
-    result = linprog(form.q, A_eq=form.a, b_eq=form.b, bounds=bounds, method=method, options=EXACTLY)
-    if result.status != 0:
+    result = _linprog(form.q, form.a, form.b, bounds, method)
+    if result is None:
         return None
     # HiGHS gives the change of the optimum with b; the multiplier of Az − b has the other sign
     return form.recover(np.asarray(result.x), -np.asarray(result.eqlin.marginals))
@@ -53,15 +53,10 @@ def least_residual(program: Program, closed: Mask) -> float:
     are unique or at their bounds, as without friction or in an arch of the least thickness.
     """
     form = StandardForm.of(program)
-    bounds: list[tuple[float | None, float | None]] = [
-        (0.0, None if bears else 0.0) for bears in np.repeat(closed.ravel(), 2)
-    ]
+    bounds: list[Any] = [(0.0, None if bears else 0.0) for bears in np.repeat(closed.ravel(), 2)]
     bounds += [(None, LARGEST_MULTIPLIER)] * (program.lateral is not None)
-    result = linprog(
-        np.zeros(len(bounds)), A_eq=form.a, b_eq=form.b, bounds=bounds, method="highs-ds",
-        options=EXACTLY,
-    )  # fmt: skip
-    if result.status != 0:
+    result = _linprog(np.zeros(len(bounds)), form.a, form.b, bounds)
+    if result is None:
         return np.inf
     forces = np.asarray(result.x)
     forces[: form.rays] = forces[: form.rays].clip(0.0)
@@ -78,28 +73,21 @@ def least_multiplier(form: StandardForm, flowing: Mask) -> tuple[Array, float] |
     idle = np.stack([first | forth, first | back, second | forth, second | back], axis=1)  # rays of +T and −T
     idle |= ((forth | back) & np.isinf(form.program.law[:, FRICTION]))[:, None]  # what presses does not slide
     bears = np.append(~idle.ravel(), True)
-    a, q, most = form.a[:, bears], np.zeros(np.count_nonzero(bears)), np.full(np.count_nonzero(bears), np.inf)
-    q[-1], most[-1] = 1.0, LARGEST_MULTIPLIER
+    a, q, z = form.a[:, bears], np.append(np.zeros(bears.sum() - 1), 1.0), np.zeros(len(bears))
+    bounds = np.stack([np.zeros(len(q)), np.append(np.full(len(q) - 1, np.inf), LARGEST_MULTIPLIER)])
     solver = sparse_solver(ACCURACY, ACCURACY)
-    solver.setup(sparse.csc_matrix((len(q), len(q))), q, a, form.b, None, None, None, np.zeros(len(q)), most)
-    status, x = solver.solve(), solver.result.x
-    if status == piqp.PIQP_PRIMAL_INFEASIBLE:
-        return None
-    if status != piqp.PIQP_SOLVED:  # forces without an interior
-        bounds = np.stack([np.zeros(len(q)), most], axis=1)
+    solver.setup(sparse.csc_matrix((len(q), len(q))), q, a, form.b, None, None, None, *bounds)
+    status, z[bears] = solver.solve(), solver.result.x
+    if status not in (piqp.PIQP_SOLVED, piqp.PIQP_PRIMAL_INFEASIBLE):  # the forces have no interior
         # where no forces fit, the simplex method may take minutes to say so
-        found = linprog(q, A_eq=a, b_eq=form.b, bounds=bounds, method="highs-ipm", options=EXACTLY)
-        if found.status != 0:
-            return None
-        x = found.x
-    z = np.zeros(len(bears))
-    z[bears] = x
-    forces, alpha, _ = form.recover(z, np.zeros(len(form.b)))
-    return forces, alpha
+        found = _linprog(q, a, form.b, bounds.T, "highs-ipm")
+        status = piqp.PIQP_SOLVED if found else piqp.PIQP_PRIMAL_INFEASIBLE
+        z[bears] = found.x if found else 0.0
+    return form.recover(z, np.zeros(len(form.b)))[:2] if status == piqp.PIQP_SOLVED else None
 
 
-def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, Array] | None:
-    """Return displacements (m,) of the program's work, and their gaps and slips (j, 4), of which few are not zero.
+def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, Mask] | None:
+    """Return displacements (m,) of the program's work, and which gaps and slips (j, 4) of theirs are not zero: few.
 
     `free` (j, 4): gaps and slips that forces leave free. Their sum by these `weights` (j, 4) is least. None if there
     are no such displacements.
@@ -113,17 +101,15 @@ def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, A
     work = sparse.csr_matrix(
         np.concatenate([program.lateral, np.zeros(4 * count)]) * (program.step / program.work)
     )
-    found = linprog(
+    found = _linprog(
         np.concatenate([np.zeros(m), weights.ravel()]),
-        A_eq=sparse.vstack([sparse.hstack([change, -split]), work]),
-        b_eq=np.concatenate([-begun, [program.step]]),
-        bounds=[(None, None)] * m + [(0.0, None if may else 0.0) for may in free.ravel()],
-        method="highs-ds",
-        options=EXACTLY,
+        sparse.vstack([sparse.hstack([change, -split]), work]),
+        np.concatenate([-begun, [program.step]]),
+        [(None, None)] * m + [(0.0, None if may else 0.0) for may in free.ravel()],
     )
-    if found.status != 0:
+    if found is None:
         return None
-    return np.asarray(found.x[:m]), np.asarray(found.x[m:]).reshape(-1, 4)
+    return np.asarray(found.x[:m]), np.asarray(found.x[m:] > 10.0 * ACCURACY * program.step).reshape(-1, 4)
 
 
 def nearest_mechanism(program: Program, free: Mask, began: Mask, little: float) -> tuple[Array, Array] | None:
@@ -166,6 +152,14 @@ def nearest_mechanism(program: Program, free: Mask, began: Mask, little: float) 
     y = left.reshape(-1, 3)
     gaps = np.column_stack([y[:, :2], y[:, 2], -y[:, 2]]).clip(0.0)
     return x * scale, np.where(free, gaps, 0.0)
+
+
+def _linprog(
+    q: Array, a: sparse.sparray, b: Array, bounds: Any, method: str = "highs-ds"
+) -> OptimizeResult | None:
+    """Return the optimum of min qᵀz, Az = b within bounds; None if HiGHS finds none."""
+    found = linprog(q, A_eq=a, b_eq=b, bounds=bounds, method=method, options=EXACTLY)
+    return found if found.status == 0 else None
 
 
 def _gaps_and_slips(program: Program) -> tuple[sparse.csr_matrix, Array]:
