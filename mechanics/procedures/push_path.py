@@ -18,6 +18,7 @@ from mechanics.procedures.step_control import PATH, reach
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.tolerances import LIMIT
 from mechanics.types import Array
 
 
@@ -381,22 +382,27 @@ class PushPath:
         for point in sorted(added, reverse=True):
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
 
-    def drop_other_flows(self) -> None:
-        """Drop points about the peak whose multiplier is of another flow: in its state there is one of a lesser one.
+    def drop_other_flow(self, last: int) -> bool:
+        """Drop points about the peak up to a point if its multiplier is of another flow; return whether it was.
 
-        Where a joint has just closed, or joints slide, forces that slides leave open may balance a multiplier that
-        nothing leads to. Points beside the peak that are above the lesser one, too, are of the same flow.
+        In its state there is one of a lesser multiplier then, or only one that lifts what slides. Where a joint has
+        just closed, or joints slide, forces that slides leave open may balance a multiplier that nothing leads to.
+        Points beside the peak that are above the lesser one, too, are of the same flow.
         """
-        while 0 < (peak := peak_of(self.multiplier)) < (end := len(self.points) - 1):
-            least = self.limit_at(peak)
-            most = np.inf if least is None else (1.0 + self.tolerances.flat) * least.alpha
-            if self.points[peak].step.alpha <= most:
-                return
-            alpha = self.multiplier
-            first = max((k + 1 for k in range(peak) if alpha[k] <= most), default=1)
-            last = min((k for k in range(peak, end) if alpha[k] <= most), default=end)
-            jumped = any(point.jumped for point in self.points[first : last + 1])
-            self.points[first : last + 1] = [replace(self.points[last], jumped=jumped)]
+        alpha, end = self.multiplier, len(self.points) - 1
+        peak = peak_of(alpha[: last + 1])
+        if not (self.system.rigid and 0 < peak < end) or (least := self.limit_at(peak)) is None:
+            return False
+        most = (1.0 + self.tolerances.flat) * least.alpha
+        if least.dilation > max(self.system.dilation, LIMIT.slight):
+            most = min(most, max(alpha[peak - 1], alpha[peak + 1]))
+        if alpha[peak] <= most:
+            return False
+        first = max((k + 1 for k in range(peak) if alpha[k] <= most), default=1)
+        after = min((k for k in range(peak, end) if alpha[k] <= most), default=end)
+        jumped = any(point.jumped for point in self.points[first : after + 1])
+        self.points[first : after + 1] = [replace(self.points[after], jumped=jumped)]
+        return True
 
     def limit_at(self, point: int) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""
@@ -413,11 +419,16 @@ class PushPath:
         return self.model.rounding > START.resolved and self.alpha >= self.largest
 
     def end_where_it_falls(self) -> None:
-        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls."""
-        moves = np.diff([point.step.state.positions for point in self.points], axis=0)
-        jumps = np.array([point.jumped for point in self.points[1:]])
-        alpha, flat, zero = self.multiplier, self.tolerances.flat, self.tolerances.zero
-        last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
+        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls.
+
+        Before, points of other flows are dropped.
+        """
+        flat, zero, other = self.tolerances.flat, self.tolerances.zero, True
+        while other:
+            moves = np.diff([point.step.state.positions for point in self.points], axis=0)
+            jumps, alpha = np.array([point.jumped for point in self.points[1:]]), self.multiplier
+            last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
+            other = self.drop_other_flow(last)
         if last < len(alpha) - 1:
             self.reached = bool(alpha[last] <= zero * alpha.max())
             self.lost = not self.reached

@@ -175,7 +175,6 @@ def _followed(push: PushInput, system: StaticSystem, state: State | None) -> Pus
     follow(curve, Bisection(push.increment, curve.first.share * push.increment))
     if curve.system.rigid:
         curve.locate_peak()
-        curve.drop_other_flows()
     return curve
 
 
@@ -217,26 +216,12 @@ def _result(curve: PushPath) -> Pushover:
     check_path(steps)
     formed, mechanism = _mechanism(curve)
     return Pushover(
-        curve.push.control,
-        curve.block,
-        curve.displacement,
-        curve.multiplier,
-        tuple(step.state for step in equilibria),
-        tuple(steps),
-        tuple(step.certificate for step in equilibria),
-        curve.reached,
-        curve.lost,
-        curve.end,
-        np.array(curve.crossed).reshape(-1, 2),
-        mechanism,
-        formed,
-        equilibria[formed].forces,
-        equilibria[formed].contacts,
-        curve.system.sliding,
-        sum(step.lifting for step in equilibria),
-        curve.model,
-        curve.push.direction,
-    )
+        curve.push.control, curve.block, curve.displacement, curve.multiplier,
+        tuple(step.state for step in equilibria), tuple(steps), tuple(step.certificate for step in equilibria),
+        curve.reached, curve.lost, curve.end, np.array(curve.crossed).reshape(-1, 2), mechanism, formed,
+        equilibria[formed].forces, equilibria[formed].contacts, curve.system.sliding,
+        sum(step.lifting for step in equilibria), curve.model, curve.push.direction,
+    )  # fmt: skip
 
 
 def _mechanism(curve: PushPath) -> tuple[int, Array]:
