@@ -383,26 +383,34 @@ class PushPath:
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
 
     def drop_other_flow(self, last: int) -> bool:
-        """Drop points about the peak up to a point if its multiplier is of another flow; return whether it was.
+        """Drop the points of another flow about the peak up to a point; return whether there are any.
 
-        In its state there is one of a lesser multiplier then, or only one that lifts what slides. Where a joint has
-        just closed, or joints slide, forces that slides leave open may balance a multiplier that nothing leads to.
-        Points beside the peak that are above the lesser one, too, are of the same flow.
+        In their states there is a lesser multiplier, or only one that lifts what slides: slides leave forces open, that
+        may balance what nothing leads to. Where joints can be crushed limit analysis does not know how far they were.
         """
-        alpha, end = self.multiplier, len(self.points) - 1
-        peak = peak_of(alpha[: last + 1])
-        if not (self.system.rigid and 0 < peak < end) or (least := self.limit_at(peak)) is None:
+        end, peak = len(self.points) - 1, peak_of(self.multiplier[: last + 1])
+        told = self.system.rigid and bool(
+            np.isinf(self.model.contacts.strength[~self.model.contacts.ties]).all()
+        )
+        if not (told and 0 < peak < end) or self._has_flow(peak):
             return False
-        most = (1.0 + self.tolerances.flat) * least.alpha
-        if least.dilation > max(self.system.dilation, LIMIT.slight):
-            most = min(most, max(alpha[peak - 1], alpha[peak + 1]))
-        if alpha[peak] <= most:
-            return False
-        first = max((k + 1 for k in range(peak) if alpha[k] <= most), default=1)
-        after = min((k for k in range(peak, end) if alpha[k] <= most), default=end)
-        jumped = any(point.jumped for point in self.points[first : after + 1])
-        self.points[first : after + 1] = [replace(self.points[after], jumped=jumped)]
+        first, after = peak, peak
+        for way in (-1, 1):
+            reach = way  # each twice as far as the last one: a flow may go on for hundreds of points
+            while 0 < peak + reach < end and not self._has_flow(peak + reach):
+                first, after = min(first, peak + reach), max(after, peak + reach)
+                reach *= 2
+        jumped = any(point.jumped for point in self.points[first : after + 2])
+        self.points[first : after + 2] = [replace(self.points[after + 1], jumped=jumped)]
         return True
+
+    def _has_flow(self, point: int) -> bool:
+        """Whether the multiplier of a point is that of limit analysis in its state, by the law of friction."""
+        limit = self.limit_at(point)
+        if limit is None:
+            return True
+        most = (1.0 + self.tolerances.flat) * limit.alpha
+        return limit.dilation <= max(self.system.dilation, LIMIT.slight) and self.multiplier[point] <= most
 
     def limit_at(self, point: int) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""

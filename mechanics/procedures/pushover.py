@@ -201,15 +201,11 @@ def _result(curve: PushPath) -> Pushover:
     if not curve.system.rigid and curve.drawn and (alone or curve.is_hidden_by_rounding):
         raise no_way_from_rest(curve.model, curve.end)
     if alone or not curve.takes_part_by(max(curve.displacement)):
-        raise ControlError(
-            message(
-                "control = {point} takes no part in the mechanism along {direction}, "
-                "or the increment is too large: {reason}",
-                point=str(tuple(curve.push.control.tolist())),
-                direction=curve.push.direction,
-                reason=curve.end,
-            )
-        )
+        raise ControlError(message(
+            "control = {point} takes no part in the mechanism along {direction}, "
+            "or the increment is too large: {reason}",
+            point=str(tuple(curve.push.control.tolist())), direction=curve.push.direction, reason=curve.end,
+        ))  # fmt: skip
     curve.end_where_it_falls()
     equilibria = [point.step for point in curve.points]
     steps = equilibria[1:] if curve.system.rigid else equilibria

@@ -27,7 +27,7 @@ from tests.stress.corpus import assemblies
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry
-from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle
+from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle, semicircular_arch
 
 STONE = Material(20.0, 0.6, 1e6)
 MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "push_path")}
@@ -451,6 +451,38 @@ def test_a_peak_that_only_a_lift_balances_is_none():
     rows = [row for start in starts for row in (full, (0.0, *(start + 0.4922 * k for k in range(4))))]
     model, settled = settled_wall(0.783, 0.2502, 1.479, 1.861, rows, (0.0029949, -0.0040039), 0.0004)
     assert pushover(model, increment=0.002, state=settled).alpha_0 < 1.03 * 0.543
+
+
+def test_points_beside_a_peak_of_another_flow_are_their_own():
+    """All down to the lesser multiplier were dropped, α_0 was 0.421 by 4 mm; contact dynamics of its own: 0.515."""
+    stone = Material(20.0, 0.747)
+    piers = [
+        rectangle(left + shift, 0.314 * k, left + shift + 0.3667, 0.314 * (k + 1))
+        for k, shift in enumerate((0.0, 0.0043))
+        for left in (-1.002, 0.648)
+    ]
+    lintels = [(-0.8561, 0.8561), (-1.0583, -0.8561), (0.8561, 1.0583)]
+    courses = [rectangle(low, 0.628, high, 0.8898) for low, high in lintels]
+    courses += [rectangle(low, 0.8898, high, 1.1608) for low, high in ((-1.0383, 0.2582), (0.2582, 1.0383))]
+    bases = [
+        Block(rectangle(low, -0.3, low + 1.0667, 0.0), 1.0, stone, support=name)
+        for low, name in ((-1.4083, "left"), (0.3416, "right"))
+    ]
+    model = Assembly([*bases, *(Block(polygon, 1.0, stone) for polygon in (*piers, *courses))])
+    settled = pushdown(model, "right", (-0.004935, 0.0008034), increment=0.0004935).final
+    assert pushover(model, None, "-x", increment=0.004, state=settled).alpha_0 == pytest.approx(
+        0.515, rel=0.01
+    )
+
+
+def test_the_peak_of_joints_that_crush_is_kept():
+    """Limit analysis in the state does not know how far they were crushed: α_0 was 0.025, the onset."""
+    crushed = Material(20.0, 3.0, compressive_strength=100.0)
+    arch = semicircular_arch(9, 0.26, friction=3.0).blocks
+    model = Assembly([replace(block, material=crushed) for block in arch])
+    settled = pushdown(model, "right", (-0.02, -0.03), increment=0.002).final
+    told = [pushover(model, increment=step, state=settled).alpha_0 for step in (0.004, 0.002)]
+    assert told == pytest.approx([0.226, 0.226], rel=1e-3)
 
 
 @pytest.mark.parametrize(("case", "told"), [(9, 0.8583), (13, 0.4361)])
