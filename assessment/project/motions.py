@@ -116,7 +116,8 @@ def set_motions(project: Project, key: Literal["incremental", "campaign"]) -> li
     if vertical and len(vertical) != len(files):
         text = f"{len(vertical)} files for {len(files)} records; write one of each, in the same order"
         raise ProjectError(f"{project.source}: {key}.vertical_records: {text}")
-    return [_motion(project, key, table, *both) for both in zip_longest(files, vertical)] if table else []
+    pairs = dict.fromkeys(zip_longest(files, vertical))
+    return [_motion(project, key, table, *pair) for pair in pairs] if table else []
 
 
 def _motion(

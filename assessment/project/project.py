@@ -64,10 +64,10 @@ class Project(ProjectContent):
         return self.control_point(control.get(direction) if isinstance(control, dict) else control)
 
     def record_files(self, table: SetTable | None, *keys: str) -> tuple[Path, ...]:
-        """Return the files of those keys of a table (all), patterns expanded, each once; none of generated records."""
+        """Return the files of those keys of a table (all), patterns expanded, as often as named; none of generated."""
         names = [getattr(table, key, None) or () for key in keys or ("records", "vertical_records")]
         patterns = [each for own in names for each in own if not each.startswith(GENERATED)]
-        return tuple(dict.fromkeys(file for each in patterns for file in matches(self.folder, each)))
+        return tuple(file for each in patterns for file in matches(self.folder, each))
 
     def attachments(self) -> tuple[Path, ...]:
         """Pictures that end the report."""

@@ -62,7 +62,7 @@ class StatesTable(MotionTable):
 class SetTable(MotionTable):
     """What [incremental] and [campaign] have in common: sets of records, each scaled until the structure falls."""
 
-    vertical_records: Annotated[kinds.Names | None, FileName("pattern")] = absent(
+    vertical_records: Annotated[kinds.Series | None, FileName("pattern")] = absent(
         "files of their vertical ground accelerations, in the same order, scaled by the same factors"
     )
     max_scale: kinds.Factor = entry("largest factor on a record that is tried", 5.0)

@@ -71,11 +71,9 @@ _UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2
 
 _MOST_STIFFNESS = 1e11  # kN/m³
 
-MOST_ENTRIES = 1000
-"""A list of tables or of names has no more entries."""
+MOST_ENTRIES = 1000  # a list of tables or of names has no more
 
-MOST_LAYERS = 10_000
-"""There are no more tables [layers.NAME]."""
+MOST_LAYERS = 10_000  # tables [layers.NAME], at most
 
 
 def unique(items: tuple[Entry, ...]) -> tuple[Entry, ...]:
@@ -137,6 +135,7 @@ Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, 
 ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
 TABLES = Field(strict=False, max_length=MOST_ENTRIES)
 Names = Annotated[tuple[Name, ...], ENTRIES, AfterValidator(unique)]
+Series = Annotated[tuple[Name, ...], Field(strict=False, min_length=1, max_length=MOST_ENTRIES)]
 Behaviour = Literal["rigid", "elastic"]
 Direction = Literal["+x", "-x"]
 LimitState = Literal["SLD", "SLV", "SLC"]

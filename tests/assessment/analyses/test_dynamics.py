@@ -12,7 +12,7 @@ from assessment.analyses.time_history import Setting, respond, sustained_peak, t
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import RECORD, examples, new_project
 from assessment.project.model import build_model
-from assessment.project.motions import BaseMotion, history_motions
+from assessment.project.motions import BaseMotion, history_motions, set_motions
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.report.document import render_html
@@ -362,6 +362,16 @@ def test_vertical_records_are_as_many_as_the_records(tmp_path, key):
     project = _pulsed(tmp_path / "block", both, "up.csv", "other.csv")
     with pytest.raises(ProjectError, match=rf"{key}\.vertical_records: 1 files for 2 records"):
         read_motions(project)
+
+
+def test_both_components_of_a_station_have_its_one_vertical_record(tmp_path):
+    """Each file counted once: two records were refused with "1 files for 2 records"."""
+    both = PULSE.replace('["pulse.csv"]', '["pulse.csv", "other.csv"]').replace(
+        '["up.csv"]', '["up.csv", "up.csv"]'
+    )
+    project = _pulsed(tmp_path / "block", both, "up.csv", "other.csv")
+    for motion in set_motions(project, "incremental"):
+        assert motion.told_vertical["vertical_pga_g"] == pytest.approx(0.16)
 
 
 def test_thinned_curves_keep_their_shape():
