@@ -17,7 +17,7 @@ LINES = {
     "assessment/cli": 634,
     "assessment/ntc": 2129,
     "assessment/project": 4595,
-    "assessment/report": 5991,
+    "assessment/report": 5989,
     "assessment/results": 3184,
     "assessment/runtime": 1442,
     "assessment/studies": 2269,

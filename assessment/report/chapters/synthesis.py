@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.ntc.tables import USE_COEFFICIENT, return_period
+from assessment.ntc.tables import LINEAR, USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
 from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, heading, indexed, label, written
@@ -54,12 +54,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
-    place = {
-        "symbol": indexed(label(quantity, words)),
-        "value": written(quantity, value, words),
-        "where": ", ".join(filter(None, where)),
-        "outcome": outcome,
-    }
+    symbol, shown = indexed(label(quantity, words)), written(quantity, value, words)
+    place = {"symbol": symbol, "value": shown, "where": ", ".join(filter(None, where)), "outcome": outcome}
     if name == ORIGINAL:
         return words("synthesis.original", **place)
     key = "current" if len(settled(results)) == 1 else "worst"
@@ -75,7 +71,7 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
 
 
 def _kind(check: SummaryCheck | None, words: Words) -> str:
-    return words.plain(f"value.{'linear' if check and check.check.endswith(' linear') else 'pushover'}")
+    return words.plain(f"value.{'linear' if check and check.check in LINEAR else 'pushover'}")
 
 
 def _outcome(results: Results, name: str, words: Words) -> str:
@@ -93,20 +89,22 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     limit = index_limit(results)
     before = least_row(results, known(results.states[name].strengthening).of)
     row = next((row for row in rows_of(results, name) if before and row.direction == before.direction), None)
-    check = index_of(row, limit) if row else None
-    if row is None or check is None or check.zeta_E is None or check.gain is None or check.gain <= -1.0:
+    was, check = (index_of(each, limit) if each else None for each in (before, row))
+    if row is None or was is None or check is None:
         return Markup("")
 
     def where(each: SummaryRow) -> str:
         return f"{limit}, {direction_name(each.direction or '')}"
 
-    numbers = {"before": check.zeta_E / (1.0 + check.gain), "after": check.zeta_E, "gain": check.gain}
+    numbers = {"before": was.zeta_E, "after": check.zeta_E, "gain": check.gain}
+    kinds = {"kind": _kind(check, words), "kind_before": _kind(was, words)}
     said = {"state": name, "where": where(row), "outcome": _outcome(results, name, words), "least": ""}
     least = known(least_row(results, name))
     if least is not row:
         ratio = known(index_of(least, limit)).zeta_E
         said["least"] = words("synthesis.strengthened_least", least=ratio, where=where(least))
-    return words("synthesis.strengthened", **said, **numbers)
+    key = "strengthened" if check.gain is not None else "strengthened_by"
+    return words(f"synthesis.{key}", **said, **numbers, **kinds)
 
 
 def _open(results: Results, words: Words) -> Iterator[Markup]:

@@ -1,5 +1,6 @@
 """The first page agrees with the tables: each number of its sentences and of its table is that of the checks."""
 
+import copy
 import re
 
 import pytest
@@ -107,12 +108,22 @@ def test_so_do_those_of_an_analysis(make):
 
 def test_the_answer_is_of_the_linear_check_where_the_nonlinear_one_has_no_number():
     content = analysed("en")
-    for capacity in content["states"][worst_settled(typed(content))]["capacity"].values():
+    worst = worst_settled(typed(content))
+    made = {"strengthening": {"of": worst, "ties": [], "layers": []}}
+    content["states"]["tied"] = copy.deepcopy(content["states"][worst]) | made
+    for capacity in content["states"][worst]["capacity"].values():
         capacity["SLV"] |= {"zeta_E": None, "verified": None}
     results = typed(content)
     sentence_agrees(results)
-    said = lead(results, WORDS)[0]
+    said, tied = lead(results, WORDS)[:2]
     assert re.search(r"\(linear check, SLV, ..\); before the settlement \S+ \(pushover\)\. ", said)
+    assert re.search(r"“tied” takes .* from \S+ \(linear check\) to \S+ \(pushover, SLV, ..\)", tied)
+
+
+def test_where_damage_alone_is_checked_the_linear_check_is_named():
+    content = analysed("en")
+    content["echo"]["assessment"]["limit_states"] = ["SLD"]
+    assert "(linear check, SLD, " in lead(typed(content), WORDS)[0]
 
 
 def test_what_is_just_below_the_threshold_is_told_with_digits_enough():
