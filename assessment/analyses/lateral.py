@@ -35,11 +35,11 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
     model, direction, at, met = path.model, path.direction, path.states[path.formed], Met(path.model)
     mechanism = _mechanism(control, met, path.formed, float(path.multiplier[path.formed]), at, path)
     delta = np.array(mechanism.displacements)
-    by_work = procedures.virtual_work_multiplier(model, delta, direction)
-    if model.ties:  # those that yield do work too
+    taken = mechanism.friction_work_kNm or 0.0
+    if model.ties:  # those that yield take work too
         pulled, longer = frames.tensions(model, path.forces), frames.lengthenings(model, at.positions, delta)
-        lateral = float((model.lateral_load(direction) * delta)[model.movable].sum())
-        by_work += float(np.where(frames.yielding(model, pulled), pulled, 0.0) @ longer) / lateral
+        taken += float(np.where(frames.yielding(model, pulled), pulled, 0.0) @ longer)
+    by_work = procedures.virtual_work_multiplier(model, delta, direction, taken)
     found = as_part(
         static.RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
         # if equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
@@ -82,13 +82,9 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
 
 
 def _mechanism(
-    control: ControlTable,
-    met: Met,
-    point: int,
-    alpha: float,
-    at: mechanics.State,
+    control: ControlTable, met: Met, point: int, alpha: float, at: mechanics.State,
     moving: procedures.Pushover | mechanics.Limit,
-) -> static.Mechanism:
+) -> static.Mechanism:  # fmt: skip
     """Return what is `moving` at a point of a curve of `alpha` and state `at`; new faces that slide go to `met`."""
     model, moved, contacts = moving.model, moving.mechanism, moving.contacts
     block, fastest = model.block_at(control.point_m), float(abs(moved[:, :2]).max())
@@ -104,12 +100,14 @@ def _mechanism(
     with suppress(CapacityError):
         e_star = mass_share(model, displacements)
         gamma_star = mechanism_participation(model, displacements, control_dx).gamma_star
+    slid = moving.sliding == "coulomb"
+    work = procedures.friction_work(contacts, at, displacements, moving.forces) if slid else None
     return static.Mechanism(
         point=point, alpha=alpha, hinges=len(found.points), e_star=e_star, gamma_star=gamma_star,
         displacements=displacements.tolist(), control_displacement_x=control_dx,
         hinge_points_m=model.as_drawn(found.points).tolist(),
         sliding_joints=met.numbers(contacts, slides)[found.sliding].tolist(),
-        moving_weight_kN=float(found.moving_weight),
+        moving_weight_kN=float(found.moving_weight), friction_work_kNm=work,
     )  # fmt: skip
 
 

@@ -146,33 +146,29 @@ def _groups(results: Results, state: str, direction: Direction) -> tuple[list[Ma
 
 
 @dataclass(frozen=True)
-class TieFigures:
-    """A tie that yields in a mechanism, as it is printed: its yield force, kN, and virtual lengthening, m."""
+class WorkTaken:
+    """What takes work (kNm) in a mechanism, as it is printed: a tie that yields, or friction where joints slide."""
 
-    tie: str
-    yield_force_kN: float
-    lengthening: float
-
-    @property
-    def work(self) -> float:
-        """Work that the tie takes, kNm."""
-        return self.yield_force_kN * self.lengthening
+    name: str
+    work: float
 
 
-def ties_in(results: Results, state: str, direction: Direction) -> list[TieFigures]:
-    """Return the ties that lengthen in a mechanism, scaled as its macro-blocks, rounded to the figures of the check."""
+def takers(results: Results, state: str, direction: Direction) -> list[WorkTaken]:
+    """Return what takes work in a mechanism, scaled as its macro-blocks, of figures rounded to those of the check."""
     rigid = rigid_push(results, state, direction)
     rate, at = np.asarray(rigid.mechanism.displacements, dtype=float), rigid.mechanism_configuration
     longer = zip(ties_of(results, state), lengthening(results, state, at, rate).tolist(), strict=True)
     _, size = _groups(results, state, direction)
     pulled = {each.tie: each.peak_kN or 0.0 for each in rigid.ties or ()}
-    return [
-        TieFigures(tie.name, _rounded(tie.yield_force_kN), _rounded(more / size))
+    found = [
+        WorkTaken(tie.name, _rounded(tie.yield_force_kN) * _rounded(more / size))
         for tie, more in longer
         if tie.yield_force_kN is not None
         and more > STILL * size
         and pulled[tie.name] > (1.0 - TAUT) * tie.yield_force_kN
     ]
+    friction = (rigid.mechanism.friction_work_kNm or 0.0) / size
+    return [*found, WorkTaken("Σ T v", _rounded(friction))] if friction > NOTHING else found
 
 
 def hand_checks(results: Results) -> Iterator[HandCheck]:
@@ -181,7 +177,7 @@ def hand_checks(results: Results) -> Iterator[HandCheck]:
         if rigid.virtual_work_alpha is not None and rigid.alpha_0:
             computed, by_blocks = rigid.mechanism.alpha, rigid.virtual_work_alpha
             figures = figures_of(results, name, direction)
-            by_hand = multiplier(figures, ties_in(results, name, direction))
+            by_hand = multiplier(figures, takers(results, name, direction))
             whole, hand = by_blocks / computed - 1.0, by_hand / computed - 1.0
             yield HandCheck(name, direction, len(figures), computed, by_blocks, whole, by_hand, hand)
 
@@ -215,26 +211,26 @@ def figures_of(results: Results, state: str, direction: Direction) -> list[Macro
     return found
 
 
-def virtual_work_table(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures] = ()) -> Table:
-    """List the macro-blocks of a mechanism, and ties that yield, with their virtual work, and the sums of both."""
+def virtual_work_table(figures: Sequence[MacroBlockFigures], taken: Sequence[WorkTaken] = ()) -> Table:
+    """List the macro-blocks of a mechanism, and what takes work, with their virtual work, and the sums of both."""
     works = [{"work_load": each.work_load, "work_weight": each.work_weight} for each in figures]
     rows: list[Row] = [asdict(each) | work for each, work in zip(figures, works, strict=True)]
     summed = ("blocks", "weight_kN", "seismic_weight_kN", "work_load")
     total: Row = {"macro_block": "Σ"} | {key: sum(row[key] for row in rows) for key in summed}
-    rows += [{"macro_block": each.tie, "work_weight": each.work} for each in ties]
+    rows += [{"macro_block": each.name, "work_weight": each.work} for each in taken]
     columns = columns_of(MacroBlockFigures)[2:]  # state and direction stand in the caption
-    total["work_weight"] = work_taken(figures, ties)
+    total["work_weight"] = work_taken(figures, taken)
     return Table("macro_blocks", [*rows, total], (*columns, "work_load", "work_weight"))
 
 
-def work_taken(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures]) -> float:
-    """Return the work against the weights, Σ W δ_z, and of ties that yield, Σ F e, kNm."""
-    return sum(each.work_weight for each in figures) + sum(each.work for each in ties)
+def work_taken(figures: Sequence[MacroBlockFigures], taken: Sequence[WorkTaken]) -> float:
+    """Return the work against the weights, Σ W δ_z, of ties that yield, Σ F e, and of friction, Σ T v, kNm."""
+    return sum(each.work_weight for each in figures) + sum(each.work for each in taken)
 
 
-def multiplier(figures: Sequence[MacroBlockFigures], ties: Sequence[TieFigures] = ()) -> float:
-    """Return α = (Σ W δ_z + Σ F e)/Σ W_s δ_x of the figures of a mechanism, δ_x along the loads."""
-    return work_taken(figures, ties) / sum(each.work_load for each in figures)
+def multiplier(figures: Sequence[MacroBlockFigures], taken: Sequence[WorkTaken] = ()) -> float:
+    """Return α = (Σ W δ_z + Σ F e + Σ T v)/Σ W_s δ_x of the figures of a mechanism, δ_x along the loads."""
+    return work_taken(figures, taken) / sum(each.work_load for each in figures)
 
 
 def mechanisms(results: Results) -> Iterator[tuple[str, Direction, RigidPush]]:

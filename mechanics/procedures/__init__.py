@@ -5,7 +5,7 @@ The analyses themselves are public names of `mechanics`; here are their results 
 
 from mechanics.procedures.energy import may_fall
 from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.mechanism import farthest_corner, hinges, virtual_work_multiplier
+from mechanics.procedures.mechanism import farthest_corner, friction_work, hinges, virtual_work_multiplier
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.motion_start import HISTORY
 from mechanics.procedures.path_start import settled
@@ -22,21 +22,7 @@ from mechanics.procedures.step_control import PATH
 from mechanics.procedures.time_history import unfinished
 
 __all__ = [
-    "HISTORY",
-    "PATH",
-    "Mirror",
-    "Pushdown",
-    "Pushover",
-    "SupportMovement",
-    "drawn_extent",
-    "farthest_corner",
-    "hinges",
-    "limit_in",
-    "may_fall",
-    "pushdown_together",
-    "settled",
-    "static_theorem",
-    "unfinished",
-    "virtual_work_multiplier",
-    "whole_movement",
-]
+    "HISTORY", "PATH", "Mirror", "Pushdown", "Pushover", "SupportMovement", "drawn_extent", "farthest_corner",
+    "friction_work", "hinges", "limit_in", "may_fall", "pushdown_together", "settled", "static_theorem", "unfinished",
+    "virtual_work_multiplier", "whole_movement",
+]  # fmt: skip

@@ -90,11 +90,24 @@ def _merged(points: Array, turn: Array, distance: float) -> Array:
     return np.array(kept, dtype=float).reshape(-1, 2)
 
 
-def virtual_work_multiplier(model: Assembly, mechanism: Array, direction: Direction) -> float:
-    """Return α = −f_Dᵀδ/f_Lᵀδ of virtual displacements δ (b, 3): associative contact forces do no work.
+def friction_work(contacts: Contacts, state: State, mechanism: Array, forces: Array) -> float:
+    """Return Σ T v (kNm) of virtual displacements (b, 3) under joint forces N, P, T (j, 3): joints that slide take it.
+
+    By Coulomb's law; by the associative one N gives it back as they lift.
+    """
+    moved = np.concatenate([mechanism[contacts.a], mechanism[contacts.b]], axis=1)
+    slip = relative_motion(contacts.places(state.positions), moved)[:, 2]
+    return float(abs(forces[:, 2] * slip)[~contacts.ties].sum())
+
+
+def virtual_work_multiplier(
+    model: Assembly, mechanism: Array, direction: Direction, taken: float = 0.0
+) -> float:
+    """Return α = (W − f_Dᵀδ)/f_Lᵀδ of virtual displacements δ (b, 3); W (kNm): what friction and ties take.
 
     Infinite or NaN where the lateral load f_L does no work on δ.
     """
     moved = np.where(model.movable[:, None], mechanism, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return -float((model.dead_load * moved).sum() / (model.lateral_load(direction) * moved).sum())
+        done = np.float64(taken) - (model.dead_load * moved).sum()
+        return float(done / (model.lateral_load(direction) * moved).sum())

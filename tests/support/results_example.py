@@ -183,7 +183,7 @@ def _mechanism(sign: float, alpha_0: float, e_star: float, gamma_star: float) ->
         "point": 0, "alpha": alpha_0, "control_displacement_x": float(displacement[3, 0]), "hinges": 4,
         "e_star": e_star, "gamma_star": gamma_star, "displacements": displacement.tolist(),
         "hinge_points_m": [pivot.tolist() for pivot in pivots], "sliding_joints": [5],
-        "moving_weight_kN": 1.25,
+        "moving_weight_kN": 1.25, "friction_work_kNm": None,
     }  # fmt: skip
 
 

@@ -127,7 +127,7 @@ def macro_block_grids(
     for name, direction in worked_by_hand(results):
         figures = hand_check.figures_of(results, name, direction)
         if len(figures) <= most:
-            table = hand_check.virtual_work_table(figures, hand_check.ties_in(results, name, direction))
+            table = hand_check.virtual_work_table(figures, hand_check.takers(results, name, direction))
             yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)
 
 

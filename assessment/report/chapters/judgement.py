@@ -19,7 +19,7 @@ from assessment.report.tables.mechanisms import balance
 from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
-from assessment.results.hand_check import hand_checks, rigid_push
+from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results, present
 from assessment.results.summary import determined_indices
 from assessment.results.table import among_known, compared, reference_of
@@ -222,14 +222,9 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         key = f"judgement.{'converged' if good else 'not_converged'}"
         yield words(key, error=max(errors), tolerance=tolerance)
     yield from agreement(results, words)
-    deviations: dict[bool, list[float]] = {False: [], True: []}  # whether sliding joints take what is missing
-    for each in hand_checks(results):
-        slides = bool(rigid_push(results, each.state, each.direction).mechanism.sliding_joints)
-        for deviation in (each.deviation, each.hand_deviation):
-            deviations[slides and deviation < 0.0].append(abs(deviation))
-    for slides, most in ((slides, max(each)) for slides, each in deviations.items() if each):
-        key = "hand_agrees" if most <= AGREEMENT else "hand_slides" if slides else "hand_differs"
-        yield words(f"judgement.{key}", deviation=most)
+    checks = [*hand_checks(results)]
+    if most := max((max(abs(each.deviation), abs(each.hand_deviation)) for each in checks), default=0.0):
+        yield words(f"judgement.{'hand_agrees' if most <= AGREEMENT else 'hand_differs'}", deviation=most)
     unbalanced = [row["unbalanced"] for row in balance(results).rows]
     if unbalanced:
         worst = float(np.max(unbalanced))  # NaN if any is

@@ -136,6 +136,9 @@ class Mechanism(MassShares):
     hinge_points_m: list[Point] = key("x, z of each hinge in its configuration")
     sliding_joints: list[int] = key("numbers of the joints that slide")
     moving_weight_kN: float = key("weight of the blocks that move", "Peso in moto|Moving weight")
+    friction_work_kNm: float | None = key(
+        "work of friction in joints that slide; null: they lift, and it takes none"
+    )
 
 
 class OtherLaw(Part):
