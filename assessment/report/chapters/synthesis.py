@@ -124,8 +124,7 @@ def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
     row = least_row(results, name) or next(iter(rows_of(results, name)), None)
     if row is not None and (dynamic := row.dynamic_pga_g) is not None:
         static = row.static_nominal_pga_g
-        kind = "dynamic" if static is None else "dynamic_static"
-        yield words(f"synthesis.{kind}", dynamic=dynamic, static=static)
+        yield words(f"synthesis.dynamic{'' if static is None else '_static'}", dynamic=dynamic, static=static)
     whole = [each for each in (results.campaign.loss if results.campaign else []) if each.share == 1.0]
     found = [results.states[name].incremental.loss] if name in results.states else []
     found += [each for each in whole if each.settlement == name]
@@ -157,11 +156,12 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
             loss = row.checks[first].loss if first else None
             none = dash if row.state == ORIGINAL else words("value.open")
             yield none if loss is None else written("reduction", -loss, words)
-        shaken = results.states[row.state].incremental.records is not None
-        asked = {"static_pga_g": bool(row.checks), "dynamic_pga_g": shaken}
+        asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
+        asked["dynamic_pga_g"] = results.states[row.state].incremental.records is not None
         for name in listed:
             value = getattr(row, name)
-            yield dash if value is None and not asked.get(name) else written(name, value, words)
+            none = words("value.open") if row.direction and not name.endswith("_pga_g") else dash
+            yield none if value is None and not asked.get(name) else written(name, value, words)
         moves = row.mechanism and row.direction
         yield mechanism_name(results, row.state, moves, words) if moves else dash
         if limits:

@@ -241,6 +241,14 @@ def test_tables_have_its_rows_and_no_index():
     assert row[2:5] == 3 * [words("value.open")] and row[-1] == "non determinato"
 
 
+def test_a_multiplier_that_was_asked_for_and_not_found_is_no_dash():
+    content = halved("it")
+    del content["states"][SETTLED]["pushover"]["+x"]
+    words = words_of(results := typed(content))
+    [row] = [row for row in synthesis_grid(results, words).rows if row[:2] == [SETTLED, "+x"]]
+    assert words("value.none") not in row[:-2] and row.count(words("value.open")) > 5
+
+
 def test_sentences_and_terminal_say_so(tmp_path):
     results = typed(halved())
     hold(halved())
