@@ -133,6 +133,8 @@ def _motion(
     if vertical is None:
         return motion
     where = f"{project.source}: {key}.{'vertical_record' if history else 'vertical_records'}: {vertical.name}"
+    if vertical == path:
+        raise ProjectError(f"{where} is the horizontal record itself; name its vertical component")
     whole = _read(vertical, table.time_step_s).scaled(scale)
     return replace(motion, vertical=_vertical(whole, motion.record, motion.start, where))
 

@@ -61,8 +61,7 @@ SHOWN = 40  # characters of a value, or of a key in quotes, that a message shows
 DISTINCT = "distinct"
 """Marks a list of tables whose names are different, or tables of different layers."""
 
-ORIGINAL = "original"
-"""Name of the state before any settlement."""
+ORIGINAL = "original"  # name of the state before any settlement
 
 Entry = TypeVar("Entry", str, float, int)
 
@@ -72,7 +71,6 @@ _UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2
 _MOST_STIFFNESS = 1e11  # kN/m³
 
 MOST_ENTRIES = 1000  # a list of tables or of names has no more
-
 MOST_LAYERS = 10_000  # tables [layers.NAME], at most
 
 

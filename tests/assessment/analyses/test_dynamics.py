@@ -364,6 +364,13 @@ def test_vertical_records_are_as_many_as_the_records(tmp_path, key):
         read_motions(project)
 
 
+@pytest.mark.parametrize("tables", [PULSE, '[[history]]\nrecord = "pulse.csv"\nvertical_record = "up.csv"\n'])
+def test_a_record_is_not_its_own_vertical_one(tmp_path, tables):
+    project = _pulsed(tmp_path / "block", tables.replace("up.csv", "pulse.csv"))
+    with pytest.raises(ProjectError, match="is the horizontal record itself"):
+        read_motions(project)
+
+
 def test_both_components_of_a_station_have_its_one_vertical_record(tmp_path):
     """Each file counted once: two records were refused with "1 files for 2 records"."""
     both = PULSE.replace('["pulse.csv"]', '["pulse.csv", "other.csv"]').replace(
