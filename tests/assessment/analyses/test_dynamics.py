@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from shutil import copy
 
 import numpy as np
 import pytest
@@ -169,8 +170,9 @@ def test_the_window_scale_and_step_of_a_motion(tmp_path):
     np.testing.assert_allclose(motion.record.acceleration[::2], inside, atol=1e-15)
     assert (motion.start, motion.record.time_step, motion.record.duration) == (1.5, 0.01, pytest.approx(0.5))
     assert "leaves out the peak" in motion.notes[0]
+    copy(tmp_path / "block" / "wave.csv", tmp_path / "block" / "up.csv")
     project = _edited(
-        tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "wave.csv"'
+        tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "up.csv"'
     )
     (motion,) = history_motions(project)
     begin = read_record(tmp_path / "block" / "wave.csv").strong_window()[0]

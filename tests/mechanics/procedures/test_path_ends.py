@@ -443,10 +443,7 @@ def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state(increment):
 
 
 def test_a_peak_that_only_a_lift_balances_is_none():
-    """Contact dynamics of its own falls at 0.543: a point where no flow without lift is found was told, 0.629.
-
-    It came to light only where the curve was cut before its largest multiplier, after the peak had been looked at.
-    """
+    """Contact dynamics of its own falls at 0.543: a point where no flow without lift is found was told, 0.637."""
     full, starts = (0.0, 0.4922, 0.9844, 1.4766, 1.9688), (0.27, 0.2396, 0.2002)
     rows = [row for start in starts for row in (full, (0.0, *(start + 0.4922 * k for k in range(4))))]
     model, settled = settled_wall(0.783, 0.2502, 1.479, 1.861, rows, (0.0029949, -0.0040039), 0.0004)
