@@ -383,16 +383,16 @@ class PushPath:
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
 
     def drop_other_flow(self, last: int) -> bool:
-        """Drop the points of another flow about the peak up to a point; return whether there are any.
+        """Drop the points of another flow about the peak of the points up to `last`; return whether there are any.
 
         In their states there is a lesser multiplier, or only one that lifts what slides: slides leave forces open, that
         may balance what nothing leads to. Where joints can be crushed limit analysis does not know how far they were.
         """
         end, peak = len(self.points) - 1, peak_of(self.multiplier[: last + 1])
-        told = self.system.rigid and bool(
+        decides = self.system.rigid and bool(
             np.isinf(self.model.contacts.strength[~self.model.contacts.ties]).all()
         )
-        if not (told and 0 < peak < end) or self._has_flow(peak):
+        if not (decides and 0 < peak < end) or self._has_flow(peak):
             return False
         first, after = peak, peak
         for way in (-1, 1):

@@ -223,7 +223,8 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
         yield words(key, error=max(errors), tolerance=tolerance)
     yield from agreement(results, words)
     checks = [*hand_checks(results)]
-    if most := max((max(abs(each.deviation), abs(each.hand_deviation)) for each in checks), default=0.0):
+    if checks:
+        most = max(abs(deviation) for each in checks for deviation in (each.deviation, each.hand_deviation))
         yield words(f"judgement.{'hand_agrees' if most <= AGREEMENT else 'hand_differs'}", deviation=most)
     unbalanced = [row["unbalanced"] for row in balance(results).rows]
     if unbalanced:

@@ -192,7 +192,7 @@ class RigidPush(Push):
         "the mechanism that `alpha_onset` sets in motion, of which the linear checks are; missing: the same"
     )
     virtual_work_alpha: float | None = key(
-        "multiplier by virtual work over all blocks; null: the horizontal load does no work",
+        "multiplier by virtual work over all blocks, friction and ties; null: the horizontal load does none",
         "α lavori virtuali|α virtual work",
     )
     second_solver: SecondSolver | None = optional(
