@@ -9,9 +9,8 @@ from typing import Any, TypeVar
 
 from assessment.app.editing import Versions
 from assessment.app.session import Session, file_name
-from assessment.project.formats import TOML, XLSX
-from assessment.project.formats import convert as to_other_format
-from assessment.project.project import json_schema, survey_project
+from assessment.project.project import TOML, XLSX, json_schema, survey_project
+from assessment.project.project import convert as to_other_format
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically
 from assessment.workflow import STAGES

@@ -14,11 +14,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.formats import SOURCES, TOML
-from assessment.project.formats.toml import read_toml, updated_toml
 from assessment.project.problems import project_error, schema_problems
-from assessment.project.project import Project, spelt
+from assessment.project.project import SOURCES, TOML, Project, spelt
 from assessment.project.schema import KeyPath, ProjectContent, alternatives, annotation_at
+from assessment.project.toml import read_toml, updated_toml
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically
 

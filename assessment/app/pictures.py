@@ -14,11 +14,11 @@ from assessment.app.editing import model_tag
 from assessment.ntc.hazard import HazardError, read_grid, read_site_table
 from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import new_folder
-from assessment.project.formats.toml import commented_toml
 from assessment.project.model import build_model, how_to_read, with_repaired_drawing
 from assessment.project.problems import project_error, schema_problems, wrong_file
 from assessment.project.project import load_project, survey_project
 from assessment.project.schema import ProjectContent
+from assessment.project.toml import commented_toml
 from assessment.report.language import Words, translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 from assessment.workflow.checking import checked, elapsed, expected

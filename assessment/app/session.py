@@ -18,12 +18,11 @@ from typing import Any
 
 from assessment.app.editing import OWN, ConflictError, Versions, digest_of, tags_of
 from assessment.app.worker import Worker
-from assessment.project.formats import SOURCES
-from assessment.project.project import project_file, spelt, survey_project
+from assessment.project.project import SOURCES, project_file, spelt, survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files import write_atomically
-from assessment.runtime.journal import NAME as JOURNAL
-from assessment.runtime.journal import RunRecord, holder, progress_of, read_journal
+from assessment.runtime.progress import NAME as JOURNAL
+from assessment.runtime.progress import RunRecord, holder, progress_of, read_journal
 
 SAID = 2000  # letters of what a command that failed has said
 

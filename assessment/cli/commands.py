@@ -114,8 +114,8 @@ def check(options: argparse.Namespace) -> int:
 
 def status(options: argparse.Namespace) -> int:
     """Print where a run is, how the last one ended, about how long the first takes. Raises ValueError."""
-    from assessment.runtime.journal import NOTHING, status_json
-    from assessment.runtime.journal import status as as_text
+    from assessment.runtime.progress import NOTHING, status_json
+    from assessment.runtime.progress import status as as_text
 
     if not options.project.is_dir():
         raise ValueError(f"{options.project}: no such folder; give the folder of the project")
@@ -131,7 +131,7 @@ def status(options: argparse.Namespace) -> int:
 def new(options: argparse.Namespace) -> int:
     """Make a project folder from a template, drawing or example, or list them. Raises ValueError for options."""
     from assessment.project.catalogue import new_project as catalogue
-    from assessment.project.formats import TOML, XLSX
+    from assessment.project.project import TOML, XLSX
 
     if options.template is not None:
         options.template = "-".join(options.template.lower().replace("_", " ").split())
@@ -176,7 +176,7 @@ def new(options: argparse.Namespace) -> int:
 
 def convert(options: argparse.Namespace) -> int:
     """Write project.toml as project.xlsx, or back."""
-    from assessment.project.formats import convert as to_other_format
+    from assessment.project.project import convert as to_other_format
     from assessment.project.project import load_project
 
     project = load_project(options.project)

@@ -16,7 +16,7 @@ from assessment.cli.commands import EXIT_CODES, incomplete, tell_error
 from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import collect_rarely, interrupted, leave, prepare, say, tell, watch
 from assessment.runtime.errors import INCOMPLETE, WRONG_INPUT, is_input_error, nearest
-from assessment.runtime.journal import BusyError, record_exit
+from assessment.runtime.progress import BusyError, record_exit
 from assessment.workflow import STAGES
 from mechanics.progress import before_compiling
 

@@ -6,22 +6,23 @@ Wrong keys, types and ranges are all told at once; where there are none, all tha
 import math
 import os
 import re
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field, ValidationError
 
-from assessment.project.formats import SOURCES, is_converted
-from assessment.project.formats.toml import read_toml
-from assessment.project.formats.xlsx import read_xlsx
 from assessment.project.problems import content_problems, matches, project_error, schema_problems
-from assessment.project.schema import Behaviour, ControlTable, Direction, ProjectContent
+from assessment.project.schema import Behaviour, ControlTable, Direction, KeyPath, ProjectContent
 from assessment.project.schema.motions import GENERATED, SetTable
+from assessment.project.toml import commented_toml, read_toml
+from assessment.project.xlsx import read_xlsx, to_xlsx
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files import file_digest
+from assessment.runtime.files import file_digest, write_atomically
 from mechanics.messages import visible
 
+TOML, XLSX = SOURCES = ("project.toml", "project.xlsx")
 CONTROL = re.compile(r"[\x00-\x1f\x7f]")  # a line of a message would end in the middle
 
 
@@ -159,3 +160,27 @@ def project_file(folder: Path | str) -> Path:
     if not found:
         raise ProjectError(f"{path}: project: holds no {' or '.join(SOURCES)}; write one (assesto new)")
     return found[0]
+
+
+def source_bytes(source: str, content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> bytes:
+    """Return the project file called `source` that explains every key, and which are to be filled in (`marked`)."""
+    return to_xlsx(content, marked) if source == XLSX else commented_toml(content, marked).encode()
+
+
+def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
+    """Write the `old` project file in the other form; return that, and where `old` is kept. Raises ProjectError."""
+    new = old.with_name(XLSX if old.name == TOML else TOML)
+    kept = old.with_name(f"{old.name}.old")
+    if kept.exists() and not is_converted(old):
+        raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
+    write_atomically(kept, old.read_bytes())
+    # from here on `old` is_converted: a kill leaves nothing to be mended
+    write_atomically(new, source_bytes(new.name, content))
+    old.unlink()
+    return new, kept
+
+
+def is_converted(file: Path) -> bool:
+    """Return whether a project file has been turned into its other form: what is kept of it is the file itself."""
+    kept = file.with_name(f"{file.name}.old")
+    return kept.is_file() and file_digest(kept) == file_digest(file)

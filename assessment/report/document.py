@@ -1,4 +1,4 @@
-"""The calculation report, as NTC 2018 ch. 10 asks: one template to HTML, PDF and Word, from results alone."""
+"""The calculation report, as NTC 2018 ch. 10 asks, of results alone: HTML, PDF and Word from one template; tables."""
 
 import base64
 import io
@@ -23,14 +23,18 @@ from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
 from assessment.report.language import Words, joined, sentence, translated, words_of
 from assessment.report.printing import command, faces, load_weasyprint
+from assessment.report.tables import TABLES
+from assessment.report.tables.dynamic import fragility_model
 from assessment.report.viewer import Viewer, viewer
 from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.results.summary import coulomb, limit_states
+from assessment.results.table import Table
 from assessment.runtime.files import read_picture, write_atomically
 
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
 ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")
+RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
 FACES = "/* faces */"  # of the style: where the fonts of the PDF are put in
 
 
@@ -227,3 +231,32 @@ def stored(number: int, name: str) -> str:
 
 def _kind(name: str) -> str:
     return "png" if name.lower().endswith(".png") else "jpg"
+
+
+def write_tables(results: Results, folder: Path) -> None:
+    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
+
+    A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
+    """
+    import pandas as pd  # late: the report needs the rows only
+
+    if model := fragility_model(results):
+        write_atomically(folder / "fragility.xml", model)
+    for each in tables(results):
+        if each.rows:
+            frame = pd.DataFrame(each.rows, columns=list(each.columns))
+            words = [name for name, kind in frame.dtypes.items() if not pd.api.types.is_numeric_dtype(kind)]
+            frame = frame.assign(**{str(name): frame[name].map(inert) for name in words})
+            frame.columns = frame.columns.map(inert)
+            path = folder / f"{each.name}.csv"
+            write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
+
+
+def inert(cell: Any) -> Any:
+    """Return a cell that no spreadsheet runs: texts that begin like a formula get an apostrophe in front."""
+    return f"'{cell}" if isinstance(cell, str) and cell.startswith(RUN) else cell
+
+
+def tables(results: Results) -> list[Table]:
+    """List all tables of the results, long ones included."""
+    return [made(results) for made in TABLES.values()]

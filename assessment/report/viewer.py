@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from assessment.ntc.tables import QUOTED
 from assessment.report.language import Words, label, scale
-from assessment.report.tables.rows import moves, pushes
+from assessment.report.tables import moves, pushes
 from assessment.results.frames import ties_of
 from assessment.results.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
 from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension

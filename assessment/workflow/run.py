@@ -19,8 +19,8 @@ from assessment.runtime import cache
 from assessment.runtime import files as disk
 from assessment.runtime.cache import FOLDER, Store, unpacked
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.journal import Journal, locked
 from assessment.runtime.pool import KilledError, Pool, processes, result_of
+from assessment.runtime.progress import Journal, locked
 from assessment.runtime.tasks import Outcome
 from assessment.workflow import STAGES
 
@@ -131,10 +131,9 @@ def _make(
 ) -> list[str]:  # fmt: skip
     """Make everything in the folder `new`; return warnings."""
     from assessment.report.chapters.judgement import NAME, judgement
-    from assessment.report.document import write_attachments, write_docx, write_page, write_pdf
+    from assessment.report.document import write_attachments, write_docx, write_page, write_pdf, write_tables
     from assessment.report.figures.index import write_figures, write_images
     from assessment.report.language import words_of
-    from assessment.report.tables import write_tables
     from assessment.results.file import as_bytes
 
     opinion = judgement(results, words_of(results), folder)

@@ -27,8 +27,7 @@ from mechanics.progress import tell
 from mechanics.steps.flow_step import along_flow, flows, slides
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
-from mechanics.steps.short_steps import in_short_steps
-from mechanics.steps.static_step import Equilibrium, StepProblem
+from mechanics.steps.static_step import Equilibrium, StepProblem, in_short_steps
 from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 

@@ -14,8 +14,7 @@ import numpy as np
 import scipy
 
 from mechanics.kernels.crushing import keep_within_strength
-from mechanics.kernels.interior.inertia import inertia
-from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, iterate
+from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, inertia, iterate
 from mechanics.kernels.joint import CURVED, H
 from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, bed_gaps, certify

@@ -10,7 +10,7 @@ from typing import Any
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import made, write_drawing
 from assessment.runtime.cache import FOLDER
-from assessment.runtime.journal import NAME as JOURNAL
+from assessment.runtime.progress import NAME as JOURNAL
 from assessment.workflow.run import ENTRY
 from tests import ROOT
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from assessment.runtime.cache import FOLDER
-from assessment.runtime.journal import read_journal
-from assessment.runtime.progress import Stage
+from assessment.runtime.progress import Stage, read_journal
 from tests.support.block_project import ASSESSMENT, PROJECT, run, write_block
 
 DYNAMICS = """[[history]]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from assessment.project.formats.toml import plain_values, toml_header, toml_line, toml_tables
+from assessment.project.toml import plain_values, toml_header, toml_line, toml_tables
 
 
 def to_toml(content: Mapping[str, Any]) -> str:

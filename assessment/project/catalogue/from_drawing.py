@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from assessment.project.catalogue.new_project import new_folder
-from assessment.project.formats import TOML, source_bytes
+from assessment.project.project import TOML, source_bytes
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
 from mechanics import Layer, Material

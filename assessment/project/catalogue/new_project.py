@@ -11,8 +11,7 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 
 from assessment.project.catalogue import ARCHES, WALLS, arches, walls
 from assessment.project.catalogue.geometry import DRAWING, Layout, Made
-from assessment.project.formats import TOML, convert, source_bytes
-from assessment.project.project import CONTROL, load_project
+from assessment.project.project import CONTROL, TOML, convert, load_project, source_bytes
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import left_over, naming, temporary_of
 from mechanics.messages import visible

@@ -13,8 +13,8 @@ from markupsafe import Markup
 from assessment.ntc.tables import renamed
 from assessment.report.chapters.grids import Grid
 from assessment.report.language import Words, check_name, heading, translated
+from assessment.report.tables import capacities
 from assessment.report.tables import capacity as capacity_tables
-from assessment.report.tables.rows import capacities
 from assessment.results.schema import Results
 from assessment.results.schema.checks import CHECKS
 from assessment.results.schema.model import Line as Step

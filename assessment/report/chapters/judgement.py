@@ -15,8 +15,8 @@ from markupsafe import Markup
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
 from assessment.report.chapters.synthesis import lead
 from assessment.report.language import Words, check_name, merged, plain_text
+from assessment.report.tables import capacities, moves
 from assessment.report.tables.mechanisms import balance
-from assessment.report.tables.rows import capacities, moves
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
 from assessment.results.hand_check import hand_checks

@@ -10,11 +10,10 @@ from markupsafe import Markup
 
 from assessment.ntc.verification import THRUSTING_A_G
 from assessment.report.language import Words, translated
-from assessment.report.tables import structure
+from assessment.report.tables import capacities, structure
 from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
-from assessment.report.tables.rows import capacities
 from assessment.results import hand_check, summary
 from assessment.results.schema import Behaviour, Direction, Results, RigidPush
 from assessment.results.summary import UNLIKELY, best_of, fits, settlement_lines, told_of

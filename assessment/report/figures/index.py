@@ -14,8 +14,8 @@ from assessment.report.figures.curves import draw_scenarios, draw_tornado, varie
 from assessment.report.figures.drawing import draw_model
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.language import slug, words_of
+from assessment.report.tables import capacities
 from assessment.report.tables.cracks import cracks_of, surveyed
-from assessment.report.tables.rows import capacities
 from assessment.report.tables.structure import printed
 from assessment.results.hand_check import governing_view
 from assessment.results.joint_states import situations

@@ -1,42 +1,90 @@
-"""The tables of the report and of the CSV files: one CSV each, and the fragilities as NRML."""
+"""The tables of the report and of the CSV files: each from a list of fields, its rows parts of the results.
 
-from pathlib import Path
+Behind where they are, which a row has of its own.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, is_dataclass
+from functools import wraps
 from typing import Any
 
-from assessment.report.tables import capacity, cracks, dynamic, mechanisms, structure, studies  # noqa: F401 - entered
-from assessment.report.tables.dynamic import fragility_model
-from assessment.report.tables.rows import TABLES
-from assessment.results.schema import Results
-from assessment.results.table import Table
-from assessment.runtime.files import write_atomically
+from assessment.results.schema import Capacity, Direction, ElasticPush, Part, PushdownPath, Results, RigidPush
+from assessment.results.table import Row, Table, cells, columns_of
 
-RUN = ("=", "+", "-", "@", "\t", "\r")  # what a formula begins with in a spreadsheet
+Found = Iterable[Any]
+"""Rows: as dictionaries, dataclasses or parts of the results, or what a row has of its own and the part of the rest."""
+Curves = Iterator[tuple[Sequence[Any], Sequence[Sequence[Any]]]]
+Made = Callable[[Results], Table]
 
-
-def write_tables(results: Results, folder: Path) -> None:
-    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
-
-    A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
-    """
-    import pandas as pd  # late: the report needs the rows only
-
-    if model := fragility_model(results):
-        write_atomically(folder / "fragility.xml", model)
-    for each in tables(results):
-        if each.rows:
-            frame = pd.DataFrame(each.rows, columns=list(each.columns))
-            words = [name for name, kind in frame.dtypes.items() if not pd.api.types.is_numeric_dtype(kind)]
-            frame = frame.assign(**{str(name): frame[name].map(inert) for name in words})
-            frame.columns = frame.columns.map(inert)
-            path = folder / f"{each.name}.csv"
-            write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
+TABLES: dict[str, Made] = {}
+"""Every table of the results, long ones included, by its name: that of its CSV file."""
 
 
-def inert(cell: Any) -> Any:
-    """Return a cell that no spreadsheet runs: texts that begin like a formula get an apostrophe in front."""
-    return f"'{cell}" if isinstance(cell, str) and cell.startswith(RUN) else cell
+def table(name: str, columns: str | type) -> Callable[[Callable[[Results], Found]], Made]:
+    """Enter a table of these columns, or of those of a class; one with ? is left out where no row has it."""
+    told = columns.split() if isinstance(columns, str) else columns_of(columns)
+    named = [column.lstrip("?") for column in told]
+
+    def entered(found: Callable[[Results], Found]) -> Made:
+        @wraps(found)
+        def made(results: Results) -> Table:
+            rows = [_row(each, named) for each in found(results)]
+            there = {key for row in rows for key in row}
+            kept = [key for key, column in zip(named, told, strict=True) if key == column or key in there]
+            return Table(name, rows, tuple(kept))
+
+        return TABLES.setdefault(name, made)
+
+    return entered
 
 
-def tables(results: Results) -> list[Table]:
-    """List all tables of the results, long ones included."""
-    return [made(results) for made in TABLES.values()]
+def _row(each: Any, columns: Iterable[str]) -> Row:
+    own, part = each if isinstance(each, tuple) else (each, None)
+    if isinstance(own, Part):
+        return cells(own, columns)
+    row: Row = asdict(own) if is_dataclass(own) and not isinstance(own, type) else own
+    return (cells(part, columns) if part else {}) | row
+
+
+def curves(name: str, columns: str) -> Callable[[Callable[[Results], Curves]], Made]:
+    """Enter a table of curves: the function yields the place of each, for the first columns, and its coordinates."""
+
+    def entered(found: Callable[[Results], Curves]) -> Made:
+        @wraps(found)
+        def rows(results: Results) -> Iterator[Row]:
+            for place, arrays in found(results):
+                yield from (
+                    dict(zip(columns.split(), (*place, *point), strict=True))
+                    for point in zip(*arrays, strict=True)
+                )
+
+        return table(name, columns)(rows)
+
+    return entered
+
+
+def without(table: Table, *columns: str) -> Table:
+    """Return the table without some columns."""
+    return Table(table.name, table.rows, tuple(name for name in table.columns if name not in columns))
+
+
+def capacities(results: Results) -> Iterator[tuple[str, Direction, Capacity]]:
+    """Yield state, direction and capacity wherever there is one."""
+    for name, state in results.states.items():
+        for direction, capacity in state.capacity.items():
+            yield name, direction, capacity
+
+
+def pushes(results: Results) -> Iterator[tuple[Row, RigidPush | ElasticPush]]:
+    """Yield every push, behind its state, direction and contacts."""
+    for name, state in results.states.items():
+        for direction, pushed in state.pushover.items():
+            for contacts, push in pushed.by_contacts.items():
+                yield {"state": name, "direction": direction, "contacts": contacts}, push
+
+
+def moves(results: Results) -> Iterator[tuple[Row, PushdownPath]]:
+    """Yield every movement of a support, behind its state and contacts."""
+    for name, state in results.states.items():
+        for contacts, path in state.pushdown.items():
+            yield {"state": name, "contacts": contacts}, path

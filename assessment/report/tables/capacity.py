@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from assessment.ntc.tables import LINEAR
 from assessment.report.language import Words
-from assessment.report.tables.rows import TABLES, Curves, Found, capacities, curves, table, without
+from assessment.report.tables import TABLES, Curves, Found, capacities, curves, table, without
 from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import CHECKS, Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 import shapely
 
-from assessment.report.tables.rows import Found, table
+from assessment.report.tables import Found, table
 from assessment.report.tables.structure import printed
 from assessment.results.hand_check import block_size
 from assessment.results.joint_states import faces_of

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from assessment.ntc.tables import farthest
-from assessment.report.tables.rows import Curves, Found, curves, table, without
+from assessment.report.tables import Curves, Found, curves, table, without
 from assessment.results.schema import Results, present
 from assessment.results.schema import dynamic as parts
 from assessment.results.table import Row, Table, cells, reduction

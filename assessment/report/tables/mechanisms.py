@@ -10,8 +10,8 @@ import numpy as np
 
 from assessment.ntc.tables import LINEAR
 from assessment.report.language import WHOLE, Words
+from assessment.report.tables import Found, capacities, table
 from assessment.report.tables.capacity import mechanism_text
-from assessment.report.tables.rows import Found, capacities, table
 from assessment.results import hand_check as by_hand
 from assessment.results.frames import tie_ends, ties_of
 from assessment.results.hand_check import macro_blocks, rigid_push

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from assessment.report.language import Words
-from assessment.report.tables.rows import Curves, Found, curves, moves, pushes, table, without
+from assessment.report.tables import Curves, Found, curves, moves, pushes, table, without
 from assessment.results.hand_check import outline_area
 from assessment.results.joint_states import joint_states, loaded
 from assessment.results.schema import Results

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-from assessment.report.tables.rows import Found, capacities, moves, pushes, table, without
+from assessment.report.tables import Found, capacities, moves, pushes, table, without
 from assessment.results.schema import Explanation, Part, Results, Scenarios, Sensitivity, named
 from assessment.results.summary import taken_to_collapse, told_of
 from assessment.results.table import Row, Table, cells, quoted_check, weaker

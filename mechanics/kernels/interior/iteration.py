@@ -16,6 +16,12 @@ the conditions of an optimum, with ψ = 0, Coulomb's law, of none: a mixed compl
 eliminated joint by joint (elimination), which leaves BᵀDB + M̄ − G, three rows a block, unsymmetric where ψ < 1.
 Predictor and corrector after Mehrotra, one more corrector after Gondzio; the forces that follow from stiff joints are
 refined until equilibrium holds to rounding.
+
+Infinite friction: a joint that presses does not slide, one that is open bears nothing. That set of forces, N > 0 with
+any T and N = T = 0, is not closed, and has no products of its own. By Coulomb's law |T| is held below μN with a μ of
+the iterate: it grows wherever T comes near the bound of a joint that presses, so that in the end no joint slides under
+N, and an open one, whose N vanishes, has no T. By the associative law, whose cone is closed (N ≥ 0 with any T), a joint
+that touches has no slip at all.
 """
 
 from __future__ import annotations
@@ -24,7 +30,6 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.interior.bounds import begin, grow
 from mechanics.kernels.interior.elimination import CHANGES, CN1, KNOWN, LANES
 from mechanics.kernels.interior.joint_loops import (
     TO_THE_BOUND,
@@ -45,7 +50,8 @@ from mechanics.kernels.interior.joint_loops import (
     within_strength,
 )
 from mechanics.kernels.jit import compiled, looped
-from mechanics.kernels.law import BED, DILATION, STRENGTH
+from mechanics.kernels.joint import PHI, H, U
+from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP, STRENGTH
 from mechanics.kernels.linalg.factors import cholesky, lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.types import Array
@@ -64,6 +70,40 @@ FARTHER = 1.5  # times as far as a step leads, products are looked at
 IDLE_CRUSHED = (
     20  # iterations without progress where joints can be crushed: forces go from bound to bound first
 )
+TOUCHES = 1e-6  # of the step: a gap that is none, where friction is infinite
+PRESSES = 0.01  # of what a bed closes: a gap of faces that press there
+NEAR, GROWS = 0.5, 10.0  # share of its bound at which T raises it, and by how much
+
+
+@looped
+def _bound_shear(places: Array, law: Array, f: Array, step: float) -> bool:
+    """Bound T in the `law` (j, LAW) of joints of infinite friction under forces f (j, 3): whether any is."""
+    bounded = False
+    for j in range(len(law)):
+        touches = places[j, U] - places[j, H] * abs(places[j, PHI]) <= TOUCHES * step
+        if law[j, FRICTION] < np.inf or (law[j, DILATION] == 1.0 and touches):
+            continue
+        law[j, FRICTION], law[j, DILATION] = max(STEEP, 2.0 * abs(f[j, 2]) / (f[j, 0] + f[j, 1])), 0.0
+        bounded = True
+    return bounded
+
+
+@looped
+def _raise_bounds(places: Array, law: Array, given: Array, f: Array, y: Array, unit: float) -> None:
+    """Raise the bounds near which T is, where the friction that is `given` (j, LAW) has none; products stay.
+
+    `unit`: step per weight. A joint presses whose gap is small beside what N closes its bed by, of rigid ones beside a
+    step per weight: of faces that only touch gap and force vanish alike.
+    """
+    for j in range(len(law)):
+        mu, n, t = law[j, FRICTION], f[j, 0] + f[j, 1], f[j, 2]
+        give = unit if law[j, BED] == np.inf else 0.5 / (places[j, H] * law[j, BED])
+        presses = min(y[j, 0], y[j, 1]) < PRESSES * give * n
+        if given[j, FRICTION] < np.inf or mu == np.inf or not presses or abs(t) < NEAR * mu * n:
+            continue
+        law[j, FRICTION] = GROWS * mu
+        y[j, 2] *= (mu * n + t) / (GROWS * mu * n + t)
+        y[j, 3] *= (mu * n - t) / (GROWS * mu * n - t)
 
 
 @looped
@@ -133,7 +173,7 @@ def iterate(
     weight, size, step, accepted, closed = scale
     count, c, unit = len(x), len(row), step / weight
     given, law = law, law.copy()
-    bounded = begin(places, law, f, step)
+    bounded = _bound_shear(places, law, f, step)
     bent = np.zeros_like(curved)
     joints = ProgramJoints(row, places, law, bent, which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
@@ -243,6 +283,36 @@ def iterate(
             reach_f = reach_g = min(reach_f, reach_g)
         advance(joints, known, reach_f, reach_g, f, y)
         if bounded:
-            grow(places, law, given, f, y, unit)
+            _raise_bounds(places, law, given, f, y, unit)
         x += reach_g * dx
         alpha += reach_f * dalpha
+
+
+@compiled
+def inertia(
+    row: Any, places: Array, law: Array, curved: Array, lateral: Array, x: Array, f: Array, y: Array,
+    step: float, least: float, held: Array, stored: Array, packed: Any, which: Any,
+) -> tuple[int, float]:  # fmt: skip
+    """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
+
+    Joints that slide by Coulomb's law do so under the friction that they have.
+
+    Arrays as in `iterate`; `step` (m) of the program; `least` (m/kN): compliance that bounds the stiffness; `held`
+    (m,): stiffness added to the diagonal.
+    """
+    pattern = unpacked(packed)
+    law = law.copy()
+    _bound_shear(places, law, f, step)
+    joints = ProgramJoints(row, places, law, curved, which)
+    known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
+    residual = np.zeros(len(x))
+    evaluate(joints, x, f, y, least, known, residual)
+    lower, upper = stored[: len(stored) // 2], stored[len(stored) // 2 :]
+    assemble(joints, known, held, lower, upper, False, pattern)
+    upper[:] = lower
+    negative = lu(lower, upper, pattern)
+    if negative < 0 or len(lateral) == 0:
+        return negative, 0.0
+    lateral_solution = lateral.copy()
+    substitute(lower, upper, pattern, lateral_solution)
+    return negative, dot(lateral, lateral_solution)

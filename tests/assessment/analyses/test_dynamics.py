@@ -16,10 +16,9 @@ from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion, history_motions, set_motions
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
-from assessment.report.document import render_html
+from assessment.report.document import render_html, tables
 from assessment.report.figures.index import pictures
 from assessment.report.language import words_of
-from assessment.report.tables import tables
 from assessment.results.schema.part import plain
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.checking import read_motions

@@ -19,9 +19,9 @@ from assessment.app.worker import Worker, WorkerError
 from assessment.cli.main import main
 from assessment.project.catalogue.from_drawing import proposal
 from assessment.project.catalogue.new_project import made, write_drawing
-from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.journal import NAME as JOURNAL
+from assessment.runtime.progress import NAME as JOURNAL
 from tests.support.block_project import ASSESSMENT, PROJECT, PUSHED, TURNED, edit, write_block
 
 SLOW = 600  # times that something is looked for, with a tenth of a second between

@@ -11,9 +11,9 @@ from xml.etree import ElementTree
 import pytest
 
 from assessment.cli.main import main
-from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.xlsx import to_xlsx
 from assessment.runtime.cache import FOLDER
-from assessment.runtime.journal import NAME as JOURNAL
+from assessment.runtime.progress import NAME as JOURNAL
 from tests import ROOT
 from tests.support.block_project import PUSHED, block, command, write_block
 from tests.support.hostile.corpus import KINDS, SHEETS, tried

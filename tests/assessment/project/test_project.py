@@ -11,7 +11,7 @@ import pytest
 
 from assessment.analyses.demand import demand_return_periods
 from assessment.cli.main import main
-from assessment.project import formats
+from assessment.project import project as project_file
 from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from assessment.project.model import build_model
 from assessment.project.problems import matches
@@ -262,10 +262,10 @@ def test_a_conversion_that_is_killed_at_any_moment_leaves_a_project(tmp_path, mo
         return stepped
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(formats, "write_atomically", killed_before(formats.write_atomically))
+        patch.setattr(project_file, "write_atomically", killed_before(project_file.write_atomically))
         patch.setattr(Path, "unlink", killed_before(Path.unlink))
         patch.setattr(Path, "replace", killed_before(Path.replace))
-        formats.convert(folder / "project.toml", load_project(folder).content(defaults=False))
+        project_file.convert(folder / "project.toml", load_project(folder).content(defaults=False))
     monkeypatch.undo()
     assert load_project(folder).content() == before
     assert main(["convert", str(folder)]) == 0

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from openpyxl import load_workbook
 
-from assessment.project.formats.toml import commented_toml
-from assessment.project.formats.xlsx import ACTIVE, read_xlsx, to_xlsx
 from assessment.project.project import ProjectError, load_project
 from assessment.project.schema import ProjectContent
+from assessment.project.toml import commented_toml
+from assessment.project.xlsx import ACTIVE, read_xlsx, to_xlsx
 from tests.support.project_strategy import project_contents
 from tests.support.project_toml import to_toml
 

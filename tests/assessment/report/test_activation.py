@@ -9,10 +9,10 @@ import pytest
 
 from assessment.cli.commands import capacities
 from assessment.report.chapters.remarks import onsets
+from assessment.report.document import tables
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.deformed import draw_thrust
 from assessment.report.language import direction_name, words_of
-from assessment.report.tables import tables
 from assessment.report.viewer import viewer
 from assessment.results.hand_check import hand_checks
 from assessment.results.joint_states import situations

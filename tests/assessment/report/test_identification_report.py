@@ -8,8 +8,8 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.report.chapters.remarks import ready_lines
+from assessment.report.document import tables
 from assessment.report.language import words_of
-from assessment.report.tables import tables
 from assessment.results.summary import fits
 from assessment.studies import identification
 from assessment.workflow.run import select

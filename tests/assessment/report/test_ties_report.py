@@ -8,10 +8,10 @@ import pytest
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.chapters.grids import macro_block_grids, printed_tables
+from assessment.report.document import tables
 from assessment.report.figures.deformed import draw_mechanisms, draw_overturned
 from assessment.report.figures.drawing import draw_model
 from assessment.report.language import Words
-from assessment.report.tables import tables
 from assessment.report.viewer import viewer
 from assessment.results.schema.part import plain
 from assessment.workflow.stages import run

@@ -19,7 +19,7 @@ from assessment.project.project import load_project
 from assessment.report.figures import index as figures
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.journal import NAME as JOURNAL
+from assessment.runtime.progress import NAME as JOURNAL
 from assessment.workflow.stages import run
 from tests.support.block_project import contents, edit, read_results, timeless
 from tests.support.every_stage import assesto, computed, counts, entries, planned, write_every_stage

@@ -8,17 +8,17 @@ import sys
 import pytest
 
 from assessment.cli.main import main
-from assessment.runtime.journal import (
+from assessment.runtime.progress import (
     LOCK,
     NAME,
     BusyError,
     Journal,
+    Show,
     locked,
     read_journal,
     record_exit,
     status,
 )
-from assessment.runtime.progress import Show
 from tests.support.block_project import ROOT, run
 
 
@@ -108,7 +108,7 @@ def test_a_journal_that_is_damaged_is_read_as_far_as_it_tells_of_events(tmp_path
 
 
 HOLD = """
-import sys, pathlib, assessment.runtime.journal as lock
+import sys, pathlib, assessment.runtime.progress as lock
 with lock.locked(pathlib.Path(sys.argv[1])):
     input(print('held'))
 """

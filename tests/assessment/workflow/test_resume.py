@@ -9,7 +9,7 @@ import pytest
 from assessment.report.figures import index as figures
 from assessment.runtime import cache
 from assessment.runtime.cache import FOLDER, Store
-from assessment.runtime.journal import NAME as JOURNAL
+from assessment.runtime.progress import NAME as JOURNAL
 from tests.support.block_project import edit, forget, timeless
 from tests.support.every_stage import assesto, computed, counts, entries, planned, write_every_stage
 

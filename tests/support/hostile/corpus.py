@@ -18,12 +18,12 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from assessment.ntc.hazard import RETURN_PERIODS, HazardError, site_curve
-from assessment.project.formats.xlsx import to_xlsx
 from assessment.project.model import build_model, with_repaired_drawing
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import load_project
+from assessment.project.xlsx import to_xlsx
+from assessment.report.document import inert
 from assessment.report.language import slug
-from assessment.report.tables import inert
 from assessment.runtime.errors import ProjectError
 from assessment.workflow import run as workflow
 from assessment.workflow.checking import read_motions

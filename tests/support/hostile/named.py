@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from assessment.project.formats.xlsx import to_xlsx
+from assessment.project.xlsx import to_xlsx
 from assessment.report.chapters.judgement import to_html
 from mechanics.records.record import read_record
 from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, write_block

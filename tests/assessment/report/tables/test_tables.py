@@ -12,11 +12,11 @@ from assessment.report.chapters.grids import check_grids, grid, printed_tables
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.remarks import indices as index_sentences
 from assessment.report.chapters.synthesis import synthesis_grid
+from assessment.report.document import write_tables
 from assessment.report.language import LANGUAGES, Words, cell, words_of
-from assessment.report.tables import write_tables
+from assessment.report.tables import TABLES, table
 from assessment.report.tables.capacity import indices, interventions, summary, verification
 from assessment.report.tables.mechanisms import hand_check
-from assessment.report.tables.rows import TABLES, table
 from assessment.report.tables.structure import layers
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import QUANTITIES, key

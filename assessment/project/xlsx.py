@@ -22,7 +22,7 @@ from zipfile import BadZipFile, ZipFile
 from pydantic_core import PydanticUndefined
 
 from assessment.project import schema
-from assessment.project.formats.toml import MARK
+from assessment.project.toml import MARK
 from assessment.runtime.errors import ProjectError, nearest
 
 MOST_BYTES = 20_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
