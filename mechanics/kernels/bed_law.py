@@ -1,7 +1,8 @@
 """Which bed a joint has: exact or of points (bed), or of finite strength (crushing). The one place that chooses.
 
 `law` (LAW,) of the joint; `left` (8,) m: the lines above which its bed begins. The `strength`, kN/m, is the
-law's, or infinite for ties in a motion: they yield as a whole (dynamics.gaps). A bed of finite strength has no points.
+law's, or infinite for ties in a motion, which yield as a whole (dynamics.motion). A bed of finite strength has no
+points.
 """
 
 from __future__ import annotations

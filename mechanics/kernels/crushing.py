@@ -6,7 +6,7 @@ stays:
     f = min(σ, k⟨p − r⟩)      r(s) = max(0, q₁(s), q₂(s), q₃(s))      q = p − σ/k when a place was pressed in the most
 
 A line q is remembered for either end and for the middle: that of the moment at which it was pressed in the farthest.
-A fourth one is that of the dashpots of a step (dynamics.gaps), of beds without strength (σ = ∞) too.
+A fourth one is that of the dashpots of a step (dynamics.motion), of beds without strength (σ = ∞) too.
 Loads that grow find the bed that they left, and one that has been let go touches where it is left. Where r has a kink
 the bed is divided; on each part f is the difference of two beds without strength, k⟨p − r⟩ − k⟨p − r − σ/k⟩.
 """

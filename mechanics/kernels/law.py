@@ -11,7 +11,7 @@ from mechanics.types import Array
 # compliance in shear, m/kN; stiffness of the bed, kN/m² (inf: rigid); slip from which the slide counts, m;
 # strength, kN/m (inf: none); segments of a bed of points (0: exact); lines, m, above which a bed begins, two values
 # each: three that a bed of finite strength remembers of having been crushed (crushing), and that of the dashpots of a
-# step (dynamics.gaps)
+# step (dynamics.motion)
 FRICTION, DILATION, SHEAR, BED, SLID, STRENGTH, SEGMENTS, LEFT = range(8)
 DASHPOTS = LEFT + 6
 LAW = 15

@@ -23,7 +23,7 @@ LINES = {
     "assessment/studies": 2269,
     "assessment/workflow": 918,
     "mechanics": 978,
-    "mechanics/kernels": 3673,
+    "mechanics/kernels": 3585,
     "mechanics/model": 3001,
     "mechanics/procedures": 3423,
     "mechanics/records": 1004,

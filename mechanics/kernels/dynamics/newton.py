@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mechanics.kernels.bed_law import bed_forces
-from mechanics.kernels.interior.joint_loops import unbalanced
+from mechanics.kernels.interior.joints import unbalanced
 from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, lift, most_shear

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.dynamics.gaps import placed, posed, sunk
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
@@ -34,7 +33,10 @@ from mechanics.kernels.dynamics.motion import (
     VISCOUS,
     bed_under,
     elastic_beds,
+    placed,
+    posed,
     relative,
+    sunk,
 )
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiled

@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels.interior import elimination as loops
-from mechanics.kernels.interior import joint_loops
-from mechanics.kernels.interior.elimination import KNOWN, LANES
+from mechanics.kernels.interior import joints as loops
+from mechanics.kernels.interior.joints import KNOWN, LANES
 from mechanics.kernels.joint import CURVED, H, curvature
 from mechanics.kernels.law import BED, DILATION, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
@@ -165,7 +164,7 @@ def test_a_joint_at_its_strength_ends_the_shortening_of_an_iteration():
     row, kappa = np.zeros(KNOWN), 0.25
     for column, value in (("KAPPA", kappa), ("N1", 1.0), ("N2", 1.0), ("CN1", 0.1), ("CN2", 0.1)):
         row[getattr(loops, column) + LANE] = value
-    assert joint_loops._within(row, LANE, 1.0) == 0.0
+    assert loops._within(row, LANE, 1.0) == 0.0
     row[loops.N1 + LANE] = row[loops.N2 + LANE] = 0.5
     row[loops.G1 + LANE] = row[loops.G2 + LANE] = 0.5 - kappa
-    assert joint_loops._within(row, LANE, 1.0) == 1.0
+    assert loops._within(row, LANE, 1.0) == 1.0
