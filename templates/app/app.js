@@ -135,6 +135,7 @@ const fetchModel = async (tag) => {
   }
   modelling = false;
   if (!found || open !== store.state.project) return;  // asked again with the next state
+  if (store.model?.tag && store.model.tag === store.state.tag) return;  // by an undo the file is what is shown already
   store.model = found;
   if (outlines(found) !== outlines(before)) store.selection = null;
   drawing.show();

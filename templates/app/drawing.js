@@ -327,9 +327,9 @@ const key = (event) => {
   else if (event.key === "Escape") { given_up++; drag = press = null; trail = []; drawTrail(); home(); choose(null); }
   else if (way) walk(way);
   else if (event.key === "Enter" && at !== null) choose(event.altKey ? { blocks: [at] } : { layer: blocks()[at].layer });
-  else if (event.key.toLowerCase() === "m" && blocks()[at]?.support && ready()) {
-    take(blocks()[at].support, null, true);
-    $("caption").textContent = w("moving", { support: drag.support });
+  else if (event.key.toLowerCase() === "m" && blocks()[at]?.support) {
+    if (ready()) take(blocks()[at].support, null, true);
+    $("caption").textContent = ready() ? w("moving", { support: drag.support }) : w("not_yet");
   } else if (event.key === "+" || event.key === "-") zoom(event.key === "+" ? 0.8 : 1.25, middle());
   else if (event.key === "0") fit();
   else return;
