@@ -132,7 +132,7 @@ def respond(
             sliding=setting.sliding,
         )  # fmt: skip
 
-    vertical = None if motion.vertical is None else factor * motion.vertical
+    vertical = None if motion.vertical is None else factor * motion.vertical.acceleration
     free = np.zeros(round(TAIL / step) + 2)
     record = motion.record.acceleration.size / (motion.record.acceleration.size + free.size)
     with stretch(0.0, record):

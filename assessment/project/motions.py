@@ -32,8 +32,9 @@ class BaseMotion:
     """What shakes the base: `record` at the analysis' step in the window that begins at `start` (s) of the file.
 
     `pga` (g): largest horizontal acceleration in the window before resampling, `scale` included. `original`: the whole
-    record, scaled. `vertical` (n,) g, upward, None where there is none. `notes`: what the user should know.
-    `amplitude`: of a member of an ensemble, a factor on what shakes the base that `pga` and `scale` do not include.
+    record, scaled. `vertical`: upward at the instants of `record`, None where there is none. `notes`: what the user
+    should know. `amplitude`: of a member of an ensemble, a factor on what shakes the base that `pga` and `scale` do
+    not include.
     """
 
     record: Record
@@ -41,7 +42,7 @@ class BaseMotion:
     pga: float
     scale: float
     start: float = 0.0
-    vertical: Array | None = None
+    vertical: Record | None = None
     notes: tuple[Message, ...] = ()
     amplitude: float = 1.0
 
@@ -52,19 +53,18 @@ class BaseMotion:
 
     @property
     def told_vertical(self) -> dict[str, Any]:
-        """The largest vertical acceleration (g), where there is one, as results name it."""
-        return {} if self.vertical is None else {"vertical_pga_g": float(abs(self.vertical).max())}
+        """The vertical record and its largest acceleration (g), where there is one, as results name them."""
+        return {"vertical_record": it.name, "vertical_pga_g": it.pga} if (it := self.vertical) else {}
 
     def at_half_step(self) -> Self:
         """Return the same broken lines with a sample between any two."""
-        record = self.record.resampled(0.5 * self.record.time_step)
-        vertical = None if self.vertical is None else np.interp(record.time, self.record.time, self.vertical)
-        return replace(self, record=record, vertical=vertical)
+        step = 0.5 * self.record.time_step
+        vertical = self.vertical and self.vertical.resampled(step)
+        return replace(self, record=self.record.resampled(step), vertical=vertical)
 
     def at_amplitude(self, factor: float) -> Self:
         """Return the motion of a member of an ensemble."""
-        vertical = None if self.vertical is None else factor * self.vertical
-        record = self.record.scaled(factor)
+        record, vertical = self.record.scaled(factor), self.vertical and self.vertical.scaled(factor)
         return replace(self, record=record, vertical=vertical, amplitude=factor * self.amplitude)
 
 
@@ -166,7 +166,7 @@ def motion_of(
             "the largest acceleration inside it", peak=original.pga, pga=cut.pga,
         )  # fmt: skip
         notes = (headed(original.name, lost),)
-    return BaseMotion(record, original, cut.pga, 1.0, start, None, notes)
+    return BaseMotion(record, original, cut.pga, 1.0, start, notes=notes)
 
 
 def _at_step(record: Record, step: float, where: str) -> Record:
@@ -179,18 +179,17 @@ def _at_step(record: Record, step: float, where: str) -> Record:
     raise ProjectError(f"{where}: {text}; write time_step_s = {record.time_step:g}, its own, or half of it")
 
 
-def _vertical(whole: Record, horizontal: Record, start: float, where: str) -> Array:
-    """Vertical acceleration (n,) g at the samples of the horizontal one; both files begin at the same instant."""
+def _vertical(whole: Record, horizontal: Record, start: float, where: str) -> Record:
+    """Vertical acceleration at the samples of the horizontal one; both files begin at the same instant."""
     missing = start + horizontal.duration - whole.duration
     if missing > horizontal.time_step:
         raise ProjectError(f"{where} ends {missing:.3g} s before the horizontal one; give more or a window_s")
-    time: Array = start + horizontal.time
-    if horizontal.time_step > (1.0 + SAME_TIME) * whole.time_step:  # what the step cannot carry is damped
+    a, step = _at(whole, start + horizontal.time), horizontal.time_step
+    if step > (1.0 + SAME_TIME) * whole.time_step:  # what the step cannot carry is damped
         count = int(np.ceil(horizontal.duration / whole.time_step - SAME_TIME)) + 1
         begun = _at(whole, start + whole.time_step * np.arange(count, dtype=float))
-        found = _at_step(replace(whole, acceleration=begun), horizontal.time_step, where)
-        return found.acceleration[: time.size]
-    return _at(whole, time)
+        a = _at_step(replace(whole, acceleration=begun), step, where).acceleration[: a.size]
+    return Record(a, step, visible(whole.name))
 
 
 def _at(record: Record, time: Array) -> Array:
@@ -217,8 +216,7 @@ def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
     """Return a warning for each record of a campaign whose unit or length is implausible."""
     found = []
     for motion in motions:
-        record = motion.original
-        doubts = [*doubtful_units(record)]
+        record, doubts = motion.original, [*doubtful_units(motion.original)]
         if record.duration < SHORTEST:
             length = record.duration
             doubts.append(message("lasts {duration:.3g} s; check that the record is whole", duration=length))

@@ -81,8 +81,7 @@ def undetermined(results: schema.Results) -> dict[str, list[Direction]]:
 
 def without(capacities: Iterable[Direction], asked: Iterable[Direction]) -> list[Direction]:
     """Return the directions asked for that are not among those with a capacity."""
-    known = set(capacities)
-    return [direction for direction in asked if direction not in known]
+    return [direction for direction in asked if direction not in set(capacities)]
 
 
 def directions_asked(results: schema.Results) -> list[Direction]:

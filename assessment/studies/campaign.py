@@ -174,7 +174,7 @@ def campaign(
                 record=motion.name, record_pga_g=motion.pga, scale=motion.scale,
                 pgv_m_s=motion.pga * measures.over_pga[motion.name]["PGV"],
                 duration_s=motion.record.duration, time_step_s=motion.record.time_step,
-                **({"sa_g": each * motion.pga} if table.period_s else {}), **motion.told_vertical,
+                **motion.told_vertical | ({"sa_g": each * motion.pga} if table.period_s else {}),
             )
             for motion, each in zip(records, ratio, strict=True)
         ],

@@ -143,6 +143,8 @@ class CampaignTable(SetTable):
             yield "records", text
         elif generated and len(self.records) > 1:
             yield "records", f'"{generated[0]}" stands alone; write it, or files'
+        if generated and self.vertical_records:
+            yield "vertical_records", "generated records have none; leave it out, or name files in records"
         if self.generated and (self.time_step_s or 0.0) > GENERATED_STEP:
             yield "time_step_s", f"records are made at {GENERATED_STEP:g} s; write that, or leave it out"
         yield from super().contradictions(project)

@@ -203,8 +203,7 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:
-    found = {name: getattr(results.quality, f"worst_{name}") for name in RESIDUALS}
-    residuals = present(found)
+    residuals = present({name: getattr(results.quality, f"worst_{name}") for name in RESIDUALS})
     shown = {name: words.told(f"worst_{name}", residual) for name, residual in residuals.items()}
     poor = [name for name, residual in residuals.items() if residual > RESIDUALS[name]]
     for name in poor:

@@ -11,7 +11,8 @@ from assessment.results.schema import Results, present
 from assessment.results.schema import dynamic as parts
 from assessment.results.table import Row, Table, cells, reduction
 
-HISTORY = """state record pga_g vertical_pga_g contacts control peak_displacement_m residual_displacement_m collapsed
+VERTICAL = "vertical_record vertical_pga_g"
+HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m residual_displacement_m collapsed
 time_of_collapse_s"""
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
@@ -69,7 +70,7 @@ def motions(results: Results) -> Curves:
         yield (motion.name,), (motion.T_s, motion.S_a_g, motion.S_d_m)
 
 
-@table("incremental", f"state record record_pga_g vertical_pga_g {LEVELS} resurrections widest_gap runs")
+@table("incremental", f"state record record_pga_g {VERTICAL} {LEVELS} resurrections widest_gap runs")
 def incremental(results: Results) -> Found:
     """List the bracket of the PGA at collapse of every record and state."""
     for state, found in _incrementals(results):

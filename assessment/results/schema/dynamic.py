@@ -88,6 +88,7 @@ class OfRecord(Part):
 class OfBaseMotion(OfRecord):
     """What is of one record that shakes the base."""
 
+    vertical_record: str | None = optional("its vertical record; missing: none", "Verticale|Vertical record")
     vertical_pga_g: float | None = optional(
         "PGA of its vertical record, scaled; missing: none", "PGA verticale|Vertical PGA", ground="surface"
     )

@@ -176,7 +176,7 @@ def test_the_window_scale_and_step_of_a_motion(tmp_path):
     (motion,) = history_motions(project)
     begin = read_record(tmp_path / "block" / "wave.csv").strong_window()[0]
     assert 0.0 <= motion.start - begin < STEP
-    np.testing.assert_allclose(motion.vertical, motion.record.acceleration, atol=1e-12)
+    np.testing.assert_allclose(motion.vertical.acceleration, motion.record.acceleration, atol=1e-12)
 
 
 def _vertical_motion(folder, time, acceleration, extra=""):
@@ -203,8 +203,10 @@ def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, 
     time = vertical_step * np.arange(round(2.4 / vertical_step) + 1)
     window = f"window_s = [1.5, 1.9]\ntime_step_s = {step}\n"
     motion = _vertical_motion(tmp_path / "block", time, 0.1 * time, window)
-    assert motion.vertical.size == motion.record.acceleration.size
-    np.testing.assert_allclose(motion.vertical, 2.0 * 0.1 * (1.5 + motion.record.time), atol=1e-9)
+    assert motion.vertical.acceleration.size == motion.record.acceleration.size
+    np.testing.assert_allclose(
+        motion.vertical.acceleration, 2.0 * 0.1 * (1.5 + motion.record.time), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize(
@@ -307,16 +309,16 @@ def test_a_search_runs_the_motion_of_a_history():
     np.testing.assert_array_equal(searched.positions, whole.positions[: searched.time.size])
 
 
-def test_a_history_tells_the_peak_of_its_vertical_record(setting):
+def test_a_history_tells_its_vertical_record_and_its_peak(setting):
     """It names none where none shakes: then no column of the table is printed."""
     model, quiet = block_on_base(0.6, 2.4), Record(0.1 * WAVE, STEP, "quiet")
-    both = replace(_motion(quiet), vertical=-0.03 * WAVE)
+    both = replace(_motion(quiet), vertical=Record(-0.03 * WAVE, STEP, "up"))
     one, two = (
         response.history(response.Shaking(model, motion, setting, "drawn", model.initial)).numbers
         for motion in (both, _motion(quiet))
     )
-    assert one.vertical_pga_g == pytest.approx(0.03 * abs(WAVE).max())
-    assert "vertical_pga_g" not in two.model_fields_set
+    assert (one.vertical_record, one.vertical_pga_g) == ("up", pytest.approx(0.03 * abs(WAVE).max()))
+    assert not {"vertical_record", "vertical_pga_g"} & two.model_fields_set
 
 
 PULSE = """[incremental]
@@ -351,10 +353,10 @@ def test_a_set_of_records_is_scaled_with_its_vertical_ones(tmp_path):
     [row], levels = found.states["original"].incremental.records, found.campaign.combinations
     for each in (*row.signs, *levels):
         assert each.lowest_collapse_g == pytest.approx(alpha / (1.0 + 0.8 * alpha), rel=0.04)
-    assert row.vertical_pga_g == found.campaign.records[0].vertical_pga_g == pytest.approx(0.16)
     filled = {table.name: table for table in tables(found)}
-    for name in ("incremental", "campaign_records"):
-        assert "vertical_pga_g" in filled[name].columns
+    for name, each in (("incremental", row), ("campaign_records", found.campaign.records[0])):
+        assert (each.vertical_record, each.vertical_pga_g) == ("up", pytest.approx(0.16))
+        assert {"vertical_record", "vertical_pga_g"} <= set(filled[name].columns)
 
 
 @pytest.mark.parametrize("key", ["incremental", "campaign"])
@@ -379,7 +381,7 @@ def test_both_components_of_a_station_have_its_one_vertical_record(tmp_path):
     )
     project = _pulsed(tmp_path / "block", both, "up.csv", "other.csv")
     for motion in set_motions(project, "incremental"):
-        assert motion.told_vertical["vertical_pga_g"] == pytest.approx(0.16)
+        assert motion.told_vertical == {"vertical_record": "up", "vertical_pga_g": pytest.approx(0.16)}
 
 
 def test_thinned_curves_keep_their_shape():

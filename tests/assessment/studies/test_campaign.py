@@ -318,6 +318,11 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
             'records = "generate:7"\ntime_step_s = 0.02',
             "campaign.time_step_s: records are made at 0.01 s",
         ),
+        (
+            'records = ["wave*.csv"]',
+            'records = "generate:7"\nvertical_records = ["wave1.csv"]',
+            "campaign.vertical_records: generated records have none",
+        ),
         ("signs = [1]", 'settlements = ["base turnt"]', 'did you mean "base turned"'),
         ("signs = [1]", 'measure = "Sa(T)"', "campaign.period_s: missing"),
         ("signs = [1]", 'method = "stripes"', "campaign.levels_g: missing"),
