@@ -85,16 +85,14 @@ class Shape:
 def place(points: Array, owner: Index, centroids: Array, motion: Array) -> Array:
     """Move points (n, 2) with their blocks by finite motions (b, 3): dx, dz in m, rotation in rad."""
     arm = points - centroids[owner]
-    placed: Array = centroids[owner] + turned(arm, motion[owner, 2]) + motion[owner, :2]
-    return placed
+    return centroids[owner] + turned(arm, motion[owner, 2]) + motion[owner, :2]
 
 
 def field(points: Array, owner: Index, centroids: Array, rate: Array) -> Array:
     """Return the displacement (n, 2) of points under infinitesimal motions (b, 3) of their blocks."""
     arm = points - centroids[owner]
     turn = rate[owner, 2][:, None] * np.column_stack([-arm[:, 1], arm[:, 0]])
-    moved: Array = rate[owner, :2] + turn
-    return moved
+    return rate[owner, :2] + turn
 
 
 def through_blocks(pairs: Index, points: Array, loaded: ArrayLike) -> list[Array]:

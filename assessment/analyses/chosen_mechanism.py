@@ -167,13 +167,12 @@ def evaluate(
     sliding = met.numbers(motion.contacts, motion.slides)[motion.sliding].tolist()
     notes = []
     if motion.penetration > GIVEN.rounding:
-        notes.append(
-            message(
-                "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
-                "as with a hinge set back from the edge", block=motion.pair[0], other=motion.pair[1],
-                share=100.0 * motion.penetration,
-            )
+        deep = message(
+            "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
+            "as with a hinge set back from the edge", block=motion.pair[0], other=motion.pair[1],
+            share=100.0 * motion.penetration,
         )  # fmt: skip
+        notes.append(deep)
     if sliding:
         slides = message("joints that slide as the mechanism moves: {count}; their friction is left out, so that "
                          "alpha_0 is lower than with it", count=len(sliding))  # fmt: skip
@@ -244,19 +243,17 @@ def compared(
     """
     notes, own = list(known(found.notes)), known(found.alpha_0)
     if alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_onset:
-        notes.append(
-            message(
-                "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: "
-                "the friction of the sliding joints, or the penetration, is what it leaves out"
-            )
+        left_out = message(
+            "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: "
+            "the friction of the sliding joints, or the penetration, is what it leaves out"
         )
+        notes.append(left_out)
     elif alpha_0 is not None and alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_0:
-        notes.append(
-            message(
-                "alpha_0 is below that of the state, {alpha:.4g}: a hinge of the settlement closes from α = "
-                "{onset:.4g} on, before that is reached", alpha=alpha_0, onset=alpha_onset,
-            )
+        earlier = message(
+            "alpha_0 is below that of the state, {alpha:.4g}: a hinge of the settlement closes from α = "
+            "{onset:.4g} on, before that is reached", alpha=alpha_0, onset=alpha_onset,
         )  # fmt: skip
+        notes.append(earlier)
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
 

@@ -44,9 +44,8 @@ def as_part(kind: type[Kind], *found: object, **more: Any) -> Kind:
 
 SHOWN = 1.25  # ratio of successive differences below which they hardly shrink
 FIRST_ORDER = 2.0  # ratio of a first-order method: a higher observed order is not relied on
-NOISE = (
-    1e-6  # of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
-)
+# of α, of a_g in g and of the model's size: smaller values and differences are errors of the solver
+NOISE = 1e-6
 LEVELS = 3  # at least: two may agree by chance
 FASTEST = 6.0  # largest ratio of differences that counts as convergence: second order has 4
 

@@ -174,10 +174,8 @@ class Dispersion:
 
 def over_records(levels: Sequence[RecordLevel]) -> Dispersion | None:
     """Return the fragility of several records by maximum likelihood; None where all withstood."""
-    level, withstood = (
-        np.array([each.level for each in levels]),
-        np.array([each.withstood for each in levels], bool),
-    )
+    level = np.array([each.level for each in levels])
+    withstood = np.array([each.withstood for each in levels], bool)
     own = np.array([each.beta for each in levels]) ** 2
     fell = np.where(withstood, 0.0, 1.0)
     if not fell.any():

@@ -218,10 +218,8 @@ def finite_motion(
 ) -> tuple[Array, Array]:
     """Return positions (k, b, 3) and multipliers (k,) of a mechanism until α = 0. Raises KinematicsError."""
     origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
-    parts, q = (
-        _Parts([part.blocks for part in chosen.parts], origin, hinges),
-        np.zeros((len(chosen.parts), 3)),
-    )
+    parts = _Parts([part.blocks for part in chosen.parts], origin, hinges)
+    q = np.zeros((len(chosen.parts), 3))
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
     at, alpha = [positions], [_multiplier(model, positions, parts.motion(positions, q, rate))]
     turned = 0.0

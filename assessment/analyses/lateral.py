@@ -124,8 +124,7 @@ def _way_of_blocks(path: procedures.Pushover, mechanism: static.Mechanism) -> li
     gone = sense(path.direction) * ((x - x[path.formed]) @ weighed) / float(weighed.sum())
     formed = path.displacement[path.formed]
     gone[: path.formed] = mechanism.gamma_star * (path.displacement[: path.formed] - formed)
-    way: list[float] = (mechanism.gamma_star * formed + gone).tolist()
-    return way
+    return (mechanism.gamma_star * formed + gone).tolist()
 
 
 def _other_law(

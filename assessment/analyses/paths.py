@@ -68,12 +68,11 @@ def pressed_in(model: mechanics.Assembly) -> list[Message]:
     if not held:
         return []
     some = ", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else "")
-    return [
-        message(
-            "stands only if pressed in: nothing presses the faces that hold these blocks: {blocks}; rigid joints "
-            "may hold them by friction, elastic ones let them fall", blocks=some,
-        )
-    ]  # fmt: skip
+    told = message(
+        "stands only if pressed in: nothing presses the faces that hold these blocks: {blocks}; rigid joints "
+        "may hold them by friction, elastic ones let them fall", blocks=some,
+    )  # fmt: skip
+    return [told]
 
 
 def turns_on_rounding(path: Pushdown | Pushover) -> bool:
@@ -109,8 +108,7 @@ def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> lis
 def configuration(model: mechanics.Assembly, state: mechanics.State) -> list[list[float]]:
     """Return displacements (m) and rotations (rad) (b, 3) of the blocks from the drawing."""
     moved: NDArray[np.float64] = state.positions - model.initial.positions
-    rows: list[list[float]] = moved.tolist()
-    return rows
+    return moved.tolist()
 
 
 def local_loss(
@@ -176,10 +174,8 @@ def settle(
     """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
     found = Found[Settled]()
-    title, moves = (
-        path_title(settlement.name, behaviour),
-        (settlement.displacement_m, settlement.rotation_rad),
-    )
+    title = path_title(settlement.name, behaviour)
+    moves = (settlement.displacement_m, settlement.rotation_rad)
     whole = whole_movement(model, settlement.support, *moves)
     increment, reached, path = whole / settlement.increments, None, None
     try:

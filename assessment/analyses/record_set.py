@@ -8,7 +8,6 @@ import numpy as np
 
 from assessment.analyses.fragility import RecordLevel, over_records
 from assessment.ntc.spectrum import Spectrum
-from assessment.ntc.tables import farthest
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema.motions import GENERATED_STEP, CampaignTable
@@ -23,12 +22,6 @@ LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mea
 PERIODS = 60  # at which spectra are compared
 PERIOD, FIRST, LAST = 1.0, 0.15, 2.0  # s: of Sa(T) and AvgSa where the project names none
 UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
-
-
-def target_of(spectra: Mapping[str, Spectrum]) -> tuple[str, Spectrum]:
-    """Return the farthest limit state of the site, and its spectrum, to which records are made and scaled."""
-    limit_state = farthest(spectra) or next(iter(spectra))
-    return limit_state, spectra[limit_state]
 
 
 def made_record(spectrum: Spectrum, seed: int) -> Record:

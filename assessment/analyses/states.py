@@ -257,10 +257,8 @@ def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict
                 reason = headed(path_title(last.name, behaviour), missing)
                 found[model, path, behaviour] = Found(failures=[reason])
                 continue
-            whole, control = (
-                last.model_copy(update={"steps": None}),
-                next(iter(request.project.control), None),
-            )
+            whole = last.model_copy(update={"steps": None})
+            control = next(iter(request.project.control), None)
             tasks[model, path, behaviour] = (model, whole, behaviour, request.sliding, control, start)
             titles.append(request.title(last.name))
         worthwhile = large(*(model for model, *_ in tasks))

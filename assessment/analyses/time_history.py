@@ -386,9 +386,7 @@ def why_not_reached(stage: StateResult) -> Message:
     return linked(stage.failures) if stage.failures else message("the settled state was not reached")
 
 
-def ultimates(
-    pushovers: Mapping[str, Mapping[Direction, Pushovers]],
-) -> dict[tuple[str, str], float]:
+def ultimates(pushovers: Mapping[str, Mapping[Direction, Pushovers]]) -> dict[tuple[str, str], float]:
     """Return where the capacity vanishes (m) by state and control point, if for one point in both directions."""
     found = {}
     for state, pushed in pushovers.items():

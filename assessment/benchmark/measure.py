@@ -65,8 +65,7 @@ def in_turn(*works: Callable[[], object]) -> Array:
     rounds: list[list[float]] = []
     while len(rounds) < ROUNDS or np.sum(rounds) < ENOUGH:
         rounds.append([seconds_of(work)[0] for work in works])
-    least: Array = np.min(rounds, axis=0)
-    return least
+    return np.min(rounds, axis=0)
 
 
 def piqp(program: Program) -> Callable[[], object]:

@@ -95,8 +95,7 @@ def shaking(amplitude: float, frequency: float = 1.5) -> Wave:
     def at(times: Array) -> Array:
         phase = 2.0 * np.pi * frequency * times
         envelope = np.minimum(times / 0.5, 1.0) * np.clip((2.0 - times) / 0.2, 0.0, 1.0)
-        motion: Array = amplitude * envelope * (np.sin(phase) + 0.5 * np.sin(2.7 * phase + 1.0))
-        return motion
+        return amplitude * envelope * (np.sin(phase) + 0.5 * np.sin(2.7 * phase + 1.0))
 
     return at
 

@@ -196,8 +196,7 @@ def walls(quick: bool) -> Iterator[runner.Row]:
 def apart(columns: int, courses: int) -> runner.Row:
     """The row of a wall, measured in another process."""
     command = [sys.executable, "-m", __name__, str(columns), str(courses)]
-    row: runner.Row = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    return row
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def measured(columns: int, courses: int) -> runner.Row:

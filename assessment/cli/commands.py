@@ -287,14 +287,10 @@ def capacities(results: Results) -> list[dict[str, Any]]:
             found = capacity.checks if capacity else {}
             checks = {name: {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E} for name, check in found.items()}
             limit = farthest(found)
-            rows.append(
-                {
-                    "state": name, "direction": direction,
-                    "alpha_0": curves.rigid.alpha_0 if curves.rigid else None,
-                    "d_0_m": curves.rigid.d_0_m if curves.rigid else None, "limit_state": limit,
-                    **(checks[limit] if limit else {"a_g_g": None, "zeta_E": None}), "checks": checks,
-                }
-            )  # fmt: skip
+            row: dict[str, Any] = {"state": name, "direction": direction}
+            row |= {key: getattr(curves.rigid, key, None) for key in ("alpha_0", "d_0_m")}
+            row |= {"limit_state": limit} | (checks[limit] if limit else {"a_g_g": None, "zeta_E": None})
+            rows.append(row | {"checks": checks})
     return rows
 
 

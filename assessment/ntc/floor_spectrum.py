@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.hazard import RETURN_PERIODS, Hazard, HazardCurve
+from assessment.ntc.hazard import RETURN_PERIODS, HazardCurve
 from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
 from assessment.ntc.tables import Trace, step
 from assessment.results.schema.model import Line
@@ -278,9 +278,13 @@ def spectrum_at_return_period(
     demand maps a spectrum to an ordinate in the unit of capacity. Beyond 30–2475 years the spectrum of the
     nearest bound is returned, to be scaled, with a note. Raises ValueError for the spectrum of a record.
     """
+    if (ground := ground_of(spectrum)) is None:
+        raise ValueError('scaling = "return_period": must be "shape" where the spectrum is that of a record')
 
     def at(T_R: float) -> Spectrum:
-        return with_hazard(spectrum, hazard.at(min(max(T_R, _LOW), _HIGH)))
+        own = hazard.at(min(max(T_R, _LOW), _HIGH))
+        there = replace(ground, ag=own.ag, F0=own.F0, Tc_star=own.Tc_star)
+        return replace(spectrum, ground=there) if isinstance(spectrum, _OnGround) else there
 
     def excess(log_T_R: float) -> float:
         return demand(at(exp(log_T_R))) / capacity - 1.0
@@ -297,18 +301,6 @@ def spectrum_at_return_period(
 
     k = over.index(True)
     return at(exp(float(brentq(excess, knots[k - 1], knots[k], xtol=1e-14, rtol=1e-14)))), ()
-
-
-def with_hazard(spectrum: Spectrum, hazard: Hazard) -> Spectrum:
-    """Return the spectrum on the same ground under another hazard. Raises ValueError for that of a record."""
-    if (ground := ground_of(spectrum)) is None:
-        raise ValueError('scaling = "return_period": must be "shape" where the spectrum is that of a record')
-    ground = replace(ground, ag=hazard.ag, F0=hazard.F0, Tc_star=hazard.Tc_star)
-    return (
-        replace(spectrum, ground=ground)
-        if isinstance(spectrum, FloorSpectrum | FloorSpectrum2009)
-        else ground
-    )
 
 
 def ground_of(spectrum: Spectrum) -> ElasticSpectrum | None:

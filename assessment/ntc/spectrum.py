@@ -221,7 +221,7 @@ class ElasticSpectrum:
 class RecordSpectrum:
     """Elastic response spectrum of a record: `acceleration_g` (n,) in g at steps of `time_step` (s).
 
-    The ordinates are those of `mechanics.records.spectrum`. Raises ValueError naming the argument.
+    The ordinates are those of `mechanics.records.response_spectrum`. Raises ValueError naming the argument.
     """
 
     acceleration_g: ArrayLike

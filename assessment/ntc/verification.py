@@ -207,9 +207,8 @@ def _first(life: Solved, collapse: Solved) -> Solved:
 
 def _demand(limit_state: str, spectrum: Spectrum, method: Method) -> tuple[float, str, float]:
     """Return the a_g demanded (g): the `spectrum`'s own, or that of the site; what it refers to, and its S."""
-    reference = (
-        SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK
-    )  # a record's peak is of its own surface
+    # a record's peak is of its own surface
+    reference = SURFACE if isinstance(spectrum, RecordSpectrum) else ROCK
     site = method.site_acceleration.get(limit_state)
     return (spectrum.ag, reference, spectrum.S) if site is None else (site, reference, 1.0)
 

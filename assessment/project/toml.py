@@ -55,9 +55,8 @@ def updated_toml(text: str, content: Mapping[str, Any]) -> str:
 
 def _update(table: Any, content: Mapping[str, Any]) -> None:
     """Change a table of a TOML document to `content`: values that agree stay as they are written."""
-    for key in [
-        key for key in table if key not in content and table[key] != ""
-    ]:  # a spreadsheet has no empty text
+    # a spreadsheet has no empty text
+    for key in [key for key in table if key not in content and table[key] != ""]:
         del table[key]
     for key, value in content.items():
         if isinstance(value, Mapping) and isinstance(table.get(key), Mapping):

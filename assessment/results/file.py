@@ -11,9 +11,8 @@ from assessment.results.schema import FORMAT, Results, Worded, first_error, plai
 from mechanics.messages import Message, put_together, taken_apart
 
 AGAIN = "run the project again"
-MOST_BYTES = (
-    1_000_000_000  # of a file: a campaign of ten thousand combinations with all its curves has a fifteenth
-)
+# of a file: a campaign of ten thousand combinations with all its curves has a fifteenth
+MOST_BYTES = 1_000_000_000
 
 
 def as_bytes(results: Results) -> bytes:

@@ -31,8 +31,7 @@ DIGITS = 6  # of the model's size and weight: positions and forces are kept for 
 def tensions(model: Assembly, forces: Array) -> Array:
     """Return the tension (t,) kN of each tie under the forces (j, 3) of contacts: joints, ties, pairs that met."""
     first = len(model.joints.a)
-    found: Array = forces[first : first + len(model.ties), 0]
-    return found
+    return forces[first : first + len(model.ties), 0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,8 +131,7 @@ def while_shaken(
 
 def yielding(model: Assembly, tension: Array) -> Mask:
     """Return which ties (t,) yield under a tension (t,) kN."""
-    found: Mask = tension >= YIELDS * np.array([tie.yield_force for tie in model.ties])
-    return found
+    return tension >= YIELDS * np.array([tie.yield_force for tie in model.ties])
 
 
 def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:

@@ -63,8 +63,7 @@ class MacroBlock:
         dx, dz, _ = self.motion
         if not self.rotation:
             return None
-        found: Array = self.centroid + np.array([-dz, dx]) / self.rotation
-        return found
+        return self.centroid + np.array([-dz, dx]) / self.rotation
 
     @property
     def rotation(self) -> float:

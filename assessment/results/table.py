@@ -70,8 +70,7 @@ def static_pga(capacity: Capacity | None) -> float | None:
 
 def compared(found: Capacities, quantity: str) -> float | None:
     """Return the quantity that capacities are compared by: a_g (g), α_0 or α_u."""
-    value: float | None = getattr(found, quantity)
-    return value
+    return getattr(found, quantity)
 
 
 def weaker(capacities: Iterable[float | None]) -> float | None:

@@ -10,6 +10,7 @@ from assessment.analyses.fragility import ENOUGH
 from assessment.analyses.scan import Reach
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
 from assessment.analyses.time_history import Setting, Shaking, Start, ultimates, why_not_reached
+from assessment.ntc.tables import farthest
 from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, CampaignTable
@@ -125,7 +126,9 @@ def record_set(
     """Return the motions of files, or made to the site's spectrum or scaled to it, with their mean spectrum."""
     if not (table.generated or table.spectrum_compatible):
         return list(motions), None
-    found, (limit_state, target) = list(motions), sets.target_of(statics.demands.spectra)
+    found, spectra = list(motions), statics.demands.spectra
+    limit_state = farthest(spectra) or next(iter(spectra))
+    target = spectra[limit_state]
     if table.generated:
         seeds = range(1, table.generated + 1)
         tasks, titles = [(target, seed) for seed in seeds], [f"record {seed}" for seed in seeds]

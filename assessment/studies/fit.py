@@ -294,8 +294,7 @@ def _least_squares(jacobian: Array, target: Array, damping: float) -> Array:
         return np.zeros(jacobian.shape[1])
     kept = s > FIT.singular * s[0]
     factor = np.divide(s, s**2 + damping * s[0] ** 2, out=np.zeros_like(s), where=kept)
-    found: Array = right.T @ (factor * (left.T @ target))
-    return found
+    return right.T @ (factor * (left.T @ target))
 
 
 @dataclass(frozen=True, eq=False)

@@ -153,11 +153,7 @@ def standard_of(parts: Sequence[tuple[str, dynamic.Scanned]]) -> fragility.Stand
 
 
 def loss_of(
-    state: Moved,
-    base: Moved | None,
-    asked: Sequence[Asked],
-    scans: Scans,
-    levels: Sequence[float] | None,
+    state: Moved, base: Moved | None, asked: Sequence[Asked], scans: Scans, levels: Sequence[float] | None
 ) -> dynamic.CampaignLoss:
     """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic and static."""
     own, before = ([each for each in asked if each.state is of] for of in (state, base))
@@ -301,10 +297,7 @@ def _search(both: Sequence[Asked], scans: Scans) -> dynamic.Search:
 
 
 def summarise(
-    records: Sequence[dynamic.Search],
-    warnings: list[Message],
-    state: str,
-    measures: Measures | None = None,
+    records: Sequence[dynamic.Search], warnings: list[Message], state: str, measures: Measures | None = None
 ) -> dynamic.Incremental:
     """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
     title = message("{state}", state=state)

@@ -70,8 +70,7 @@ def recall(folder: Path) -> LastRun | None:
     """Return the record of the last run in an output folder; None if there is none that can be read."""
     text = Store(folder / FOLDER).read(ENTRY)
     with suppress(Exception):  # of another version, or none at all
-        found: LastRun | None = unpacked(text, LastRun) if text else None
-        return found
+        return unpacked(text, LastRun) if text else None
     return None
 
 

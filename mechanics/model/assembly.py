@@ -24,9 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-LIGHTEST = (
-    1e-6  # of the mean block's weight times size: equilibrium to 1e-8 of it would not see less overturn
-)
+# of the mean block's weight times size: equilibrium to 1e-8 of it would not see less overturn
+LIGHTEST = 1e-6
 PART = 0.01  # of the largest displacement of a block: one that takes part in a mechanism
 FAR = 10.0  # of the drawing's size: beyond it coordinates lose more than one digit to their distance from the origin
 
@@ -137,8 +136,7 @@ class Assembly:
 
     def displaced(self, state: State) -> Array:
         """Return displacements x, z (m) and rotations (rad) of the blocks (b, 3) in a state, from the drawing."""
-        moved: Array = state.positions - self.initial.positions
-        return moved
+        return state.positions - self.initial.positions
 
     def plot(self, state: State | None = None, magnified: float = 1.0, axes: Axes | None = None) -> Axes:
         """Draw blocks and ties, `magnified`, over the outlines as drawn; return the axes (default: a new figure's)."""
@@ -165,13 +163,11 @@ class Assembly:
 
     def from_origin(self, points: ArrayLike) -> Array:
         """Return points (…, 2) m of the drawing as they count from the origin."""
-        found: Array = np.asarray(points, dtype=float) - np.asarray(self.origin, dtype=float)
-        return found
+        return np.asarray(points, dtype=float) - np.asarray(self.origin, dtype=float)
 
     def as_drawn(self, points: ArrayLike) -> Array:
         """Return points (…, 2) m that count from the origin as those of the drawing."""
-        found: Array = np.asarray(points, dtype=float) + np.asarray(self.origin, dtype=float)
-        return found
+        return np.asarray(points, dtype=float) + np.asarray(self.origin, dtype=float)
 
     @cached_property
     def tie_blocks(self) -> Index:
@@ -306,8 +302,7 @@ class Assembly:
     def taking_part(self, mechanism: Array) -> Mask:
         """Return which blocks (b,) move noticeably in virtual displacements (b, 3): others would make e* too small."""
         moves = abs(mechanism[:, :2]).max(axis=1)
-        part: Mask = (moves > PART * moves.max()) & self.movable
-        return part
+        return (moves > PART * moves.max()) & self.movable
 
     def lateral_load(self, direction: Direction) -> Array:
         """Return f_L (b, 3), kN: the weight of every seismic mass as a horizontal force in the direction."""
@@ -338,8 +333,7 @@ class Assembly:
         """Return the centroid (2,) of a support's blocks as drawn, m, from the origin."""
         index = self.support(name)
         area = np.array([self.blocks[i].area for i in index])
-        centre: Array = area @ self.initial.positions[index, :2] / area.sum()
-        return centre
+        return area @ self.initial.positions[index, :2] / area.sum()
 
     def moved_support(self, positions: Array, name: str, displacement: Array, rotation: float) -> Array:
         """Return positions (b, 3) after a displacement (2,) m and rotation (rad), about its centroid, of a support."""
@@ -383,9 +377,8 @@ class Assembly:
         """Return the block that contains a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
         at = point_of(name, point)
         distance = shapely.distance(polygons_of(self.blocks), shapely.Point(at))
-        distance += np.where(
-            self.movable, 0.0, 0.5 * self.joint_tolerance
-        )  # on a shared edge the movable block
+        # on a shared edge the movable block
+        distance += np.where(self.movable, 0.0, 0.5 * self.joint_tolerance)
         nearest = int(np.argmin(distance))
         must_be = f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)"
         require(distance[nearest] <= self.joint_tolerance, name, tuple(at.tolist()), must_be)
@@ -395,8 +388,7 @@ class Assembly:
         """Return the displacement (…, 2), m, of a drawn point (2,) m of a block at positions (…, b, 3)."""
         at = self.from_origin(point)
         arm = at - self.initial.positions[block, :2]
-        moved: Array = positions[..., block, :2] + turned(arm, positions[..., block, 2]) - at
-        return moved
+        return positions[..., block, :2] + turned(arm, positions[..., block, 2]) - at
 
 
 def _origin(blocks: Sequence[Block]) -> Array:

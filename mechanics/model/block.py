@@ -218,8 +218,7 @@ class Joints:
 
 def polygons_of(blocks: Sequence[Block]) -> Polygons:
     """Return the outlines (b,) of blocks."""
-    found: Polygons = shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
-    return found
+    return shapely.polygons([shapely.linearrings(b.polygon) for b in blocks])
 
 
 def default_tolerance(outlines: Sequence[Block | Array]) -> float:

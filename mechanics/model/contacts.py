@@ -109,8 +109,7 @@ class Contacts:
     @cached_property
     def ties(self) -> Mask:
         """Which contacts (j,) are ties."""
-        found: Mask = self.faces[:, LENGTH] > 0.0
-        return found
+        return self.faces[:, LENGTH] > 0.0
 
 
 def end_gaps(places: Array) -> Array:

@@ -236,14 +236,12 @@ class Sheet:
                 source = replace(old.source, to_model=old.source.to_model * self._view)
                 turned = placed_outline(source, self.scale, self.sagitta)
                 outlines[k] = replace(turned, broken=old.broken or turned.broken)
-            warnings.append(
-                message(
-                    "drawn in a vertical plane and turned: x of blocks and points is along ({x:.4g}, {y:.4g}, 0) of "
-                    "the drawing, z is its z",
-                    x=round(float(view[0, 0]), 6) + 0.0,
-                    y=round(float(view[1, 0]), 6) + 0.0,
-                )
-            )
+            x, y = (round(float(along), 6) + 0.0 for along in view[:2, 0])
+            told = message(
+                "drawn in a vertical plane and turned: x of blocks and points is along ({x:.4g}, {y:.4g}, 0) of "
+                "the drawing, z is its z", x=x, y=y,
+            )  # fmt: skip
+            warnings.append(told)
         drawn = [(o.source, o.line) for o in outlines]
         space = self.document.modelspace()
         for number, wipeout in covered(drawn, self.placed, space, np.eye(3) if view is None else view):

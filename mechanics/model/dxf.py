@@ -59,9 +59,8 @@ Seen = Literal["whole", "part", "nothing"]
 
 
 _Arrows.__acad__ = dict.fromkeys(sorted(_Arrows.__acad__))  # type: ignore[assignment]  # a set: handles by chance
-logging.getLogger("ezdxf").addHandler(
-    logging.NullHandler()
-)  # its findings are reported here, in our own words
+# its findings are reported here, in our own words
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 
 
 def open_document(path: Path) -> tuple[Document, list[Message]]:

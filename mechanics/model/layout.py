@@ -205,12 +205,11 @@ def find_gaps(
     stretches = stretches[np.lexsort((-apart[stretches].max(axis=1, initial=0.0), *pair[stretches].T[::-1]))]
     pairs, first = np.unique(pair[stretches], axis=0, return_index=True)
     groups = np.split(stretches, first[1:]) if len(first) else []
-    return [
-        Gap(
-            (a, b), float(apart[group].min()), float(apart[group].max()), middle[group[0]], facing.ends[group]
-        )
-        for (a, b), group in zip(pairs.tolist(), groups, strict=True)
-    ]
+    found = []
+    for (a, b), group in zip(pairs.tolist(), groups, strict=True):
+        least, most = float(apart[group].min()), float(apart[group].max())
+        found.append(Gap((a, b), least, most, middle[group[0]], facing.ends[group]))
+    return found
 
 
 def _gap_fault(blocks: Sequence[Block], gap: Gap, body: Index, floating: Mask, tolerance: float) -> Fault:
@@ -247,12 +246,11 @@ def _hint(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: Sequen
         tuple(sorted(gap.pair)) for gap in gaps
     ):
         return []
-    return [
-        message(
-            "gaps of up to {width:.3g} mm: geometry.tolerance_m = {wider} closes all of them",
-            width=1e3 * widest, wider=f"{wider:g}",
-        )
-    ]  # fmt: skip
+    closes = message(
+        "gaps of up to {width:.3g} mm: geometry.tolerance_m = {wider} closes all of them",
+        width=1e3 * widest, wider=f"{wider:g}",
+    )  # fmt: skip
+    return [closes]
 
 
 def _wider(width: float) -> float:
@@ -451,8 +449,7 @@ def _rings(area: shapely.Geometry) -> tuple[Array, ...]:
 
 def eroded(polygons: Polygons, tolerance: float) -> Polygons:
     """Take a rim of half the tolerance off: what two eroded polygons share is their common area, eroded."""
-    cores: Polygons = shapely.buffer(polygons, -0.5 * tolerance)
-    return cores
+    return shapely.buffer(polygons, -0.5 * tolerance)
 
 
 def name_of(blocks: Sequence[Block], index: int) -> Message:

@@ -20,9 +20,8 @@ from mechanics.model.polylines import SHARE, PlacedOutline, ends_major_arc, file
 from mechanics.types import Array, Index, Mask
 
 FIRST = 2.0  # times what blocks are apart in the median: how far vertices are moved at first, then twice as far, …
-IDLE = (
-    5  # rounds of fitting all pairs that make nothing better: a vertex that is moved may open the next joint
-)
+# rounds of fitting all pairs that make nothing better: a vertex that is moved may open the next joint
+IDLE = 5
 FINE = 0.1  # of the tolerance: less is no misfit in a drawing that is repaired
 EXACT = 1e-12  # of the outlines' extent: vertices closer than this are at one place
 CHUNK = 1000  # vertices whose distances are found at a time

@@ -20,11 +20,10 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.elastic_periods import contact_period, first_frequency
-from mechanics.steps.contact_values import carried
 from mechanics.steps.dynamic_system import DynamicSystem, Halving, Motion
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import come_down, way
-from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.static_system import Sliding, carried, static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
 

@@ -32,13 +32,12 @@ from mechanics.procedures.motion_start import (
     chosen_integrator,
 )
 from mechanics.progress import tell
-from mechanics.steps.contact_values import with_springs
 from mechanics.steps.dynamic_system import (
     DynamicSystem,
     Motion,
     Recorded,
 )
-from mechanics.steps.static_system import Sliding
+from mechanics.steps.static_system import Sliding, with_springs
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:

@@ -129,9 +129,8 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
-            raw = (
-                file.read(MOST_BYTES + 1) if 0 < size <= MOST_BYTES else b""
-            )  # what has no size may have no end
+            # what has no size may have no end
+            raw = file.read(MOST_BYTES + 1) if 0 < size <= MOST_BYTES else b""
     except OSError as error:
         unread = f"cannot be read: {error.strerror}; check the name of the record"
         raise RecordError(f"{visible(str(path))}: {unread}") from error

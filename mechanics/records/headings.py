@@ -61,9 +61,8 @@ WORDS = {  # of units, as they are written out
 LENGTH = "(?P<length>mm|cm|dm|m|ft|in)"
 ACCELERATION = re.compile(rf"{LENGTH}(/s/?-?2|/s/s|/ss|s-?2|ps2|pss|ps/s)")
 VELOCITY = re.compile(rf"{LENGTH}(/s|s-1|ps)|kines?")
-WORD = re.compile(
-    r"[\s\-–:=,;.#'\"]*([a-z]+\d?)(?![\w%/^²'’])(?!\s*[/^])"
-)  # a word that no unit goes on from
+# a word that no unit goes on from
+WORD = re.compile(r"[\s\-–:=,;.#'\"]*([a-z]+\d?)(?![\w%/^²'’])(?!\s*[/^])")
 SPEAKS_OF_UNITS = re.compile(
     r"\b(mm|cm|m|ft|in)\s*[/·*.]?\s*s(ec)?(?![a-z])|\bgals?\b|%\s*g\b|\bm?g\b|\bunits?\b|\bunita\b|\bdt\b|\bhz\b"
     r"|\bstep|\bpasso|interval|sampl|frequen|campion|velocit|displacement|spostament"

@@ -4,10 +4,4 @@ from mechanics.steps.equilibrium import check_self_weight, unpressed
 from mechanics.steps.static_system import Sliding, static_system
 from mechanics.steps.tolerances import LIMIT
 
-__all__ = [
-    "LIMIT",
-    "Sliding",
-    "check_self_weight",
-    "static_system",
-    "unpressed",
-]
+__all__ = ["LIMIT", "Sliding", "check_self_weight", "static_system", "unpressed"]

@@ -30,8 +30,7 @@ from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import one_thread
-from mechanics.steps.contact_values import moved_over, spring_forces
-from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.static_system import StaticSystem, moved_over, spring_forces
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
 
@@ -71,8 +70,7 @@ class Rest:
     def forces(self, a: Array) -> Array:
         """Return forces (k, j, 3) at accelerations a (k,)."""
         share = (a - self.low) / max(self.high - self.low, 1e-300)
-        found: Array = self.forces_low + share[:, None, None] * (self.forces_high - self.forces_low)
-        return found
+        return self.forces_low + share[:, None, None] * (self.forces_high - self.forces_low)
 
 
 @dataclass(eq=False)
@@ -250,11 +248,9 @@ class DynamicSystem:
 
     def _recall(self, memory: MotionMemory, places: Array, motion: Motion) -> None:
         """Go on from what a motion remembers; contacts at places (j, PLACE) that it does not know are new."""
-        motion.blocks[2:], motion.energy[LARGEST], motion.halved = (
-            memory.blocks,
-            memory.largest,
-            memory.halved,
-        )
+        motion.blocks[2:] = memory.blocks
+        motion.energy[LARGEST] = memory.largest
+        motion.halved = memory.halved
         if not self.system.rigid:
             motion.joints[:, SUNK] = _deep(places)
         known = {(int(e), int(f)): row for e, f, *row in memory.joints}
@@ -348,5 +344,4 @@ class DynamicSystem:
 
 def _deep(places: Array) -> Array:
     """Return how deep (j,) m, negative, faces penetrate: a contact found for the first time carries nothing there."""
-    deep: Array = end_gaps(places).min(axis=1).clip(max=0.0)
-    return deep
+    return end_gaps(places).min(axis=1).clip(max=0.0)

@@ -15,11 +15,10 @@ from mechanics.model.contacts import Contacts, end_gaps, forces_on_blocks
 from mechanics.program import Program
 from mechanics.solvers import ACCEPTED, BALANCED, OPEN, interior, least_acceleration
 from mechanics.solvers.elimination import Elimination
-from mechanics.steps.contact_values import carried
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.static_system import Sliding, StaticSystem, static_system
+from mechanics.steps.static_system import Sliding, StaticSystem, carried, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import GRAVITY, Array, Index
 
@@ -162,13 +161,12 @@ def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedP
             break
         closed = again
     if acceleration > allowed:
-        raise UnstableError(
-            message(
-                "the structure cannot stand under its own weight: some block would start to move with "
-                "{acceleration:.2g} g; check supports, friction, strength and joints (open ones carry nothing)",
-                acceleration=acceleration,
-            )
+        moves = message(
+            "the structure cannot stand under its own weight: some block would start to move with "
+            "{acceleration:.2g} g; check supports, friction, strength and joints (open ones carry nothing)",
+            acceleration=acceleration,
         )
+        raise UnstableError(moves)
     return closed
 
 

@@ -23,8 +23,8 @@ from mechanics.messages import message
 from mechanics.program import Program, Solution, certify, end_forces
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, taken
 from mechanics.steps.static_step import Equilibrium, StepProblem, check_motion, displaced, equilibrium
+from mechanics.steps.static_system import iterate_over, taken
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import Array, Mask
 
@@ -41,8 +41,7 @@ def margins(program: Program, forces: Array) -> Array:
 
 def flows_at(program: Program, forces: Array, gaps: Array) -> Mask:
     """Return which gaps and slips (j, 4), y₁, y₂, λ₊ and λ₋, of a flow are not zero: its forces (j, 3) vanish there."""
-    found: Mask = gaps / program.step > margins(program, forces) / program.weight
-    return found
+    return gaps / program.step > margins(program, forces) / program.weight
 
 
 def flows(problem: StepProblem, last: Equilibrium) -> bool:

@@ -14,7 +14,6 @@ from mechanics.model.contacts import end_gaps
 from mechanics.program import Solution, certify
 from mechanics.solvers import GOOD, interior
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.static_step import (
     Equilibrium,
     StepProblem,
@@ -24,7 +23,7 @@ from mechanics.steps.static_step import (
     proximal,
     solve_program,
 )
-from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.static_system import StaticSystem, iterate_over, moved_over, over_all, spread, taken
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
 

@@ -20,10 +20,16 @@ from mechanics.program import Program, bed_gaps, end_forces
 from mechanics.solvers import ACCEPTED, USABLE, interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, moved_over, over_all, state_at_rest, taken
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced, proximal
-from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.static_system import (
+    StaticSystem,
+    iterate_over,
+    moved_over,
+    over_all,
+    state_at_rest,
+    taken,
+)
 from mechanics.steps.tolerances import REST, STEP, RestTolerances
 from mechanics.types import GRAVITY, Array
 
@@ -62,12 +68,10 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         last, moved, solves = found, found.at, solves + found.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
         if far > tolerances.farthest * model.size:
-            raise RunawayError(
-                message(
-                    "the structure falls: left to itself it moves by {moved:.2g} m and does not rest",
-                    moved=far,
-                )
+            falls = message(
+                "the structure falls: left to itself it moves by {moved:.2g} m and does not rest", moved=far
             )
+            raise RunawayError(falls)
         force = left / time**2  # unbalanced force per mass
         if half_way == np.inf and step >= tolerances.steps // 2 > 0:
             half_way = force
@@ -95,12 +99,10 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         slowing = True
         still = 0.5 * force  # slow, but no equilibrium yet: at rest only if it slows down further
     kind = RunawayError if force > tolerances.steady * half_way else ConvergenceError
-    raise kind(
-        message(
-            "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step",
-            moved=left,
-        )
+    goes_on = message(
+        "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step", moved=left
     )
+    raise kind(goes_on)
 
 
 def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:

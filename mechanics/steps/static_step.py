@@ -17,8 +17,15 @@ from mechanics.program import BOUNDED, Certificate, Program, Solution, bed_gaps,
 from mechanics.solvers import GOOD, interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
-from mechanics.steps.contact_values import iterate_over, over_all, spread, spring_forces, state_at_rest, taken
-from mechanics.steps.static_system import StaticSystem
+from mechanics.steps.static_system import (
+    StaticSystem,
+    iterate_over,
+    over_all,
+    spread,
+    spring_forces,
+    state_at_rest,
+    taken,
+)
 from mechanics.steps.tolerances import REST, STEP
 from mechanics.types import GRAVITY, Array, Index
 
@@ -238,13 +245,10 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
     moved = model.farthest(problem.start.positions, positions)
     times = STEP.fall if problem.system.rigid else max(STEP.fall, model.joints_in_a_row)
     if moved > times * size:
-        raise NoEquilibriumError(
-            message(
-                "the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m",
-                size=size,
-                moved=moved,
-            )
+        falls = message(
+            "the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m", size=size, moved=moved
         )
+        raise NoEquilibriumError(falls)
 
 
 def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int = 0) -> Equilibrium:

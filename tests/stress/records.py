@@ -8,7 +8,7 @@ import numpy as np
 from mechanics import Assembly, time_history
 from mechanics.errors import ConvergenceError
 from mechanics.model.assembly import Behaviour
-from mechanics.records.spectrum import response_spectrum
+from mechanics.records.record import response_spectrum
 from mechanics.types import GRAVITY
 from tests.stress.harness import Case, sound
 from tests.support.structures import arch_on_piers, block_on_base, running_bond

@@ -80,10 +80,8 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
         {"name": f"cedimento {name}", "support": name, "displacement_m": [0.0, -0.01], "to_collapse": True}
         for name in names[1:][-1:]
     ]
-    bonds, left_out = (
-        {name: {"bond": dict(BOND)} for name in walls},
-        {name: {"ignore": True} for name in ignored},
-    )
+    bonds = {name: {"bond": dict(BOND)} for name in walls}
+    left_out = {name: {"ignore": True} for name in ignored}
     content: dict[str, Any] = {
         "title": path.stem.strip() or "project",
         "geometry": {"drawing": path.name, "unit": unit, "depth_m": 1.0},

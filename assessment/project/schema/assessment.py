@@ -21,6 +21,12 @@ LEAST_ROTATION = 1e-6  # of a macro-block, relative to those of the others; belo
 
 
 Component = Annotated[float, Field(ge=0, le=0.2)]  # F_Ck
+Corners = Annotated[
+    tuple[kinds.Coordinate, ...], Field(strict=False, min_length=1, max_length=kinds.MOST_ENTRIES)
+]
+Numbers = Annotated[
+    tuple[kinds.BlockNumber, ...], Field(strict=False, min_length=1, max_length=kinds.MOST_LAYERS)
+]
 
 
 class HazardTable(ProjectTable):
@@ -70,10 +76,8 @@ class SiteTable(ProjectTable):
         elif not typed:
             yield (), "no hazard; add latitude and longitude, or ag_g, F0 and Tc_star_s per limit state"
         elif project.assessment:
-            for (
-                key,
-                table,
-            ) in typed.items():  # what nominal life and use class make, but for rounding (§3.2.1)
+            # what nominal life and use class make, but for rounding (§3.2.1)
+            for key, table in typed.items():
                 by_life = return_period(key, self.nominal_life_years, self.use_class)
                 given = table.return_period_years
                 if given is not None and abs(given / by_life - 1.0) > RETURN_PERIOD_TOL:
@@ -239,21 +243,11 @@ class MechanismTable(ProjectTable):
         "virtual rotation, anticlockwise positive, relative to the other macro-blocks", -1.0
     )
     layers: kinds.Names | None = absent("layers of the macro-block; default all, where a region is given")
-    region_m: (
-        Annotated[
-            tuple[kinds.Coordinate, ...], Field(strict=False, min_length=1, max_length=kinds.MOST_ENTRIES)
-        ]
-        | None
-    ) = absent(
+    region_m: Corners | None = absent(
         "x and z, m, of two opposite corners of a box, or of the corners of a polygon: the movable "
         "blocks of the layers whose centroid lies in it"
     )
-    blocks: (
-        Annotated[
-            tuple[kinds.BlockNumber, ...], Field(strict=False, min_length=1, max_length=kinds.MOST_LAYERS)
-        ]
-        | None
-    ) = absent("numbers of further blocks, as in tables/blocks.csv")
+    blocks: Numbers | None = absent("numbers of further blocks, as in tables/blocks.csv")
     state: Annotated[kinds.Name, NameOf("state")] = entry(
         "state in whose configuration the mechanism and its points are taken", kinds.ORIGINAL
     )

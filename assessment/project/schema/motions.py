@@ -277,14 +277,12 @@ class MeasurementTable(ProjectTable):
     @property
     def value(self) -> float:
         """The measured value, mm or mrad."""
-        found: float = getattr(self, VALUE_KEYS[self.kind])
-        return found
+        return getattr(self, VALUE_KEYS[self.kind])
 
     @property
     def sigma(self) -> float:
         """Its standard deviation, in the same unit."""
-        found: float = getattr(self, SIGMA_KEYS[self.kind])
-        return found
+        return getattr(self, SIGMA_KEYS[self.kind])
 
     @property
     def unit(self) -> str:

@@ -91,10 +91,8 @@ def _interventions(results: Results, words: Words) -> Iterator[Markup]:
         told = []
         for kind, reached in (found.attained or {}).items():
             if kind != "improvement_school" or used_as(results, SCHOOL):
-                key, least = (
-                    f"judgement.{'attained' if reached else 'not_attained'}",
-                    found.required_zeta[kind],
-                )
+                key = f"judgement.{'attained' if reached else 'not_attained'}"
+                least = found.required_zeta[kind]
                 told.append(words(key, kind=words(f"judgement.of_{kind}"), least=least))
         if told:
             zetas = {"zeta": found.zeta_SLV, "before": found.zeta_before}

@@ -127,11 +127,9 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
         axes.add_patch(Polygon(each.points, closed=each.closed, facecolor=grey, edgecolor=INK, linewidth=0.4))
     handles: list[Any] = []
     for kind, count in Counter(fault.kind for fault in faulty.faults).items():
-        own, style, surface = (
-            [each for each in faulty.faults if each.kind == kind],
-            _style(kind),
-            kind in SURFACES,
-        )
+        own = [each for each in faulty.faults if each.kind == kind]
+        style = _style(kind)
+        surface = kind in SURFACES
         lines = [line for fault in own for line in fault.lines if len(line) > 1]
         axes.add_collection(PolyCollection(lines, closed=surface, **style), autolim=False)
         if kind == "outline":

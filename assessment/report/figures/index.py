@@ -52,7 +52,9 @@ def write_figures(pool: Pool, folder: Path) -> list[Path]:
 
 def write_images(pool: Pool, folder: Path) -> list[Future[Any]]:
     """Begin to write every figure as PNG into the folder, and deformed.dxf; the same bytes for the same results."""
-    return [*_drawn(pool, folder, save_png, "png"), pool.apply(_write_drawing, folder / "deformed.dxf")]
+    from assessment.report.figures.deformed_dxf import write_deformed  # late: ezdxf is for nothing else here
+
+    return [*_drawn(pool, folder, save_png, "png"), pool.apply(write_deformed, folder / "deformed.dxf")]
 
 
 def _drawn(pool: Pool, folder: Path, save: Callable[..., None], kind: str) -> list[Future[Path]]:
@@ -63,12 +65,6 @@ def _draw(results: Results, folder: Path, number: int, save: Callable[..., None]
     picture = pictures(results)[number]
     save(picture.draw, path := folder / f"{picture.name}.{kind}")
     return path
-
-
-def _write_drawing(results: Results, path: Path) -> None:
-    from assessment.report.figures import deformed_dxf  # late: ezdxf is for nothing else here
-
-    deformed_dxf.write_deformed(results, path)
 
 
 def pictures(results: Results) -> list[Picture]:
@@ -86,11 +82,8 @@ def pictures(results: Results) -> list[Picture]:
         **fields: object,
     ) -> None:
         """Add the picture of what a function draws of the results; its caption is named as the picture by default."""
-        made.append(
-            Picture(
-                name, section, partial(draw, results, words_of(results), *what), caption or name, fields, full
-            )
-        )
+        drawing = partial(draw, results, words_of(results), *what)
+        made.append(Picture(name, section, drawing, caption or name, fields, full))
 
     # the structure and its movements
     worst, governing = worst_settled(results), governing_view(results)

@@ -271,11 +271,8 @@ def draw_fragility(results: Results, words: Words) -> Figure:
     for state, each in fragile(results).items():
         fit, signs = known(each.fragility), [part for record in known(each.records) for part in record.signs]
         fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
-        fits.append(
-            FragilityCurve(
-                state, fit.median_g, fit.dispersion, fit.band, (fallen, _shares(fallen, len(signs)))
-            )
-        )
+        seen = fallen, _shares(fallen, len(signs))
+        fits.append(FragilityCurve(state, fit.median_g, fit.dispersion, fit.band, seen))
     return _fragilities(words, fits, label("pga_g", words))
 
 

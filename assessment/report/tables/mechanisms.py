@@ -218,10 +218,8 @@ hand_check = table("hand_check", by_hand.HandCheck)(by_hand.hand_checks)
 def _forces(results: Results, situation: Situation) -> Iterator[tuple[str, Array]]:
     """Yield each support and its force (2,) kN on the structure."""
     blocks, states = results.geometry.blocks, joint_states(results, situation)
-    ties, ends = (
-        ties_of(results, situation.state),
-        tie_ends(results, situation.state, situation.configuration),
-    )
+    ties = ties_of(results, situation.state)
+    ends = tie_ends(results, situation.state, situation.configuration)
     pulls = []
     for tie, (start, end), tension in zip(ties, ends, situation.tension, strict=len(situation.tension) > 0):
         pulls.append((tension * (end - start) / np.hypot(*(end - start)), tie.blocks))

@@ -141,8 +141,7 @@ history_convergence = table(
     "relative_scatter met",
 )(lambda results: [each for each in results.convergence.rows if each.record])
 incremental_convergence = table(
-    "incremental_convergence",
-    "state record order pga_collapse_error_g relative_error met",
+    "incremental_convergence", "state record order pga_collapse_error_g relative_error met"
 )(lambda results: results.convergence.incremental or [])
 
 

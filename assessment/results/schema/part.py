@@ -173,12 +173,8 @@ def _unit(name: str, annotation: Any) -> str:
         return unit
     if annotation in (Configuration, Configuration | None, list[Configuration]):
         return "m, rad"
-    return (
-        "–"
-        if float in _kinds(annotation)
-        and dict not in {get_origin(each) for each in (annotation, *get_args(annotation))}
-        else ""
-    )
+    tables = dict in {get_origin(each) for each in (annotation, *get_args(annotation))}
+    return "–" if float in _kinds(annotation) and not tables else ""
 
 
 def named(label: str, **look: Any) -> dict[str, Any]:

@@ -25,8 +25,7 @@ from assessment.workflow.checking import read_motions
 from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.messages import message
-from mechanics.records.record import Record, read_record
-from mechanics.records.spectrum import response_spectrum
+from mechanics.records.record import Record, read_record, response_spectrum
 from tests.support.block_project import TURNED, block, write_block
 from tests.support.pictured import draw_sections
 from tests.support.structures import arch_on_piers, block_on_base

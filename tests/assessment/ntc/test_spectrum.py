@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
-from mechanics.records.spectrum import response_spectrum
+from mechanics.records.record import response_spectrum
 
 PERIODS = [0.05, 0.25, 1.0, 3.0]
 BY_HAND = {

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from mechanics.errors import ConvergenceError
-from mechanics.records import spectrum as synthetic
-from mechanics.records.spectrum import compatible_record, response_spectrum
+from mechanics.records import record as synthetic
+from mechanics.records.record import compatible_record, response_spectrum
 from mechanics.types import GRAVITY
 
 NOISE = 0.1 * np.random.default_rng(7).normal(size=40)
