@@ -17,7 +17,7 @@ from assessment.results.frames import lengthenings
 from assessment.results.schema import Line
 from mechanics import Assembly, Tie
 from mechanics.messages import SaidError, message
-from mechanics.types import GRAVITY, Array
+from mechanics.types import GRAVITY, Array, turned
 
 _WORK = "virtual work; Circolare 7/2019, C8.7.1.2"
 _TIE = "[[tie]]: yield force"
@@ -222,16 +222,18 @@ def finite_motion(
     q = np.zeros((len(chosen.parts), 3))
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
     at, alpha = [positions], [_multiplier(model, positions, parts.motion(positions, q, rate))]
-    turned = 0.0
+    rotation = 0.0
     while alpha[-1] > 0.0:
-        if turned > MOTION.farthest:
+        if rotation > MOTION.farthest:
             last = message(
-                "α is still {alpha:.3g} after a rotation of {turned:.3g} rad", alpha=alpha[-1], turned=turned
+                "α is still {alpha:.3g} after a rotation of {turned:.3g} rad",
+                alpha=alpha[-1],
+                turned=rotation,
             )
             raise KinematicsError(last)
         q = parts.step(q, rate)
         rate = parts.rate(q, rate[:, 2])
-        turned += MOTION.step
+        rotation += MOTION.step
         at.append(parts.placed(positions, q))
         alpha.append(_multiplier(model, at[-1], parts.motion(at[-1], q, rate)))
     if parts.drift(q) > MOTION.open * model.size:
@@ -251,9 +253,7 @@ class _Parts:
 
     def arm(self, q: Array, part: int, point: Array) -> Array:
         """Return the vector (m) from a part's origin to its material point (2,), or points (m, 2)."""
-        c, s = np.cos(q[part, 2]), np.sin(q[part, 2])
-        x, z = (point - self.origin[part]).T
-        return np.stack([c * x - s * z, s * x + c * z], axis=-1)
+        return turned(point - self.origin[part], q[part, 2])
 
     def rate(self, q: Array, rotations: Array) -> Array:
         """Return rates (n, 3), fastest 1, of closed hinges that turn like `rotations`. Raises KinematicsError."""
@@ -348,6 +348,5 @@ def _shared(model: Assembly, positions: Array, i: int, j: int) -> float:
     return float(shapely.intersection(one, other, grid_size=MOTION.grid * model.size).area)
 
 
-def _outline(corners: Array, x: float, z: float, turned: float) -> shapely.Polygon:
-    c, s = np.cos(turned), np.sin(turned)
-    return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, z))
+def _outline(corners: Array, x: float, z: float, rotation: float) -> shapely.Polygon:
+    return shapely.Polygon(np.array([x, z]) + turned(corners, rotation))

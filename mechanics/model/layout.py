@@ -242,9 +242,8 @@ def _hint(blocks: Sequence[Block], polygons: Polygons, kept: Index, gaps: Sequen
     wider = _wider(widest)
     joints = _joints(blocks, kept, wider)
     joined = {*map(tuple, np.sort(joints.blocks).tolist())}
-    if shapely.is_empty(eroded(polygons[kept], wider)).any() or not joined.issuperset(
-        tuple(sorted(gap.pair)) for gap in gaps
-    ):
+    asked = {tuple(sorted(gap.pair)) for gap in gaps}
+    if shapely.is_empty(eroded(polygons[kept], wider)).any() or not asked <= joined:
         return []
     closes = message(
         "gaps of up to {width:.3g} mm: geometry.tolerance_m = {wider} closes all of them",
