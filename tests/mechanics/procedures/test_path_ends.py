@@ -22,6 +22,8 @@ from mechanics import (
     time_history,
 )
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
+from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
+from mechanics.steps.static_system import static_system
 from mechanics.steps.tolerances import REST
 from tests.stress.corpus import assemblies
 from tests.support.analysed import arch
@@ -448,6 +450,27 @@ def test_a_peak_that_only_a_lift_balances_is_none():
     rows = [row for start in starts for row in (full, (0.0, *(start + 0.4922 * k for k in range(4))))]
     model, settled = settled_wall(0.783, 0.2502, 1.479, 1.861, rows, (0.0029949, -0.0040039), 0.0004)
     assert pushover(model, increment=0.002, state=settled).alpha_0 < 1.03 * 0.543
+
+
+def test_the_peak_before_a_fall_is_looked_at_whatever_lies_beyond(monkeypatch):
+    """The largest multiplier of all lies beyond the fall, and is that of its flow: it would end the search."""
+    model = block_on_base()
+    push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
+    path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
+    told = (0.4, 0.6, 0.5, 0.9, 0.2)
+    path.points = [
+        PushPoint(replace(path.points[0].step, alpha=alpha), 0.01 * k) for k, alpha in enumerate(told)
+    ]
+    of_state = limit_analysis(model, "+x")
+
+    def limit_at(own, point):
+        least = 0.3 if own.multiplier[point] == 0.6 else 1.0
+        return replace(of_state, alpha=least, dilation=0.0)
+
+    monkeypatch.setattr(PushPath, "limit_at", limit_at)
+    assert path.drop_other_flow(last=2)
+    assert path.multiplier.tolist() == [0.4, 0.5, 0.9, 0.2]
+    assert not path.drop_other_flow(last=1)
 
 
 def test_points_beside_a_peak_of_another_flow_are_their_own():
