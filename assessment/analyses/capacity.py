@@ -150,8 +150,7 @@ def _assessed(
     if elastic is not None and fit.alpha_y is not None and fit.way is not None:
         d_y = float(fit.way.control_point(known(fit.d_y)))
         d_star = (capacity.gamma_star * fit.way.blocks(along_push(elastic.curve, direction)[0])).tolist()
-        fitted = elastic.replace(alpha_y=fit.alpha_y, d_y_m=d_y, d_star_m=d_star)
-        curves = curves.replace(elastic=fitted)
+        curves = curves.replace(elastic=elastic.replace(alpha_y=fit.alpha_y, d_y_m=d_y, d_star_m=d_star))
     return Found(Assessed(curves, made), warnings=notes)
 
 
@@ -232,8 +231,7 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
     if elastic is None:
         return None
     multiplier = elastic.curve.multiplier
-    cut = multiplier[-1] <= PAST_PEAK * max(multiplier)
-    if cut and not (elastic.lost or elastic.reached_zero):
+    if multiplier[-1] <= PAST_PEAK * max(multiplier) and not (elastic.lost or elastic.reached_zero):
         return None
     return max(map(abs, elastic.curve.displacement_m))
 

@@ -279,8 +279,7 @@ def fit_stripes(levels: Array, collapsed: Array | Mask, weights: Array) -> Logno
     steep = ~(none | all_) & (last <= first) & (len(levels) > 1)
     median[steep], beta[steep] = np.sqrt(levels[first] * levels[last])[steep], 0.0
     away = x - x.mean()
-    grows = fell @ away > UNALIKE * total * (away @ away)
-    rest = ~(none | all_ | steep) & grows
+    rest = ~(none | all_ | steep) & (fell @ away > UNALIKE * total * (away @ away))
     if rest.any():
         median[rest], beta[rest] = _most_likely(x, fell[rest], stood[rest])
     return Lognormal(median, beta)

@@ -290,6 +290,12 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
             displacement=float(path.displacement[path.peak]),
             multiplier=curve.alpha_0,
         )
+    if len(path.dropped):
+        yield message(
+            "points left out of the curve: {count}, up to α = {multiplier:.4g}; in their states limit analysis finds "
+            "less, or only a mechanism that lifts what slides",
+            count=len(path.dropped), multiplier=float(path.dropped[:, 1].max()),
+        )  # fmt: skip
     other = curve.other_law  # it may be the onset alone that differs
     if other is not None and abs(other.alpha_0 - curve.alpha_0) > DIFFERS * abs(curve.alpha_0):
         yield message(

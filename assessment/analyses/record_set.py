@@ -56,8 +56,7 @@ def scaled_to(target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTa
             notes += (limited,)
         scaled, original = motion.at_amplitude(factor), motion.original.scaled(factor)
         pga, scale, own = factor * motion.pga, factor * motion.scale, motion.amplitude
-        scaled = replace(scaled, original=original, pga=pga, scale=scale, amplitude=own, notes=notes)
-        found.append(scaled)
+        found.append(replace(scaled, original=original, pga=pga, scale=scale, amplitude=own, notes=notes))
     return found
 
 

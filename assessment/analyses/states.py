@@ -318,8 +318,7 @@ def curves(results: Iterable[StateResult]) -> dict[Direction, Pushovers]:
     found: dict[Direction, Pushovers] = {}
     for result in results:
         for direction, pushed in result.pushover.items():
-            own = found.setdefault(direction, pushed)
-            found[direction] = own.replace(**pushed.by_contacts)
+            found[direction] = found.setdefault(direction, pushed).replace(**pushed.by_contacts)
     return found
 
 

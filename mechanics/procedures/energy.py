@@ -98,5 +98,4 @@ def may_fall(parts: Sequence[Energy], spent: float) -> bool:
         [part.potential + part.elastic + high for part, high in zip(parts, begun, strict=True)]
     )
     lowest = float(stored[-len(parts[-1].potential) :].min())
-    left = float(stored[-1] + parts[-1].kinetic[-1]) - lowest
-    return left >= spent * (float(stored.max()) - lowest)
+    return float(stored[-1] + parts[-1].kinetic[-1]) - lowest >= spent * (float(stored.max()) - lowest)

@@ -40,8 +40,7 @@ def hinges(model: Assembly, contacts: Contacts, state: State, mechanism: Array, 
     turn = abs(mechanism[contacts.a, 2] - mechanism[contacts.b, 2])
     carries = (forces[:, 0] > CARRYING * model.weight) & (places[:, H] > 0.0) & ~contacts.ties
     hinged = np.flatnonzero(carries & (turn > NOTICEABLE * float(abs(mechanism[:, 2]).max())))
-    fastest = float(abs(mechanism[:, :2]).max())
-    slides = np.flatnonzero(carries & (slip > NOTICEABLE * fastest))
+    slides = np.flatnonzero(carries & (slip > NOTICEABLE * float(abs(mechanism[:, :2]).max())))
     moves = model.taking_part(mechanism)
     centre = pressure_centres(contacts.take(hinged), state.positions, forces[hinged])
     weight = -float(model.dead_load[moves, 1].sum())

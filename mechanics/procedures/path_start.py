@@ -67,8 +67,7 @@ def mechanism_start(
     """
     limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
-    share = 1.0 if state is None else START.settled
-    return PathStart(_onset(limit, increment), rate, share, limit.alpha)
+    return PathStart(_onset(limit, increment), rate, 1.0 if state is None else START.settled, limit.alpha)
 
 
 def _onset(limit: Limit, increment: float) -> Equilibrium:

@@ -72,7 +72,7 @@ class PushPoint:
 class PushPath:
     """A capacity curve as far as it has been followed; `end`: why it ends, None while it goes on.
 
-    `points`: the first one is the start; `reached`, `lost`: see Pushover; `endless`: whether it leans or only slides.
+    `points`: from the start on; `dropped`, `reached`, `lost`: see Pushover; `endless`: whether it leans or only slides.
     """
 
     def __init__(self, push: PushInput, system: StaticSystem, state: State | None) -> None:
@@ -81,7 +81,7 @@ class PushPath:
         self.block = self.model.block_at(push.control)
         self.lateral = self.model.lateral_load(push.direction)
         self.first = self._start(state)
-        self.points = [PushPoint(self.first.step, 0.0)]
+        self.points, self.dropped = [PushPoint(self.first.step, 0.0)], list[tuple[float, float]]()
         # the next step is predicted from the displacements of blocks and control point per unit work in the last one
         self.rate = self.first.rate
         self.control_rate = self._control_rate()
@@ -401,6 +401,7 @@ class PushPath:
                 first, after = min(first, peak + reach), max(after, peak + reach)
                 reach *= 2
         jumped = any(point.jumped for point in self.points[first : after + 2])
+        self.dropped += [(point.displacement, point.step.alpha) for point in self.points[first : after + 1]]
         self.points[first : after + 2] = [replace(self.points[after + 1], jumped=jumped)]
         return True
 

@@ -51,7 +51,8 @@ class Pushover:
     other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
     there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
-    points solved with a dilation where the latter was not. Of the `model`, pushed in a `direction`.
+    points solved with a dilation where the latter was not; `dropped` (n, 2): displacements (m) and multipliers of those
+    left out, which limit analysis does not find in their states. Of the `model`, pushed in a `direction`.
     """
 
     control: Array
@@ -71,6 +72,7 @@ class Pushover:
     contacts: Contacts
     sliding: Sliding
     lifting: int
+    dropped: Array
     model: Assembly
     direction: Direction
 
@@ -216,7 +218,8 @@ def _result(curve: PushPath) -> Pushover:
         tuple(step.state for step in equilibria), tuple(steps), tuple(step.certificate for step in equilibria),
         curve.reached, curve.lost, curve.end, np.array(curve.crossed).reshape(-1, 2), mechanism, formed,
         equilibria[formed].forces, equilibria[formed].contacts, curve.system.sliding,
-        sum(step.lifting for step in equilibria), curve.model, curve.push.direction,
+        sum(step.lifting for step in equilibria), np.array(curve.dropped).reshape(-1, 2), curve.model,
+        curve.push.direction,
     )  # fmt: skip
 
 
@@ -246,5 +249,4 @@ def _takes_part(curve: PushPath, point: int, mechanism: Array) -> bool:
     """Whether virtual displacements (b, 3) at a point move the control point along the push."""
     fastest = float(abs(mechanism[:, :2]).max())
     little, at = 1e-6 * curve.model.size / fastest, curve.points[point].step.state.positions
-    moved = curve.along(at + little * mechanism) - curve.along(at)
-    return moved >= curve.tolerances.still * little * fastest
+    return curve.along(at + little * mechanism) - curve.along(at) >= curve.tolerances.still * little * fastest

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from assessment.analyses import lateral
@@ -183,9 +184,17 @@ def leaning(seed: int, direction: str) -> Pushover:
     return pushover(wall, direction=direction, increment=0.02, state=settled)
 
 
-def told(path: Pushover) -> tuple[RigidPush, list[Message]]:
+def told(path: Pushover, begins: str = "by {law}") -> tuple[RigidPush, list[Message]]:
     curve = rigid_push(ControlTable(name="C", point_m=tuple(path.control.tolist())), path)
-    return curve, [note for note in _rigid_notes(curve, path) if note.template.startswith("by {law}")]
+    return curve, [note for note in _rigid_notes(curve, path) if note.template.startswith(begins)]
+
+
+@pytest.mark.parametrize(("dropped", "fields"), [([], []), ([(0.01, 0.6), (0.02, 0.5)], [(2, 0.6)])])
+def test_points_left_out_of_a_curve_are_told(dropped, fields):
+    path = replace(leaning(2, "-x"), dropped=np.array(dropped).reshape(-1, 2))
+    _, notes = told(path, "points left out")
+    assert [(note.fields["count"], note.fields["multiplier"]) for note in notes] == fields
+    assert all("punti esclusi" in in_italian(note) for note in notes)
 
 
 def test_the_other_law_is_compared_at_alpha_0_where_the_mechanism_is_another():

@@ -442,6 +442,7 @@ def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state(increment):
     peak = curve.states[curve.peak]
     assert curve.alpha_0 == pytest.approx(limit_analysis(model, "+x", peak).alpha, rel=1e-3)
     assert curve.alpha_0 == pytest.approx(0.353, rel=0.01)
+    assert (curve.dropped[:, 1] > 1.2 * curve.alpha_0).all() and len(curve.dropped)
 
 
 def test_a_peak_that_only_a_lift_balances_is_none():
