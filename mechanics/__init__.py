@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from mechanics.procedures.time_history import TimeHistory, time_history
     from mechanics.records.record import Record, read_record
 
-_HOME = {  # module: public names
+_NAMES = {  # by the module that has them
     "errors": "ArgumentError CollapseError ControlError ConvergenceError DrawingError MechanicsError "
     "NoEquilibriumError RecordError UnstableError",
     "model.assembly": "Assembly State",
@@ -40,40 +40,12 @@ _HOME = {  # module: public names
     "procedures.time_history": "TimeHistory time_history",
     "records.record": "Record read_record",
 }
-__all__ = [
-    "ArgumentError",
-    "Assembly",
-    "Block",
-    "CollapseError",
-    "ControlError",
-    "ConvergenceError",
-    "DrawingError",
-    "Following",
-    "Layer",
-    "Limit",
-    "Material",
-    "MechanicsError",
-    "NoEquilibriumError",
-    "Pushdown",
-    "Pushover",
-    "Record",
-    "RecordError",
-    "State",
-    "Tie",
-    "TimeHistory",
-    "UnstableError",
-    "limit_analysis",
-    "pushdown",
-    "pushover",
-    "read_drawing",
-    "read_record",
-    "time_history",
-]
+_HOME = {name: home for home, names in _NAMES.items() for name in names.split()}
+__all__ = sorted(_HOME)  # noqa: PLE0605 - each is named once
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name where it is first asked for: what needs a message or an error alone needs no NumPy."""
-    for module, names in _HOME.items():
-        if name in names.split():
-            return getattr(import_module(f"mechanics.{module}"), name)
-    raise AttributeError(f"module 'mechanics' has no attribute {name!r}")
+    if name not in _HOME:
+        raise AttributeError(f"module 'mechanics' has no attribute {name!r}")
+    return getattr(import_module(f"mechanics.{_HOME[name]}"), name)

@@ -24,8 +24,6 @@ import mechanics
 from assessment.runtime.cache import installed
 from mechanics.kernels.law import SEGMENTS
 from mechanics.model.assembly import Behaviour
-from mechanics.procedures.pushdown import Pushdown
-from mechanics.procedures.pushover import Pushover
 from mechanics.program import Program
 from mechanics.solvers import qp_piqp
 from mechanics.steps.equilibrium import closed_program
@@ -110,7 +108,7 @@ def rows_of(case: "Case") -> Iterator[Row]:
             yield row
 
 
-def path_baseline(path: Pushdown | Pushover) -> tuple[list[Program], int]:
+def path_baseline(path: mechanics.Pushdown | mechanics.Pushover) -> tuple[list[Program], int]:
     """Programs that lead from points of a path, SAMPLES or a few more, to the next ones; and how many steps it has."""
     every = max(len(path.steps) // SAMPLES, 1)
     programs = []
@@ -119,7 +117,7 @@ def path_baseline(path: Pushdown | Pushover) -> tuple[list[Program], int]:
         moved = step.state.positions - before.state.positions
         size = max(float(abs(moved[:, :2]).max()), 1e-6 * model.size)
         lateral, work = None, 0.0
-        if isinstance(path, Pushover):
+        if isinstance(path, mechanics.Pushover):
             lateral = model.lateral_load("+x")
             work = float((lateral * moved).sum())
         at = np.where(model.movable[:, None], before.state.positions, step.state.positions)

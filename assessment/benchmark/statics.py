@@ -13,10 +13,8 @@ import numpy as np
 from assessment.analyses.governing import ENSEMBLE, shaken_corners
 from assessment.benchmark import measure as runner
 from assessment.benchmark import structures
-from mechanics import Assembly, limit_analysis, pushover
+from mechanics import Assembly, Pushdown, Pushover, limit_analysis, pushover
 from mechanics.model.assembly import Behaviour, Direction
-from mechanics.procedures.pushdown import Pushdown
-from mechanics.procedures.pushover import Pushover
 from mechanics.solvers import lp_highs, qp_piqp
 from mechanics.steps.static_system import Sliding
 

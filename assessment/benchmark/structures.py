@@ -11,10 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mechanics import Assembly, Block, Material, State, pushdown, pushover
+from mechanics import Assembly, Block, Material, Pushdown, Pushover, State, pushdown, pushover
 from mechanics.model.assembly import Behaviour, Direction
-from mechanics.procedures.pushdown import Pushdown
-from mechanics.procedures.pushover import Pushover
 
 if TYPE_CHECKING:
     from assessment.project.project import Project

@@ -17,9 +17,7 @@ from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
 from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Trace, datum, step
-from assessment.results.schema.checks import Check, CheckMethod, VerticalCheck
-from assessment.results.schema.model import Line
-from assessment.results.schema.part import finite
+from assessment.results.schema import Check, CheckMethod, Line, VerticalCheck, finite
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
 from mechanics.types import GRAVITY

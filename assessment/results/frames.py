@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 import mechanics
 from assessment.results.joint_states import Met, outlines, shares
-from assessment.results.schema import DrawnTie, Frames, Results, ShakenTie, Snapshots, TieTension
-from assessment.results.schema.part import finite
+from assessment.results.schema import DrawnTie, Frames, Results, ShakenTie, Snapshots, TieTension, finite
 from mechanics import Assembly, State
 from mechanics.model import Contacts
 from mechanics.pictures import field, place

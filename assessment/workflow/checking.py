@@ -18,8 +18,7 @@ from assessment.project.masonry import table_of
 from assessment.project.model import ProjectModel, build_model
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project, load_project, spelt
-from assessment.project.schema import ORIGINAL, StatesTable
-from assessment.project.schema.motions import SensitivityTable
+from assessment.project.schema import ORIGINAL, SensitivityTable, StatesTable
 from assessment.results.joint_states import described
 from assessment.results.schema import FORMAT, Results, StateResults
 from assessment.results.schema import model as parts

@@ -15,8 +15,7 @@ from assessment.report.chapters.grids import Grid
 from assessment.report.language import Words, check_name, heading, translated
 from assessment.report.tables import capacities
 from assessment.report.tables import capacity as capacity_tables
-from assessment.results.schema import Results
-from assessment.results.schema.checks import CHECKS
+from assessment.results.schema import CHECKS, Results
 from assessment.results.schema.model import Line as Step
 from assessment.results.summary import determined_indices
 
