@@ -53,7 +53,7 @@ class LastRun:
 
     def outcome(self, folder: Path) -> Outcome:
         """Return the outcome stored in the folder; none of its analyses is computed again."""
-        from assessment.results.file import read_results  # late: see run.py
+        from assessment.results.schema import read_results  # late: see run.py
 
         return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses, self.told)
 
@@ -133,7 +133,7 @@ def _make(
     from assessment.report.document import write_attachments, write_docx, write_page, write_pdf, write_tables
     from assessment.report.figures.index import write_figures, write_images
     from assessment.report.language import words_of
-    from assessment.results.file import as_bytes
+    from assessment.results.schema import as_bytes
 
     opinion = judgement(results, words_of(results), folder)
     disk.write_atomically(new / NAME, opinion.content)
@@ -241,7 +241,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
 
     Raises ValueError for results that are missing or cannot be printed (damaged, of another version), BusyError.
     """
-    from assessment.results.file import read_results
+    from assessment.results.schema import read_results
     from mechanics.messages import message
 
     stored = folder / "results.json"

@@ -11,7 +11,7 @@ import numpy as np
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.results.file import as_bytes
+from assessment.results.schema import as_bytes
 from assessment.workflow.stages import run
 
 SETTLED = "right support 60 mm"

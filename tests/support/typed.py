@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from assessment.results.file import with_messages
-from assessment.results.schema import Results
+from assessment.results.schema import Results, with_messages
 from assessment.results.schema.part import Part
 from assessment.results.summary import summary_of
 

@@ -18,7 +18,7 @@ from assessment.report.language import (
     words_of,
     written,
 )
-from assessment.results.file import as_bytes, read_results
+from assessment.results.schema import as_bytes, read_results
 from assessment.results.schema.part import QUANTITIES, Part, key
 from mechanics import UnstableError
 from mechanics.messages import Message, SaidError, headed, linked, message

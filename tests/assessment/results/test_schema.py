@@ -9,8 +9,7 @@ from typing import Any, Union, get_args, get_origin
 import pytest
 from pydantic import ValidationError
 
-from assessment.results.file import as_bytes, read_results
-from assessment.results.schema import FORMAT, Results, json_schema
+from assessment.results.schema import FORMAT, Results, as_bytes, json_schema, read_results
 from assessment.results.schema.checks import CHECKS, Capacity, Check
 from assessment.results.schema.dynamic import Search
 from assessment.results.schema.part import first_error

@@ -15,7 +15,7 @@ from assessment.analyses import scan
 from assessment.analyses.time_history import ENERGIES, Response
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.results.file import as_bytes
+from assessment.results.schema import as_bytes
 from assessment.results.schema.part import plain
 from assessment.runtime import tasks
 from assessment.runtime.cache import FOLDER, Store

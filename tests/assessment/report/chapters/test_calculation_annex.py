@@ -17,7 +17,7 @@ from assessment.project.project import load_project
 from assessment.report.chapters.calculation_annex import traces, typeset
 from assessment.report.language import Words, words_of
 from assessment.report.tables.capacity import scalings, trace, verification
-from assessment.results.file import as_bytes
+from assessment.results.schema import as_bytes
 from assessment.results.schema.part import plain
 from assessment.results.summary import summary_of
 from assessment.workflow.checking import read_motions
