@@ -56,9 +56,8 @@ class Shape:
         """Return the outlines displaced by (b, 3) finite motions about the centroids, magnified."""
         motion = np.asarray(configuration, dtype=float)
         shift = magnification * (place(self.points, self.owner, self.centroids, motion) - self.points)
-        return replace(
-            self, points=self.points + shift, centroids=self.centroids + magnification * motion[:, :2]
-        )
+        middles = self.centroids + magnification * motion[:, :2]
+        return replace(self, points=self.points + shift, centroids=middles)
 
     def swept(self, velocity: ArrayLike, amount: float) -> Shape:
         """Return the outlines displaced by `amount` times the (b, 3) infinitesimal motions `velocity`."""

@@ -292,10 +292,8 @@ def site_curve(
     cell = _cell(np.column_stack([x[near], y[near]]))
     if cell is None:
         lon, lat, first = grid.longitude, grid.latitude, int(near[0])
-        inside = lon.min() <= latitude <= lon.max() and lat.min() <= longitude <= lat.max()
-        turned = f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " * bool(
-            inside
-        )
+        inside = bool(lon.min() <= latitude <= lon.max() and lat.min() <= longitude <= lat.max())
+        turned = f"They are swapped: write latitude = {longitude:g}, longitude = {latitude:g}. " * inside
         raise HazardError(
             f"{grid.name}: site latitude = {latitude:g}, longitude = {longitude:g}: no cell of four nodes holds it; "
             f"the nearest node is {distance[first]:.1f} km away (latitude {lat[first]:g}, longitude {lon[first]:g}; "

@@ -281,11 +281,9 @@ class Overlaps:
     cut_short: bool
 
 
-def find_overlaps(
-    blocks: Sequence[Block], polygons: Polygons, tolerance: float, most: int | None = None
-) -> Overlaps:
-    """Find the blocks that overlap by more than the tolerance (m), at most `most` pairs of them."""
-    most = MOST_OVERLAPS[0] + MOST_OVERLAPS[1] * len(blocks) if most is None else most
+def find_overlaps(blocks: Sequence[Block], polygons: Polygons, tolerance: float) -> Overlaps:
+    """Find the blocks that overlap by more than the tolerance (m), no more than MOST_OVERLAPS pairs of them."""
+    most = MOST_OVERLAPS[0] + MOST_OVERLAPS[1] * len(blocks)
     pairs, cut_short = _overlapping(blocks, polygons, tolerance, most)
     surplus = np.zeros(len(blocks), dtype=bool)
     faults = [*_copies(blocks, polygons, pairs, tolerance, surplus)]

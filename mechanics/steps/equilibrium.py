@@ -18,7 +18,7 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.static_system import Sliding, StaticSystem, carried, static_system
+from mechanics.steps.static_system import StaticSystem, carried, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import GRAVITY, Array, Index
 
@@ -80,9 +80,7 @@ class ClosedProgram:
         return replace(self, program=replace(self.program, places=places)), lever
 
 
-def closed_program(
-    model: Assembly, state: State, sliding: Sliding = "associative", tolerance: float | None = None
-) -> ClosedProgram:
+def closed_program(model: Assembly, state: State, tolerance: float | None = None) -> ClosedProgram:
     """Return the rigid program under gravity over the joints closed in a state.
 
     An end of a joint is closed if its gap is zero within the tolerance, a share of the block size: None, that of the
@@ -94,7 +92,7 @@ def closed_program(
         drawn = model.joint_tolerance / model.size if state is model.initial else np.inf
         tolerance = min(drawn, LIMIT.closed)
     step = LIMIT.onset * model.size
-    system = static_system(model, "rigid", sliding).around(state.positions, step)
+    system = static_system(model, "rigid").around(state.positions, step)
     places = system.places(state.positions, state)
     gaps = end_gaps(places)
     carrying = np.flatnonzero(carried(system.contacts, state))

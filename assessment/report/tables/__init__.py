@@ -1,6 +1,6 @@
-"""The tables of the report and of the CSV files: each from a list of fields, its rows parts of the results.
+"""The tables of the report and of the CSV files, each entered under its name with its columns.
 
-Behind where they are, which a row has of its own.
+A row is what it has of its own, such as state and direction, and the part of the results that fills its other columns.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
