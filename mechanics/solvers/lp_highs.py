@@ -26,6 +26,7 @@ from mechanics.types import Array, Mask
 
 # what HiGHS may leave of a row, the least that it takes, and PIQP of a linear program
 ACCURACY = 1e-10
+MOVED = 10.0 * ACCURACY  # of the step: a gap or slip of a mechanism that is less has not moved
 EXACTLY = {"primal_feasibility_tolerance": ACCURACY, "dual_feasibility_tolerance": ACCURACY}
 STIFF = 1e10  # of what is not free, against displacements: rounding of the last step need not be undone
 
@@ -109,7 +110,7 @@ def mechanism_of(program: Program, free: Mask, weights: Array) -> tuple[Array, M
     )
     if found is None:
         return None
-    return np.asarray(found.x[:m]), np.asarray(found.x[m:] > 10.0 * ACCURACY * program.step).reshape(-1, 4)
+    return np.asarray(found.x[:m]), np.asarray(found.x[m:] > MOVED * program.step).reshape(-1, 4)
 
 
 def nearest_mechanism(program: Program, free: Mask, began: Mask, little: float) -> tuple[Array, Array] | None:
@@ -133,9 +134,7 @@ def nearest_mechanism(program: Program, free: Mask, began: Mask, little: float) 
     most, kept = abs(program.lateral).max(), int(held.sum())
     load = sparse.csr_matrix(program.lateral * scale / most)
     g = sparse.vstack([rows_of[at_least], -rows_of[at_most]])
-    solver = sparse_solver(
-        1e-12, ACCURACY, 250
-    )  # its status is not asked: the certificate of the step decides
+    solver = sparse_solver(1e-12, ACCURACY)  # its status is not asked: the certificate of the step decides
     solver.setup(
         sparse.diags(np.concatenate([np.ones(m), np.full(kept, STIFF)]), format="csc"),
         np.concatenate([rows_of.T @ (1.0 * (new & at_least) - 1.0 * (new & at_most)), np.zeros(kept)]),

@@ -22,6 +22,7 @@ from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.types import Array, Index
 
+ITERATIONS = 60  # of a program
 POINTS = 32  # segments in place of an exact bed
 
 Answer = tuple[Array, float, Array]
@@ -32,7 +33,7 @@ def suits(program: Program) -> bool:
     return bool(np.isinf(program.law[:, STRENGTH]).all() and (program.law[:, DILATION] == 1.0).all())
 
 
-def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answer | None:
+def solve(program: Program, tolerance: float, most_iterations: int = ITERATIONS) -> Answer | None:
     """Return joint forces (j, 3), multiplier and displacements (m,) at which PIQP stops, whatever its status.
 
     None only if they are not finite: a result at "max iterations" is often good to ten digits, and a "solved" one may
@@ -56,7 +57,7 @@ def solve(program: Program, tolerance: float, most_iterations: int = 60) -> Answ
     return form.recover(z, y)
 
 
-def sparse_solver(tolerance: float, gap: float, most_iterations: int = 60) -> piqp.SparseSolver:
+def sparse_solver(tolerance: float, gap: float, most_iterations: int = ITERATIONS) -> piqp.SparseSolver:
     """Return a solver without a program; `tolerance` of residuals and duality `gap` in the dimensionless program."""
     solver = piqp.SparseSolver()
     settings = solver.settings
