@@ -126,10 +126,14 @@ def made_up(monkeypatch, accuracy, told):
     return Asked(block_on_base(), SINE, accuracy).found()
 
 
-def test_a_half_step_shakes_by_the_same_lines():
+def test_a_half_step_shakes_by_the_same_lines_and_a_member_by_a_factor_on_both():
     motion = Asked(block_on_base(), SINE, "fast").motion
     vertical = np.cos(3.0 * TIME)
-    half = replace(motion, vertical=Record(vertical, STEP, "up")).at_half_step()
+    both = replace(motion, vertical=Record(vertical, STEP, "up"))
+    member, half = both.at_amplitude(0.99), both.at_half_step()
+    assert member.vertical is not None
+    np.testing.assert_allclose(member.vertical.acceleration, 0.99 * vertical)
+    np.testing.assert_allclose(member.record.acceleration, 0.99 * motion.record.acceleration)
     assert half.record.time_step == STEP / 2 and half.vertical is not None
     np.testing.assert_array_equal(half.record.acceleration[::2], motion.record.acceleration)
     found = half.vertical.acceleration

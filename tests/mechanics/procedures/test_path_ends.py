@@ -22,6 +22,7 @@ from mechanics import (
     time_history,
 )
 from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
+from mechanics.procedures.peaks import stands_until
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
 from mechanics.steps.static_system import static_system
 from mechanics.steps.tolerances import REST
@@ -453,25 +454,43 @@ def test_a_peak_that_only_a_lift_balances_is_none():
     assert pushover(model, increment=0.002, state=settled).alpha_0 < 1.03 * 0.543
 
 
-def test_the_peak_before_a_fall_is_looked_at_whatever_lies_beyond(monkeypatch):
-    """The largest multiplier of all lies beyond the fall, and is that of its flow: it would end the search."""
+@pytest.mark.parametrize(
+    ("told", "last", "kept"),
+    [
+        ((0.4, 0.6, 0.5, 0.9, 0.2), 2, [0.4, 0.5, 0.9, 0.2]),
+        ((0.4, 0.61, 0.62, 0.63, 0.62, 0.61, 0.61, 0.6, 0.5, 0.3), 9, [0.4, 0.5, 0.3]),
+    ],
+)
+def test_a_peak_of_another_flow_goes_with_its_flow_whatever_lies_beyond_the_fall(
+    monkeypatch, told, last, kept
+):
+    """The largest multiplier beyond the fall, that of its flow, ended the search; a flow is dropped by one call."""
     model = block_on_base()
     push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
     path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
-    told = (0.4, 0.6, 0.5, 0.9, 0.2)
     path.points = [
         PushPoint(replace(path.points[0].step, alpha=alpha), 0.01 * k) for k, alpha in enumerate(told)
     ]
-    of_state = limit_analysis(model, "+x")
+    of_state = replace(limit_analysis(model, "+x"), dilation=0.0)
 
     def limit_at(own, point):
-        least = 0.3 if own.multiplier[point] == 0.6 else 1.0
-        return replace(of_state, alpha=least, dilation=0.0)
+        return replace(of_state, alpha=0.3 if 0.6 <= own.multiplier[point] < 0.7 else 1.0)
 
     monkeypatch.setattr(PushPath, "limit_at", limit_at)
-    assert path.drop_other_flow(last=2)
-    assert path.multiplier.tolist() == [0.4, 0.5, 0.9, 0.2]
+    assert path.drop_other_flow(last)
+    assert path.multiplier.tolist() == kept
+    assert [alpha for _, alpha in path.dropped] == [alpha for alpha in told if alpha not in kept]
     assert not path.drop_other_flow(last=1)
+
+
+@pytest.mark.parametrize(("rise", "last", "held"), [(0.56, 2, 0.56), (0.54, 1, 0.5)])
+def test_a_load_held_at_a_peak_is_taken_up_by_what_exceeds_it_or_fells_the_structure(rise, last, held):
+    """Down to 0.4 and up by as much way, under 0.5: (0.5 − 0.45) + (0.5 − rise) is left, times weight and way."""
+    model = block_on_base()
+    moves = np.zeros((2, len(model.blocks), 3))
+    moves[:, 1, 0] = 0.01
+    alpha, jumps = np.array([0.5, 0.4, rise]), np.zeros(2, dtype=bool)
+    assert stands_until(model, model.lateral_load("+x"), alpha, moves, jumps, 1e-3, 1e-6) == (last, held)
 
 
 def test_points_beside_a_peak_of_another_flow_are_their_own():

@@ -253,6 +253,29 @@ def test_simplex_agrees_on_walls(columns, courses, length, height, friction, ful
     assert limit_analysis(model, direction, sliding="associative").alpha == pytest.approx(highs[1], abs=1e-7)
 
 
+def onset(model: Assembly) -> Program:
+    """The program of its first motion towards +x by Coulomb's law."""
+    pushed = closed_program(model, model.initial).pushed(model, model.lateral_load("+x"))
+    return interior.with_dilation(pushed.program, 0.0)
+
+
+def test_what_presses_with_infinite_friction_does_not_slide():
+    """A block between two supports: slides down both faces had forces, T of ten thousand times N."""
+    stone = Material(20.0, np.inf)
+    names = ("left", None, "right")
+    boxes = [rectangle(left, 0.0, left + 1.0, 1.0) for left in (-1.0, 0.0, 1.0)]
+    model = Assembly([Block(box, 1.0, stone, support=name) for box, name in zip(boxes, names, strict=True)])
+    flowing = np.array([[False, False, True, False], [False, False, False, True]])
+    assert lp_highs.least_multiplier(qp_piqp.StandardForm.of(onset(model)), flowing) is None
+
+
+def test_a_gap_counts_however_small_it_is_beside_the_motion():
+    """A needle of 0.2 mm by 1 m rocks: its base opens by 4·10⁻⁴ of what its centroid moves."""
+    free = np.ones((1, 4), dtype=bool)
+    found = lp_highs.mechanism_of(onset(block_on_base(2e-4, 1.0)), free, 1.0 * free)
+    assert found is not None and found[1].tolist() == [[False, True, False, False]]
+
+
 @pytest.mark.parametrize("name", ["places", "load", "law"])
 def test_a_number_that_is_not_finite_is_no_solution(name):
     program, layout = static_step(block_on_base(), "rigid")
