@@ -61,24 +61,18 @@ def test_t_contact():
     assert np.sort(joints.ends[0, :, 0]) == pytest.approx([2.0, 3.0])
 
 
-def test_a_shared_corner_is_no_joint():
-    assert len(joints_of(rectangle(0, 0, 1, 1), rectangle(1, 1, 2, 2)).a) == 0
-
-
 def test_supports_have_no_joint_between_them():
     supports = [Block(rectangle(k, 0, k + 1, 1), 1.0, STONE, support=f"s{k}") for k in (0, 1)]
     assert len(find_joints(supports, TOLERANCE).a) == 0
 
 
-@pytest.mark.parametrize(("share", "found"), [(-0.9, 1), (0.0, 1), (0.9, 1), (1.1, 0), (-1.1, 0)])
-def test_tolerance_bounds_the_gap(share, found):
-    joints = joints_of(rectangle(0, 0, 1, 1), rectangle(1 + share * TOLERANCE, 0, 2, 1))
-    assert len(joints.a) == found
+GAPS = [(-1.1, 0, 0), (-0.9, 0, 1), (0.0, 0, 1), (0.9, 0, 1), (1.1, 0, 0)]
+CORNERS = [(0.0, 1, 0), (-0.9, 1, 0), (-1.1, 1, 1)]
 
 
-@pytest.mark.parametrize(("share", "found"), [(0.9, 0), (1.1, 1)])
-def test_tolerance_bounds_the_overlap(share, found):
-    joints = joints_of(rectangle(0, 0, 1, 1), rectangle(1 - share * TOLERANCE, 1, 2, 2))
+@pytest.mark.parametrize(("share", "z", "found"), [*GAPS, *CORNERS])
+def test_tolerance_bounds_the_gap_and_what_overlaps_beyond_a_shared_corner(share, z, found):
+    joints = joints_of(rectangle(0, 0, 1, 1), rectangle(1 + share * TOLERANCE, z, 2, z + 1))
     assert len(joints.a) == found
 
 

@@ -79,6 +79,13 @@ def full_of(lower: Array, upper: Array) -> Array:
     return whole[:n, :n]
 
 
+def solves(lower: Array, upper: Array, pattern: Pattern, full: Array) -> None:
+    b = np.random.default_rng(1).uniform(-1.0, 1.0, len(full))
+    x = b.copy()
+    factors.substitute(lower, upper, pattern, x)
+    assert x == pytest.approx(np.linalg.solve(full, b), rel=1e-10, abs=1e-12)
+
+
 @pytest.mark.parametrize(("blocks", "reach"), BANDS)
 @pytest.mark.parametrize("negative", [0, 1, 2])
 def test_lu_counts_negative_eigenvalues_of_a_symmetric_matrix_and_solves(
@@ -90,10 +97,7 @@ def test_lu_counts_negative_eigenvalues_of_a_symmetric_matrix_and_solves(
     full = full_of(band, band)
     lower, upper = band.ravel().copy(), band.ravel().copy()
     assert factors.lu(lower, upper, pattern) == (np.linalg.eigvalsh(full) < 0.0).sum()
-    b = np.random.default_rng(1).uniform(-1.0, 1.0, len(band))
-    x = b.copy()
-    factors.substitute(lower, upper, pattern, x)
-    assert x == pytest.approx(np.linalg.solve(full, b), rel=1e-10, abs=1e-12)
+    solves(lower, upper, pattern, full)
 
 
 @pytest.mark.parametrize(("blocks", "reach"), BANDS)
@@ -106,10 +110,7 @@ def test_lu_of_an_unsymmetric_band_solves_the_dense_system(blocks: int, reach: i
     full = full_of(band, other)
     lower, upper = band.ravel().copy(), other.ravel().copy()
     assert factors.lu(lower, upper, pattern) == 0
-    b = rng.uniform(-1.0, 1.0, len(band))
-    x = b.copy()
-    factors.substitute(lower, upper, pattern, x)
-    assert x == pytest.approx(np.linalg.solve(full, b), rel=1e-10, abs=1e-12)
+    solves(lower, upper, pattern, full)
 
 
 def test_lu_tells_a_pivot_that_vanishes() -> None:
