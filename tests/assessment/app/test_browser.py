@@ -230,7 +230,8 @@ def test_with_the_keyboard_alone(page, home):
     page.keyboard.press("Escape")
     page.keyboard.press("m")  # before the structure is known: told
     assert "nothing is wrong" in page.inner_text("#caption")
-    while not models:
+    patience = iter(range(PATIENCE // 50))
+    while not models and next(patience, None) is not None:
         page.wait_for_timeout(50)
     changed(page, lambda: page.keyboard.press("Control+z"))
     assert len(file_of(home, "keys")["settlements"]) == 1
