@@ -209,14 +209,14 @@ def iterate(
         force, gap, product = (
             max(force_off / weight, abs(work_residual) / (weight * step)), gap_off / step, mean / (weight * step),
         )  # fmt: skip
-        off = max(force, gap)
+        off, missed = max(force, gap), max(force, WIDE * gap)
         if not (off < np.inf and product < np.inf):
             return -1, alpha, np.inf, np.inf, np.inf
-        if max(force, WIDE * gap) <= accepted and product <= closed:
+        if missed <= accepted and product <= closed:
             return iteration, alpha, force, gap, product
         since += 1
-        if max(off, product) < 0.5 * best:
-            best, since = max(off, product), 0
+        if max(missed, product) < 0.5 * best:
+            best, since = max(missed, product), 0
             best_x[:], best_alpha, best_f[:], best_y[:], best_off = x, alpha, f, y, (force, gap, product)
         if iteration == most or since > idle:  # rounding may throw back what is near the end
             x[:], f[:], y[:] = best_x, best_f, best_y
