@@ -19,6 +19,7 @@ from mechanics.types import GRAVITY, Array
 
 _LAW = "Circolare 7/2019, C8.7.1.2"
 _PAPER = "Portioli et al., §7.1"
+AGAINST = 0.1  # of ΣP|δ|: the most that may move against the rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,8 @@ def participation(
 
     weights (b,), kN, with the loads of the blocks; dx (b,), control_dx: virtual horizontal displacements in a common
     unit. Of blocks that stay still none counts in ΣP: `moving` (b,) says which move, by default those with |dx| > still
-    · max|dx|. Raises CapacityError where nothing moves, or not the control point, or it against the resultant.
+    · max|dx|. Raises CapacityError where nothing moves, or not the control point, or it against the resultant, or where
+    weights move against each other: e* then tends to zero, Γ* and a* grow without bound.
     """
     P, delta = np.asarray(weights, dtype=float), np.asarray(dx, dtype=float)
     require(P.ndim == 1 and P.shape == delta.shape, "dx", delta.shape, f"one value per weight: {P.shape}")
@@ -72,6 +74,10 @@ def participation(
         against = message("Γ*: the control point moves against the moving weights; choose one that moves with the "
                           "mechanism")  # fmt: skip
         raise CapacityError(against)
+    if (back := float(P @ np.maximum(-ratio, 0.0)) / float(P @ np.abs(ratio))) > AGAINST:
+        apart = message("e*, Γ*: {share:.0f} % of ΣPδ goes against the rest: parts of the mechanism rock against each "
+                        "other, and no single oscillator stands for them", share=100.0 * back)  # fmt: skip
+        raise CapacityError(apart)
     return Participation(first**2 / (weight * second), second / first, weight, first, second)
 
 
