@@ -54,8 +54,8 @@ class Limit:
     `central`: that of the central flow;
     `mechanism` (b, 3): virtual displacements, scaled so that the largest centroid displacement is 1; `forces` (j, 3): N
     (kN), P (kNm) and T (kN) of the `contacts`, the drawn joints first; `dilation`: share of μ|slip| by which sliding
-    lifts joints in the mechanism: 1 by the associative law, 0 by Coulomb's, LimitTolerances.slight where that has no
-    flow, and 1 where neither has one of α ≥ 0, as in some settled states.
+    lifts joints in the mechanism: 1 by the associative law, 0 by Coulomb's, one of LimitTolerances.slight where that
+    has no flow, and 1 where neither has one of α ≥ 0, as in some settled states.
     """
 
     alpha: float
@@ -184,7 +184,7 @@ def _associative(closed: ClosedProgram) -> tuple[Solution, float, float]:
 
 def _coulomb(closed: ClosedProgram) -> tuple[Solution, float, float]:
     """Return the flow of least multiplier that is found by Coulomb's law, the multiplier of the central one, and ψ."""
-    for psi in (0.0, LIMIT.slight):
+    for psi in (0.0, *LIMIT.slight):
         program = with_dilation(closed.program, psi)
         answer = iterated(program, closed.layout)
         if answer is not None and (worst := answer[0].certificate.worst(program.step)) <= USABLE:

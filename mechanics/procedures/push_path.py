@@ -411,7 +411,7 @@ class PushPath:
         if limit is None:
             return True
         most = (1.0 + self.tolerances.flat) * limit.alpha
-        return limit.dilation <= max(self.system.dilation, LIMIT.slight) and self.multiplier[point] <= most
+        return limit.dilation <= max(self.system.dilation, *LIMIT.slight) and self.multiplier[point] <= most
 
     def limit_at(self, point: int) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""

@@ -81,11 +81,19 @@ def test_a_block_that_only_rises_counts_when_said_to_move():
         ([0.0, 0.0], 1.0, "no weight moves"),
         ([0.5, 1.0], 0.0, "control point does not move"),
         ([0.5, 1.0], -1.0, "against the moving weights"),
+        ([1.0, -0.99], 1.0, "50 % of ΣPδ goes against the rest"),
+        ([1.0, -0.12], 1.0, "11 % of ΣPδ goes against the rest"),
     ],
 )
 def test_mechanisms_without_participation_are_refused(dx, control, says):
     with pytest.raises(CapacityError, match=says):
         participation([1.0, 1.0], dx, control)
+
+
+def test_a_little_that_goes_back_is_left_in_the_sums():
+    """δ = 1 and −0.1: e* = 0.9²/(2 · 1.01), Γ* = 1.01/0.9."""
+    found = participation([1.0, 1.0], [1.0, -0.1], 1.0)
+    assert (found.e_star, found.gamma_star) == pytest.approx((0.81 / 2.02, 1.01 / 0.9))
 
 
 def test_rigid_branch_is_cut_where_the_multiplier_vanishes():

@@ -21,7 +21,7 @@ from mechanics import (
     pushover,
     time_history,
 )
-from mechanics.errors import CollapseError, ConvergenceError, NoEquilibriumError, RunawayError
+from mechanics.errors import CollapseError, NoEquilibriumError, RunawayError
 from mechanics.procedures.peaks import stands_until
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
 from mechanics.steps.static_system import static_system
@@ -296,8 +296,9 @@ def test_a_step_ends_where_two_programs_in_a_row_find_the_structure_unstable(mon
         counts.append(0)
         try:
             return find(*arguments)
-        except (NoEquilibriumError, ConvergenceError):
-            given_up.append(counts[-1])
+        except NoEquilibriumError as error:
+            if "stability" in str(error):
+                given_up.append(counts[-1])
             raise
 
     monkeypatch.setattr(module, "_solve_round", counted)
@@ -451,6 +452,20 @@ def test_a_peak_that_only_a_lift_balances_is_none():
     rows = [row for start in starts for row in (full, (0.0, *(start + 0.4922 * k for k in range(4))))]
     model, settled = settled_wall(0.783, 0.2502, 1.479, 1.861, rows, (0.0029949, -0.0040039), 0.0004)
     assert pushover(model, increment=0.002, state=settled).alpha_0 < 1.03 * 0.543
+
+
+@pytest.mark.parametrize("increment", [0.001, 0.003])
+def test_the_least_dilation_that_has_a_flow_decides(increment):
+    """A toothed wall of twelve, settled: contact dynamics of its own stands at 0.473 and falls at 0.477.
+
+    Where a hinge has closed, forces by Coulomb's law miss equilibrium by 5 · 10⁻⁵. With a dilation of 0.001 limit
+    analysis has 0.475, with one of 0.01 in some states 0.588: up to increments of 1 mm a point of that was told.
+    """
+    rows = [(0.0, 0.6, 1.2, 1.8), (0.0, 0.3, 0.9, 1.5)] * 2
+    model, settled = settled_wall(0.7, 0.3, 1.2, 2.2, rows, (0.01, -0.006), 0.001)
+    assert pushover(model, increment=increment, state=settled, until=0.6).alpha_0 == pytest.approx(
+        0.475, abs=2e-3
+    )
 
 
 @pytest.mark.parametrize(
