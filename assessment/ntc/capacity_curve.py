@@ -18,8 +18,7 @@ from mechanics.messages import message
 from mechanics.types import GRAVITY, Array
 
 _LAW = "Circolare 7/2019, C8.7.1.2"
-_PAPER = "Portioli et al., §7.1"
-AGAINST = 0.1  # of ΣP|δ|: the most that may move against the rest
+AGAINST = 0.1  # of ΣP|δ|: the most that may move against the rest; e* tends to zero, Γ* and a* to infinity at a half
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +52,7 @@ def participation(
 
     weights (b,), kN, with the loads of the blocks; dx (b,), control_dx: virtual horizontal displacements in a common
     unit. Of blocks that stay still none counts in ΣP: `moving` (b,) says which move, by default those with |dx| > still
-    · max|dx|. Raises CapacityError where nothing moves, or not the control point, or it against the resultant, or where
-    weights move against each other: e* then tends to zero, Γ* and a* grow without bound.
+    · max|dx|. Raises CapacityError where nothing moves, or not the control point, or it or weights against the rest.
     """
     P, delta = np.asarray(weights, dtype=float), np.asarray(dx, dtype=float)
     require(P.ndim == 1 and P.shape == delta.shape, "dx", delta.shape, f"one value per weight: {P.shape}")
@@ -64,20 +62,16 @@ def participation(
     if largest == 0.0 or not P[takes_part].any():
         raise CapacityError(message("e*, Γ*: no weight moves horizontally in the mechanism"))
     if abs(control_dx) <= still * largest:
-        stays = message(
-            "Γ*: the control point does not move horizontally; choose one on a block of the mechanism"
-        )
-        raise CapacityError(stays)
+        raise CapacityError(message("Γ*: the control point does not move horizontally; choose one on a block of the "
+                                    "mechanism"))  # fmt: skip
     P, ratio = P[takes_part], delta[takes_part] / control_dx
     weight, first, second = float(P.sum()), float(P @ ratio), float(P @ ratio**2)
     if first <= 0.0:
-        against = message("Γ*: the control point moves against the moving weights; choose one that moves with the "
-                          "mechanism")  # fmt: skip
-        raise CapacityError(against)
+        raise CapacityError(message("Γ*: the control point moves against the moving weights; choose one that moves "
+                                    "with the mechanism"))  # fmt: skip
     if (back := float(P @ np.maximum(-ratio, 0.0)) / float(P @ np.abs(ratio))) > AGAINST:
-        apart = message("e*, Γ*: {share:.0f} % of ΣPδ goes against the rest: parts of the mechanism rock against each "
-                        "other, and no single oscillator stands for them", share=100.0 * back)  # fmt: skip
-        raise CapacityError(apart)
+        raise CapacityError(message("e*, Γ*: {share:.0f} % of ΣPδ goes against the rest: parts rock against each "
+                                    "other, no single oscillator stands for them", share=100.0 * back))  # fmt: skip
     return Participation(first**2 / (weight * second), second / first, weight, first, second)
 
 
@@ -187,7 +181,7 @@ class CapacityCurve:
                 step("a_y_star", "alpha_y/(e_star*F_C)", a_y, "g", _LAW, alpha_y=fit.alpha_y, e_star=e,
                      F_C=F_C),
                 step("d_y_star", "d_y*Gamma_star", d_y, "m", _LAW, d_y=fit.d_y, Gamma_star=Gamma),
-                step("T_0", "2*pi*sqrt(d_y_star/(a_y_star*g))", self.T_0 or 0.0, "s", f"{_LAW}; {_PAPER}",
+                step("T_0", "2*pi*sqrt(d_y_star/(a_y_star*g))", self.T_0 or 0.0, "s", f"{_LAW}; Portioli et al., §7.1",
                      d_y_star=d_y, a_y_star=a_y, g=GRAVITY),
             ]  # fmt: skip
         return tuple(lines)
