@@ -109,10 +109,11 @@ def _assessed(
         )  # fmt: skip
         raise CapacityError(missing)
     curve = project, model, direction, curves, demands
-    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation_of(rigid)))
+    first = activation_of(model, rigid.alpha_onset, rigid.onset)
+    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, first))
     other = None
-    if (law := _other_law(rigid)) is not None:
-        with suppress(CapacityError):
+    with suppress(CapacityError):
+        if (law := _other_law(model, rigid)) is not None:
             other = _by_law(*curve, law)
     capacity, checks, method = own.capacity, own.checks, own.method
     said = dict.fromkeys(note for check in checks.values() for note in check.notes)
@@ -163,14 +164,12 @@ class _Law(NamedTuple):
     factor: float = 1.0
 
 
-def _other_law(rigid: RigidPush) -> _Law | None:
+def _other_law(model: Assembly, rigid: RigidPush) -> _Law | None:
     """Return the law that the rigid curve is not of, of which limit analysis alone is known; None where it is alike."""
     other = rigid.other_law
     if other is None or other.mechanism is None:
         return None
-    first = None
-    if other.onset is not None and other.alpha_onset is not None:
-        first = oscillator.Activation(other.alpha_onset, known(other.onset.e_star))
+    first = activation_of(model, other.alpha_onset, other.onset)
     return _Law(other.sliding, other.mechanism, first, other.mechanism.alpha / rigid.mechanism.alpha)
 
 
@@ -216,11 +215,18 @@ def _apart(checks: Mapping[str, parts.Check], others: Mapping[str, parts.Check])
     ]
 
 
-def activation_of(rigid: RigidPush) -> oscillator.Activation | None:
-    """Return what activates the first mechanism, where that of α0 moves only once blocks have met others (C8.7.1.2)."""
-    if rigid.onset is None:
+def activation_of(
+    model: Assembly, alpha: float | None, onset: static.Mechanism | None
+) -> oscillator.Activation | None:
+    """Return what activates the first mechanism, if not that of α0 (C8.7.1.2). Raises CapacityError without an e*."""
+    if onset is None:
         return None
-    return oscillator.Activation(rigid.alpha_onset, known(rigid.onset.e_star))
+    try:
+        e_star = oscillator.mass_share(model, np.array(onset.displacements))
+    except CapacityError as why:
+        raise CapacityError(message("the first mechanism, at α = {alpha:.4g}: {reason}", alpha=known(alpha),
+                                    reason=why.message)) from why  # fmt: skip
+    return oscillator.Activation(known(alpha), e_star)
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:
@@ -249,11 +255,8 @@ def _scalings(
 
 
 def _vertical(
-    model: Assembly,
-    capacity: oscillator.CapacityCurve,
-    linear: parts.Check | None,
-    demands: Mapping[str, Spectrum],
-) -> parts.VerticalCheck | None:
+    model: Assembly, capacity: oscillator.CapacityCurve, linear: parts.Check | None, demands: Mapping[str, Spectrum]
+) -> parts.VerticalCheck | None:  # fmt: skip
     """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
 
     None with loads without mass or joints that crush: strength is then not proportional to the weights.

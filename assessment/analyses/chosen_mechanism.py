@@ -14,7 +14,7 @@ from assessment.analyses import kinematics
 from assessment.analyses.capacity import checks_of, curve_of, method_of
 from assessment.analyses.demand import Demands, confidence_source
 from assessment.analyses.found import as_part
-from assessment.ntc.capacity_curve import capacity_curve
+from assessment.ntc.capacity_curve import capacity_curve, mass_share
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import CONFIDENCE_FACTOR
@@ -121,7 +121,7 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
 def begun(
     model: Assembly, positions: Array, chosen: Chosen
 ) -> tuple[Array, JointMotion, kinematics.VirtualWork]:
-    """Return virtual displacements (b, 3), motion in the joints, virtual work. Raises MechanismError as `evaluate`."""
+    """Return virtual displacements (b, 3), motion in the joints, virtual work. Raises as `evaluate`."""
     delta = kinematics.virtual_displacements(model, positions, chosen)
     motion = joint_motion(model, positions, delta)
     if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does
@@ -142,6 +142,7 @@ def begun(
         driven = message("alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
                          "rotation", alpha=work.alpha_0)  # fmt: skip
         raise MechanismError(driven)
+    mass_share(model, delta)
     return delta, motion, work
 
 
@@ -154,7 +155,7 @@ def evaluate(
 
     `confidence_source`: the paragraph that F_C follows from. `controls`: control point of each direction. If it takes
     no part in the mechanism, the block that moves farthest has the control point. Raises MechanismError if blocks
-    penetrate, if no weight moves horizontally, or if the weights alone drive the motion.
+    penetrate, if no weight moves horizontally, or if the weights alone drive the motion, CapacityError without an e*.
     """
     delta, motion, work = begun(model, positions, chosen)
     direction: parts.Direction = "+x" if work.lateral > 0.0 else "-x"
@@ -281,14 +282,14 @@ def assess_chosen(
                 message('mechanism "{name}": {text}', name=chosen.name, text=note)
                 for note in known(answer.notes)
             ]
-        except MechanismError as refusal:
+        except (MechanismError, CapacityError) as refusal:
             answer = parts.GivenMechanism(name=chosen.name, state=chosen.state, refused=refusal.message)
             warnings.append(_of_mechanism(chosen.name, refusal))
         found.append(answer)
     return found
 
 
-def _of_mechanism(name: str, refusal: MechanismError) -> Message:
+def _of_mechanism(name: str, refusal: SaidError) -> Message:
     return message('mechanism "{name}": refused: {reason}', name=name, reason=refusal.message)
 
 
@@ -298,7 +299,7 @@ def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
         if chosen.state == ORIGINAL:
             try:
                 begun(model.assembly, model.assembly.initial.positions, chosen)
-            except MechanismError as refusal:
+            except (MechanismError, CapacityError) as refusal:
                 yield _of_mechanism(chosen.name, refusal)
 
 

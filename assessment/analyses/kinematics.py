@@ -225,12 +225,8 @@ def finite_motion(
     rotation = 0.0
     while alpha[-1] > 0.0:
         if rotation > MOTION.farthest:
-            last = message(
-                "α is still {alpha:.3g} after a rotation of {turned:.3g} rad",
-                alpha=alpha[-1],
-                turned=rotation,
-            )
-            raise KinematicsError(last)
+            raise KinematicsError(message("α is still {alpha:.3g} after a rotation of {turned:.3g} rad",
+                                          alpha=alpha[-1], turned=rotation))  # fmt: skip
         q = parts.step(q, rate)
         rate = parts.rate(q, rate[:, 2])
         rotation += MOTION.step

@@ -59,19 +59,20 @@ def participation(
     require(bool((P >= 0.0).all()), "weights", P.min(initial=0.0), "zero or positive, in kN")
     largest = np.abs(delta).max(initial=0.0)
     takes_part = np.abs(delta) > still * largest if moving is None else np.asarray(moving, dtype=bool)
-    if largest == 0.0 or not P[takes_part].any():
+    P, delta = P[takes_part], delta[takes_part]
+    ahead, back = (float(P @ np.maximum(way * delta, 0.0)) for way in (1.0, -1.0))
+    if ahead + back == 0.0:
         raise CapacityError(message("e*, Γ*: no weight moves horizontally in the mechanism"))
+    if (share := min(ahead, back) / (ahead + back)) > AGAINST:  # whatever the control point
+        raise CapacityError(message("e*, Γ*: {share:.0f} % of ΣP|δ| goes against the rest: parts rock against each "
+                                    "other, no single oscillator stands for them", share=100.0 * share))  # fmt: skip
     if abs(control_dx) <= still * largest:
         raise CapacityError(message("Γ*: the control point does not move horizontally; choose one on a block of the "
                                     "mechanism"))  # fmt: skip
-    P, ratio = P[takes_part], delta[takes_part] / control_dx
-    weight, first, second = float(P.sum()), float(P @ ratio), float(P @ ratio**2)
+    weight, first, second = float(P.sum()), (ahead - back) / control_dx, float(P @ (delta / control_dx) ** 2)
     if first <= 0.0:
         raise CapacityError(message("Γ*: the control point moves against the moving weights; choose one that moves "
                                     "with the mechanism"))  # fmt: skip
-    if (back := float(P @ np.maximum(-ratio, 0.0)) / float(P @ np.abs(ratio))) > AGAINST:
-        raise CapacityError(message("e*, Γ*: {share:.0f} % of ΣPδ goes against the rest: parts rock against each "
-                                    "other, no single oscillator stands for them", share=100.0 * back))  # fmt: skip
     return Participation(first**2 / (weight * second), second / first, weight, first, second)
 
 
@@ -82,10 +83,9 @@ def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float
 
 
 def mass_share(model: Assembly, mechanism: Array) -> float:
-    """Return e* of virtual displacements (b, 3), which does not depend on a control point."""
-    weights = np.array([block.mass * GRAVITY for block in model.blocks])
-    mean = float(weights[model.movable] @ mechanism[model.movable, 0] / weights[model.movable].sum())
-    return mechanism_participation(model, mechanism, mean).e_star
+    """Return e* of virtual displacements (b, 3), which does not depend on a control point. Raises CapacityError."""
+    pushed = model.lateral_load("+x")[:, 0]
+    return mechanism_participation(model, mechanism, float(pushed @ mechanism[:, 0] / pushed.sum())).e_star
 
 
 @dataclass(frozen=True)

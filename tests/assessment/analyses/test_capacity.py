@@ -28,7 +28,7 @@ from assessment.project.catalogue.geometry import rectangle
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.results.schema import ElasticPush, plain
+from assessment.results.schema import ElasticPush, plain, static
 from assessment.results.table import comparison
 from assessment.workflow.stages import run as analyse
 from tests.support.analysed import analysed, arch
@@ -171,6 +171,32 @@ def test_a_mechanism_on_which_the_horizontal_load_does_no_work_has_no_capacity(c
     )
     assert "+x" not in found and "-x" in found
     assert any("+x: no capacity: virtual work on the mechanism gives α = inf" in text for text in warnings)
+
+
+def rocking(curves):
+    """Its mechanism with every second block turned back."""
+    moved = np.array(curves.rigid.mechanism.displacements)
+    moved[::2] *= -1.0
+    return curves.rigid.mechanism.replace(displacements=moved.tolist(), e_star=None, gamma_star=None)
+
+
+def test_a_first_mechanism_that_rocks_has_no_capacity(capacities):
+    """The linear checks are of it: without its e* there is no a_0*."""
+    found, warnings = capacities(
+        lambda curves: curves.replace(rigid=curves.rigid.replace(onset=rocking(curves), alpha_onset=0.1))
+    )
+    assert "+x" not in found and "-x" in found
+    assert any("+x: no capacity: the first mechanism, at α = 0.1: e*, Γ*: " in text for text in warnings)
+
+
+def test_a_first_mechanism_that_rocks_by_the_other_law_leaves_that_law_out(capacities):
+    def other(curves):
+        law = static.OtherLaw(sliding="associative", alpha_0=0.2, mechanism=curves.rigid.mechanism)
+        law = law.replace(alpha_onset=0.1, onset=rocking(curves))
+        return curves.replace(rigid=curves.rigid.replace(other_law=law))
+
+    found, _ = capacities(other)
+    assert found["+x"].other_law is None
 
 
 def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):

@@ -9,6 +9,7 @@ from assessment.analyses.chosen_mechanism import FollowedPoint, MechanismError, 
 from assessment.analyses.kinematics import Hinge, KinematicsError, _unhindered, finite_motion
 from assessment.cli.main import main
 from assessment.ntc.capacity_curve import mechanism_participation
+from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.masonry import Chosen, RotatingBlocks
@@ -236,6 +237,17 @@ def test_the_control_point_is_that_of_the_pushover_where_it_moves():
 def test_what_cannot_move_is_refused(part, says):
     with pytest.raises(MechanismError, match=says):
         found(column(3), part)
+
+
+def test_piers_that_lean_away_from_each_other_are_no_oscillator():
+    """Of 4.2 and 3.0 m, by the same angle: 3²/(3² + 4.2²) = 34 % of ΣP|δ| goes back; e* was 0.10."""
+    blocks = [
+        Block(rectangle(x, 0.0, x + 0.6, z), 1.0, STONE, support=support)
+        for x, z, support in ((-0.6, 3.0, None), (0.0, 4.2, None))
+    ]
+    model = Assembly([Block(rectangle(-2.0, -0.3, 2.0, 0.0), 1.0, STONE, support="base"), *blocks])
+    with pytest.raises(CapacityError, match=r"34 % of ΣP\|δ\| goes against the rest"):
+        found(model, ((-0.6, 0.0), 1.0, [1]), ((0.6, 0.0), -1.0, [2]))
 
 
 def test_a_hinge_set_back_from_the_edge_is_told():

@@ -81,8 +81,9 @@ def test_a_block_that_only_rises_counts_when_said_to_move():
         ([0.0, 0.0], 1.0, "no weight moves"),
         ([0.5, 1.0], 0.0, "control point does not move"),
         ([0.5, 1.0], -1.0, "against the moving weights"),
-        ([1.0, -0.99], 1.0, "50 % of ΣPδ goes against the rest"),
-        ([1.0, -0.12], 1.0, "11 % of ΣPδ goes against the rest"),
+        ([1.0, -0.99], 1.0, r"50 % of ΣP\|δ\| goes against the rest"),
+        ([1.0, -0.12], 1.0, r"11 % of ΣP\|δ\| goes against the rest"),
+        ([1.0, -0.5], -0.5, r"33 % of ΣP\|δ\| goes against the rest"),  # no other control point would do
     ],
 )
 def test_mechanisms_without_participation_are_refused(dx, control, says):

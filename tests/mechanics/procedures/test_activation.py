@@ -95,13 +95,13 @@ def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     [warning] = [each for each in pushed.warnings if "met others" in each]
     assert "blocks move from α = 0.1429 on; by d = 0.0203 m they have met others" in warning
     assert "da α = 0,1429 in poi" in in_italian(warning)
-    first = activation_of(curve)
+    first = activation_of(model, curve.alpha_onset, curve.onset)
     assert (first.alpha, first.e_star) == pytest.approx((1.0 / 7.0, 1.0), rel=1e-6), "one block, e* = 1"
     assert curve.onset.moving_weight_kN == pytest.approx(18.0 * 0.6 * 4.2)
     assert curve.mechanism.moving_weight_kN > 2.0 * curve.onset.moving_weight_kN
     [alone] = push(Assembly([base, wall]), "original", None, setting, ("+x",), (control,))
     assert not any("meet others" in each for each in alone.warnings)
-    assert activation_of(alone.value.curves.rigid) is None
+    assert alone.value.curves.rigid.onset is None
 
 
 @pytest.mark.parametrize(("state", "direction"), PUSHED)
