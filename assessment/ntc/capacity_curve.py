@@ -84,8 +84,8 @@ def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float
 
 def mass_share(model: Assembly, mechanism: Array) -> float:
     """Return e* of virtual displacements (b, 3), which does not depend on a control point. Raises CapacityError."""
-    pushed = model.lateral_load("+x")[:, 0]
-    return mechanism_participation(model, mechanism, float(pushed @ mechanism[:, 0] / pushed.sum())).e_star
+    along = float(model.lateral_load("+x")[:, 0] @ mechanism[:, 0])
+    return mechanism_participation(model, mechanism, float(np.copysign(abs(mechanism).max(), along))).e_star
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,20 @@
 """Participation, idealised curves and the capacity curve (Circolare 7/2019, C8.7.1.2; paper §7.1)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity_curve import capacity_curve, mechanism_participation, participation
+from assessment.ntc.capacity_curve import capacity_curve, mass_share, mechanism_participation, participation
 from assessment.ntc.curve_fit import (
     CapacityError,
     fit_curve,
     fit_rigid,
     yield_point,
 )
+from mechanics import Material
 from mechanics.types import GRAVITY
 from tests.support.structures import column
 from tests.support.trace_check import recomputed
@@ -67,6 +70,16 @@ def test_a_mechanism_is_of_what_it_moves_noticeably():
     found = mechanism_participation(model, mechanism, 1.0)
     assert (found.e_star, found.gamma_star) == (pytest.approx(1.0), pytest.approx(1.0))
     assert found.weight == pytest.approx(model.weight / 5.0)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_the_share_of_the_mass_does_not_depend_on_what_stays(sense):
+    """One block of two on a support of 10⁹ times their weight: e* = 1, also of what moves towards −x."""
+    model = column(1.0, 2.0, 2)
+    heavy = [replace(b, material=Material(2e10, 0.7)) if b.support else b for b in model.blocks]
+    model, mechanism = replace(model, blocks=heavy), np.zeros((3, 3))
+    mechanism[np.flatnonzero(model.movable)[-1], 0] = sense
+    assert mass_share(model, mechanism) == pytest.approx(1.0)
 
 
 def test_a_block_that_only_rises_counts_when_said_to_move():
