@@ -188,8 +188,7 @@ class PushPath:
         if step.alpha > self.tolerances.wedged * max(self.first.limit, 1.0):
             self._lean()
             return
-        now = self.along(step.state.positions)
-        if jumped and now <= max((then for then, _ in self.crossed), default=-np.inf):
+        if jumped and self._falls_back(step.state.positions):
             raise RunawayError(message("the structure falls back to where it has jumped before"))
         if jumped and self.system.rigid and self._go_on_from(step):
             return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
@@ -211,6 +210,12 @@ class PushPath:
             self.end = message("α = 0")
         else:
             self.end = message("α = 0, and no push moves the structure where it rests again")
+
+    def _falls_back(self, positions: Array) -> bool:
+        """Whether positions (b, 3) are no farther from where blocks have jumped before than where that led."""
+        far, jumps = self.model.farthest, [pair for pair in pairwise(self.points) if pair[1].jumped]
+        begun = [(one.step.state.positions, two.step.state.positions) for one, two in jumps]
+        return any(far(before, positions) <= far(before, behind) for before, behind in begun)
 
     def _step(self, work: float, fastest: float, shortest: bool) -> tuple[Equilibrium, bool]:
         """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""

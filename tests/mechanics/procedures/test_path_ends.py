@@ -497,6 +497,24 @@ def test_a_peak_of_another_flow_goes_with_its_flow_whatever_lies_beyond_the_fall
     assert not path.drop_other_flow(last=1)
 
 
+def test_blocks_fall_back_where_they_come_near_to_where_they_have_jumped_not_the_control_point():
+    """A part that moved by itself took the control point back by 0.03 mm: the curve of a triumphal arch ended there."""
+    model = block_on_base()
+    push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
+    path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
+
+    def moved(way):
+        positions = model.initial.positions.copy()
+        positions[1, 0] += way
+        return positions
+
+    start = path.points[0].step
+    behind = replace(start, state=replace(start.state, positions=moved(0.01)))
+    path.points = [PushPoint(start, 0.0), PushPoint(behind, -0.001, jumped=True)]
+    assert path._falls_back(moved(0.009)) and path._falls_back(moved(-0.01))
+    assert not path._falls_back(moved(0.011))
+
+
 @pytest.mark.parametrize(("rise", "last", "held"), [(0.56, 2, 0.56), (0.54, 1, 0.5)])
 def test_a_load_held_at_a_peak_is_taken_up_by_what_exceeds_it_or_fells_the_structure(rise, last, held):
     """Down to 0.4 and up by as much way, under 0.5: (0.5 − 0.45) + (0.5 − rise) is left, times weight and way."""
