@@ -231,13 +231,8 @@ class PushPath:
         α that rises by more than its slope leads to is that of a joint that closes, or of another branch: where blocks
         rock, that on which they slide. Shorter steps tell them apart: raises ConvergenceError if there are any.
         """
-        part, found = work, step
-        while (
-            found.alpha
-            > self.alpha
-            + self.tolerances.bends * max(self.slope, 0.0) * part
-            + self.tolerances.flat * self.largest
-        ):
+        part, found, rise = work, step, self.tolerances.bends * max(self.slope, 0.0)
+        while found.alpha > self.alpha + rise * part + self.tolerances.flat * self.largest:
             if not shortest:
                 raise ConvergenceError(message("the multiplier rises by more than its slope leads to"))
             part *= 0.5
