@@ -213,9 +213,9 @@ class PushPath:
 
     def _falls_back(self, positions: Array) -> bool:
         """Whether positions (b, 3) are no farther from where blocks have jumped before than where that led."""
-        far, jumps = self.model.farthest, [pair for pair in pairwise(self.points) if pair[1].jumped]
-        begun = [(one.step.state.positions, two.step.state.positions) for one, two in jumps]
-        return any(far(before, positions) <= far(before, behind) for before, behind in begun)
+        far, steps = self.model.farthest, pairwise(self.points)  # a part may move the control point back
+        jumps = [(a.step.state.positions, b.step.state.positions) for a, b in steps if b.jumped]
+        return any(far(before, positions) <= far(before, behind) for before, behind in jumps)
 
     def _step(self, work: float, fastest: float, shortest: bool) -> tuple[Equilibrium, bool]:
         """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
