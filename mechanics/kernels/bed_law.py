@@ -9,15 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.bed import (
-    closures,
-    compliance,
-    points,
-    points_stored,
-    points_under,
-    stiffened,
-    stored,
-)
+from mechanics.kernels.bed import closures, compliance, points, points_stored, points_under, stiffened, stored
 from mechanics.kernels.crushing import crushed, softness, under, worked
 from mechanics.kernels.jit import looped
 from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, STRENGTH

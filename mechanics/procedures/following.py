@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import (
-    ConvergenceError,
-    NoEquilibriumError,
-    RunawayError,
-    array_of,
-    is_number,
-    require,
-)
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, array_of, is_number, require
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.pushdown import Led, whole_movement

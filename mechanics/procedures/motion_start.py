@@ -8,14 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import (
-    ConvergenceError,
-    NoEquilibriumError,
-    UnstableError,
-    array_of,
-    is_number,
-    require,
-)
+from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, array_of, is_number, require
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps

@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import (
-    ConvergenceError,
-    array_of,
-    is_number,
-    require,
-)
+from mechanics.errors import ConvergenceError, array_of, is_number, require
 from mechanics.kernels.dynamics.motion import TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -32,11 +27,7 @@ from mechanics.procedures.motion_start import (
     chosen_integrator,
 )
 from mechanics.progress import tell
-from mechanics.steps.dynamic_system import (
-    DynamicSystem,
-    Motion,
-    Recorded,
-)
+from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
 from mechanics.steps.static_system import Sliding, with_springs
 from mechanics.types import GRAVITY, Array
 

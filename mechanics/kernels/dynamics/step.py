@@ -15,29 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.dynamics.motion import (
-    ELASTIC,
-    ENERGIES,
-    FRICTION_WORK,
-    GAPS,
-    IMPACT,
-    INPUT,
-    LONGER,
-    MIDDLE,
-    N1,
-    SPRING,
-    STANDARD_GRAVITY,
-    STEPPING,
-    SUNK,
-    TURNED,
-    VISCOUS,
-    bed_under,
-    elastic_beds,
-    placed,
-    posed,
-    relative,
-    sunk,
-)
+from mechanics.kernels.dynamics.motion import (  # isort: skip
+    ELASTIC, ENERGIES, FRICTION_WORK, GAPS, IMPACT, INPUT, LONGER, MIDDLE, N1, SPRING, STANDARD_GRAVITY,
+    STEPPING, SUNK, TURNED, VISCOUS, bed_under, elastic_beds, placed, posed, relative, sunk,
+)  # fmt: skip
 from mechanics.kernels.dynamics.program import COLD, solve
 from mechanics.kernels.jit import compiled
 from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V, friction_between

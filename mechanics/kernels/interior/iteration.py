@@ -13,7 +13,7 @@ with σ the strength per length, ψ the share by which sliding lifts (law.DILATI
 solution change as the geometry does. Far from the solution the gaps y make joints softer than their beds, and K − G
 would not be positive: G counts by the share e/(e + τ) of the beds in that, e the mean of N ∂W*/∂N. With ψ = 1 these are
 the conditions of an optimum, with ψ = 0, Coulomb's law, of none: a mixed complementarity problem. All but x and α are
-eliminated joint by joint (joints), which leaves BᵀDB + M̄ − G, three rows a block, unsymmetric where ψ < 1.
+eliminated joint by joint (joint_law), which leaves BᵀDB + M̄ − G, three rows a block, unsymmetric where ψ < 1.
 Predictor and corrector after Mehrotra, one more corrector after Gondzio; the forces that follow from stiff joints are
 refined until equilibrium holds to rounding.
 
@@ -30,11 +30,8 @@ from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.interior.joint_law import CHANGES, CN1, KNOWN, LANES
 from mechanics.kernels.interior.joints import (
-    CHANGES,
-    CN1,
-    KNOWN,
-    LANES,
     TO_THE_BOUND,
     ProgramJoints,
     advance,

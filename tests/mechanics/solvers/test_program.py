@@ -11,15 +11,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.optimize import linprog
 
-from mechanics import (
-    Assembly,
-    Block,
-    ConvergenceError,
-    Material,
-    NoEquilibriumError,
-    limit_analysis,
-    solvers,
-)
+from mechanics import Assembly, Block, ConvergenceError, Material, NoEquilibriumError, limit_analysis, solvers
 from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows

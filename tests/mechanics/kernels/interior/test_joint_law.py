@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels.interior import joints as loops
-from mechanics.kernels.interior.joints import KNOWN, LANES
+from mechanics.kernels.interior import joint_law, joints
+from mechanics.kernels.interior.joint_law import KNOWN, LANES
 from mechanics.kernels.joint import CURVED, H, curvature
 from mechanics.kernels.law import BED, DILATION, FRICTION, LAW, SEGMENTS, SHEAR, STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
@@ -20,7 +20,7 @@ from tests.support.structures import arch_on_piers, running_bond, tied_arch
 
 MODELS = {"wall": running_bond(4, 5), "arch": arch_on_piers(voussoirs=7, courses=3), "tied": tied_arch()}
 COLUMNS = {
-    name: getattr(loops, name)
+    name: getattr(joint_law, name)
     for name in (
         "N1", "N2", "T", "Y1", "Y2", "LP", "LM", "G1", "G2", "BETA", "E1", "E2", "SLIP", "ZP", "ZM", "S11", "S12",
         "S22",
@@ -81,9 +81,9 @@ def test_the_matrix_is_the_sum_of_the_joints_stiffness_and_mass(name, behaviour)
 
 LANE = 3  # of a row of joints, any of them
 ENTRIES = [
-    (loops.DUU, loops.DUP, loops.DUV),
-    (loops.DUP, loops.DPP, loops.DPV),
-    (loops.DVU, loops.DVP, loops.DVV),
+    (joint_law.DUU, joint_law.DUP, joint_law.DUV),
+    (joint_law.DUP, joint_law.DPP, joint_law.DPV),
+    (joint_law.DVU, joint_law.DVP, joint_law.DVV),
 ]
 LAWS = ["rigid", "elastic", "crushing", "points"]
 
@@ -111,9 +111,9 @@ def eliminated(seed: int, kind: str, least: float) -> tuple[Array, Array, Array]
     """What is known of a joint that is eliminated, as (KNOWN / LANES,); its stiffness (3, 3); its law."""
     place, law, forces, gaps, _ = any_joint(seed, kind)
     row = np.zeros(KNOWN)
-    loops.read(place, law, -1, -1, np.zeros(3), forces, gaps, row, LANE)
-    loops.missing(row, LANE, least)
-    loops.stiffness(row, LANE)
+    joint_law.read(place, law, -1, -1, np.zeros(3), forces, gaps, row, LANE)
+    joint_law.missing(row, LANE, least)
+    joint_law.stiffness(row, LANE)
     return row, row[LANE + np.array(ENTRIES)], law
 
 
@@ -128,22 +128,22 @@ def test_a_joint_eliminated_is_its_linear_system_solved(seed, kind, target):
     to_resultants = np.array([[1.0, 1.0, 0.0], [-half, half, 0.0], [0.0, 0.0, 1.0]])
     expected = -to_resultants @ per_motion[:3]
     assert full == pytest.approx(expected, rel=1e-7, abs=1e-7 * abs(expected).max())
-    forces = [loops.FN, loops.FP, loops.FT]
-    loops.aim(row, LANE, target)
+    forces = [joint_law.FN, joint_law.FP, joint_law.FT]
+    joint_law.aim(row, LANE, target)
     at_rest = to_resultants @ rest[:3]
     assert know[forces] == pytest.approx(at_rest, rel=1e-7, abs=1e-7 * abs(at_rest).max())
-    know[[loops.MU, loops.MPHI, loops.MV]] = moved
-    loops.follow(row, LANE)
+    know[[joint_law.MU, joint_law.MPHI, joint_law.MV]] = moved
+    joint_law.follow(row, LANE)
     solved = rest + per_motion @ moved
     resultants = to_resultants @ solved[:3]
     assert know[forces] == pytest.approx(resultants, rel=1e-7, abs=1e-7 * abs(full).max() * 1e-4)
-    between = np.sqrt(know[loops.ZP] * know[loops.ZM] / (know[loops.LP] * know[loops.LM]))
-    loops.agree(row, LANE, target, between)  # one way of sliding is wide, the other narrow
+    between = np.sqrt(know[joint_law.ZP] * know[joint_law.ZM] / (know[joint_law.LP] * know[joint_law.LM]))
+    joint_law.agree(row, LANE, target, between)  # one way of sliding is wide, the other narrow
     assert know[forces] == pytest.approx(resultants, rel=1e-6, abs=1e-6 * abs(full).max() * 1e-4)
     for stiff in (1e-300, 1e12):  # gaps from the products, or from the motions
         know[forces] = resultants
-        loops.change(row, LANE, target, stiff)
-        change = know[loops.CHANGES][::LANES]
+        joint_law.change(row, LANE, target, stiff)
+        change = know[joint_law.CHANGES][::LANES]
         assert change[:3] == pytest.approx(solved[:3], rel=1e-6, abs=1e-9 * abs(solved[:3]).max())
         assert change[3:7] == pytest.approx(solved[3:], rel=1e-6, abs=1e-6 * abs(solved[3:]).max())
 
@@ -163,8 +163,8 @@ def test_a_joint_at_its_strength_ends_the_shortening_of_an_iteration():
     """Rounding may leave nothing between force and strength: however short, no iteration keeps a share of that."""
     row, kappa = np.zeros(KNOWN), 0.25
     for column, value in (("KAPPA", kappa), ("N1", 1.0), ("N2", 1.0), ("CN1", 0.1), ("CN2", 0.1)):
-        row[getattr(loops, column) + LANE] = value
-    assert loops._within(row, LANE, 1.0) == 0.0
-    row[loops.N1 + LANE] = row[loops.N2 + LANE] = 0.5
-    row[loops.G1 + LANE] = row[loops.G2 + LANE] = 0.5 - kappa
-    assert loops._within(row, LANE, 1.0) == 1.0
+        row[getattr(joint_law, column) + LANE] = value
+    assert joints._within(row, LANE, 1.0) == 0.0
+    row[joint_law.N1 + LANE] = row[joint_law.N2 + LANE] = 0.5
+    row[joint_law.G1 + LANE] = row[joint_law.G2 + LANE] = 0.5 - kappa
+    assert joints._within(row, LANE, 1.0) == 1.0
