@@ -150,8 +150,7 @@ def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedP
     """Return the program over the joints closed within a tolerance; raise UnstableError where it cannot stand."""
     closed = closed_program(model, state, tolerance=tolerance)
     # the last equilibrium of a path balances within the accuracy of the path, a share of the whole weight on any block
-    lightest = float(model.mass[model.movable, 0].min()) * GRAVITY
-    allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / lightest
+    allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / closed.program.weight
     for _ in range(LIMIT.repeats):
         acceleration, forces = least_acceleration(closed.program, closed.layout)
         again = None if acceleration <= allowed else closed.hinged(forces[:, 0])
