@@ -195,7 +195,7 @@ def _by_law(
     branch = None
     if elastic is not None:
         d_elastic, alpha_elastic = way.curve(along_push(elastic.curve, direction))
-        branch = d_elastic, law.factor * np.asarray(alpha_elastic)
+        branch = d_elastic, law.factor * np.minimum(alpha_elastic, elastic.alpha_u)
     fit = fit_curve(assessment.model, (d, law.factor * np.asarray(alpha)), branch)
     end = _elastic_end(elastic) if assessment.model != "none" else None
     fit = replace(fit, source=BLOCKS if law.factor == 1.0 else OTHER_LAW, elastic_end=end, way=way)
@@ -236,8 +236,8 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
     """
     if elastic is None:
         return None
-    multiplier = elastic.curve.multiplier
-    if multiplier[-1] <= PAST_PEAK * max(multiplier) and not (elastic.lost or elastic.reached_zero):
+    last = elastic.curve.multiplier[-1]
+    if last <= PAST_PEAK * elastic.alpha_u and not (elastic.lost or elastic.reached_zero):
         return None
     return max(map(abs, elastic.curve.displacement_m))
 
@@ -291,12 +291,12 @@ def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> 
 
 
 def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
-    """Return the rigid curve from its peak on, over growing d*/Γ* (m).
+    """Return the rigid curve from its peak on, over growing d*/Γ* (m), where it exceeds α0 farther on as α0.
 
     If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0. The
     last multiplier of a curve that reaches zero is none.
     """
-    multiplier = np.array(rigid.curve.multiplier)
+    multiplier = np.minimum(rigid.curve.multiplier, rigid.alpha_0)
     if rigid.reached_zero:
         multiplier[-1] = 0.0
     peak = int(np.argmax(multiplier))

@@ -27,7 +27,7 @@ from mechanics.steps import Sliding
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that moves less takes no part
 RESTS_OR_MOVES = 1.1  # ratio of the laws' multipliers up to which motions of rigid joints are not too small
-DIFFERS = 0.01  # relative difference of the other friction law's multiplier from which it is reported
+DIFFERS = 0.01  # relative difference of multipliers, of the other law of friction or behind the peak, that is told
 
 
 def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.RigidPush:
@@ -68,7 +68,7 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
     model = path.model
     yields = None  # where the control point does not advance as the load grows
     with suppress(CapacityError):
-        yields = yield_point((path.displacement, path.multiplier))
+        yields = yield_point((path.displacement, np.minimum(path.multiplier, path.alpha_0)))
     found = as_part(
         static.ElasticPush, path, alpha_u=float(path.multiplier[path.peak]),
         d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
@@ -269,8 +269,15 @@ def add_curve(
         found.warnings += [headed(title, note) for note in _rigid_notes(curve, path)]
     else:
         found.value = Pushed(curves.replace(elastic=elastic_push(path)))
+    beyond = path.multiplier[path.peak :].max()
+    if beyond > (1.0 + DIFFERS) * path.alpha_0:
+        exceeded = message(
+            "under α = {alpha:.4g} held the structure falls: α that exceeds it farther on, up to {beyond:.4g}, counts "
+            "as much", alpha=path.alpha_0, beyond=float(beyond),
+        )  # fmt: skip
+        found.warnings.append(headed(title, exceeded))
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
-    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * max(path.multiplier)):
+    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * path.alpha_0):
         end = message(
             "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
             displacement=float(path.displacement[-1]), multiplier=float(path.multiplier[-1]), reason=path.end,

@@ -427,10 +427,11 @@ class PushPath:
         """Whether an elastic curve ends as it rises, and joints are compressed by hardly more than rounding."""
         return self.model.rounding > START.resolved and self.alpha >= self.largest
 
-    def end_where_it_falls(self) -> None:
-        """End the curve at α = 0, or where α would exceed a multiplier under which, held, the structure falls.
+    def peak_that_counts(self) -> int:
+        """Return the point of α_0: the largest multiplier that, held, does not move the structure to a fall.
 
-        Before, points of other flows are dropped.
+        What exceeds it behind the trough of such a fall is reached by a push that is taken back alone: the curve has
+        it, α_0 does not count it. It ends at α = 0. Before, points of other flows are dropped.
         """
         flat, zero, other = self.tolerances.flat, self.tolerances.zero, True
         while other:
@@ -438,11 +439,11 @@ class PushPath:
             jumps, alpha = np.array([point.jumped for point in self.points[1:]]), self.multiplier
             last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
             other = self.drop_other_flow(last)
-        if last < len(alpha) - 1:
-            self.reached = bool(alpha[last] <= zero * alpha.max())
-            self.lost = not self.reached
+        if last < len(alpha) - 1 and alpha[last] <= zero * alpha.max():
+            self.reached, self.lost = True, False
             self.end = message("the structure falls under α = {alpha:.4g} held", alpha=held)
             self.points = self.points[: last + 1]
+        return peak_of(alpha[: last + 1])
 
 
 def peak_of(multiplier: Array) -> int:

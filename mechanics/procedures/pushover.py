@@ -26,7 +26,7 @@ from mechanics.procedures.limit_analysis import limit_analysis
 from mechanics.procedures.mechanism import farthest_corner
 from mechanics.procedures.model_check import check_path
 from mechanics.procedures.path_start import no_way_from_rest
-from mechanics.procedures.push_path import PUSHOVER, PushInput, PushoverTolerances, PushPath, peak_of
+from mechanics.procedures.push_path import PUSHOVER, PushInput, PushoverTolerances, PushPath
 from mechanics.procedures.step_control import Bisection, follow
 from mechanics.program import Certificate
 from mechanics.steps.static_step import Equilibrium
@@ -52,7 +52,10 @@ class Pushover:
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
     there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
     points solved with a dilation where the latter was not; `dropped` (n, 2): displacements (m) and multipliers of those
-    left out, which limit analysis does not find in their states. Of the `model`, pushed in a `direction`.
+    left out, which limit analysis does not find in their states. Of the `model`, pushed in a `direction`. `peak`: index
+    of the largest multiplier, the first of equal ones, that does not move the structure to a fall if it is held: what
+    exceeds it farther on does not count. In a settled state the onset may be a local motion that closes a hinge of the
+    settlement: the multiplier then rises before it falls.
     """
 
     control: Array
@@ -75,19 +78,11 @@ class Pushover:
     dropped: Array
     model: Assembly
     direction: Direction
-
-    @property
-    def peak(self) -> int:
-        """Index of the largest multiplier, the first of equal ones.
-
-        In a settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then
-        rises before it falls.
-        """
-        return peak_of(self.multiplier)
+    peak: int
 
     @property
     def alpha_0(self) -> float:
-        """The largest multiplier: α_0 of results and report with rigid joints, α_u with elastic ones."""
+        """The multiplier of the peak: α_0 of results and report with rigid joints, α_u with elastic ones."""
         return float(self.multiplier[self.peak])
 
     @property
@@ -208,24 +203,23 @@ def _result(curve: PushPath) -> Pushover:
             "or the increment is too large: {reason}",
             point=str(tuple(curve.push.control.tolist())), direction=curve.push.direction, reason=curve.end,
         ))  # fmt: skip
-    curve.end_where_it_falls()
+    peak = curve.peak_that_counts()
     equilibria = [point.step for point in curve.points]
     steps = equilibria[1:] if curve.system.rigid else equilibria
     check_path(steps)
-    formed, mechanism = _mechanism(curve)
+    formed, mechanism = _mechanism(curve, peak)
     return Pushover(
         curve.push.control, curve.block, curve.displacement, curve.multiplier,
         tuple(step.state for step in equilibria), tuple(steps), tuple(step.certificate for step in equilibria),
         curve.reached, curve.lost, curve.end, np.array(curve.crossed).reshape(-1, 2), mechanism, formed,
         equilibria[formed].forces, equilibria[formed].contacts, curve.system.sliding,
         sum(step.lifting for step in equilibria), np.array(curve.dropped).reshape(-1, 2), curve.model,
-        curve.push.direction,
+        curve.push.direction, peak,
     )  # fmt: skip
 
 
-def _mechanism(curve: PushPath) -> tuple[int, Array]:
-    """Return the point at which the mechanism forms, and its displacements (b, 3)."""
-    peak = peak_of(curve.multiplier)
+def _mechanism(curve: PushPath, peak: int) -> tuple[int, Array]:
+    """Return the point at which the mechanism of a peak forms, and its displacements (b, 3)."""
     for point in range(peak, len(curve.points)):
         mechanism = _mechanism_at(curve, point)
         if _takes_part(curve, point, mechanism):
