@@ -177,7 +177,7 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             paths = [known(each.value).path for each in moves]
             ends = [inf if path.ultimate_movement_m is None else path.ultimate_movement_m for path in paths]
             least = moves[ends.index(min(ends))]
-            pushdown[own.behaviour] = _ranged(known(least.value).path, ("ultimate_movement_m",), paths)
+            pushdown[own.behaviour] = _ranged(known(least.value).path, ("ultimate_movement_m",), paths, len(runs))
             found.warnings.extend(least.warnings)
     pushover, capacity = {}, {}
     by_run = [curves(run) for run in runs]
@@ -192,11 +192,12 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
         if not pushed:
             continue
         value = checked[number].value
-        pushover[direction] = _with_curves(value.curves if value else followed[number], number, followed)
+        chosen = value.curves if value else followed[number]
+        pushover[direction] = _with_curves(chosen, number, followed, len(runs))
         if value is not None:
             others = [each.value.capacity.checks for each in checked if each.value]
             ranged = {
-                check: _ranged(part, CHECKED, [each[check] for each in others if check in each])
+                check: _ranged(part, CHECKED, [each[check] for each in others if check in each], len(runs))
                 for check, part in value.capacity.checks.items()
             }
             capacity[direction] = value.capacity.with_checks(ranged)
@@ -211,25 +212,23 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
 def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]]) -> int:
     """Return the number of the run with the least index ζ_E at SLV and SLC, or ratio where neither was checked.
 
-    Without any, that with the least α0 (of elastic joints alone α_u); where several agree in it, the least d_0 of them.
+    Without any, that with the least α0 (where no run has rigid joints α_u); of several that agree in it, the least d_0.
     """
     ratios = [each.value.capacity.ratios if each.value else {} for each in checked]
     least = [min((indices(each) or each).values(), default=inf) for each in ratios]
     if min(least) < inf:
         return least.index(min(least))
-    alpha, d_0 = [], []
-    for each in runs:
-        told = each.rigid.alpha_0 if each.rigid else each.elastic.alpha_u if each.elastic else inf
-        end = each.rigid.d_0_m if each.rigid else None
-        alpha.append(told)
-        d_0.append(inf if end is None else end)
+    told = [{"alpha": each.rigid.alpha_0, "d_0": each.rigid.d_0_m} if each.rigid else {} for each in runs]
+    if not any(told):
+        told = [{"alpha": each.elastic.alpha_u} if each.elastic else {} for each in runs]
+    alpha, d_0 = ([inf if (value := each.get(key)) is None else value for each in told] for key in ("alpha", "d_0"))
     agreeing = [k for k, each in enumerate(alpha) if each <= min(alpha) * (1.0 + ENSEMBLE.agree)]
     return min(agreeing, key=lambda k: d_0[k])
 
 
-def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> Pushovers:
+def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers], count: int) -> Pushovers:
     """Return the curves of the run of that number, with the ranges of all and the curves of the others."""
-    if len(runs) == 1:
+    if count == 1:
         return chosen
     found: dict[Behaviour, RigidPush | ElasticPush] = {}
     for behaviour, curve in chosen.by_contacts.items():
@@ -237,16 +236,17 @@ def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers]) -> P
             k: each.by_contacts[behaviour] for k, each in enumerate(runs) if behaviour in each.by_contacts
         }
         others = [each.curve for k, each in by_run.items() if k != number]
-        found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, list(by_run.values()))
+        found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, list(by_run.values()), count)
     return chosen.replace(**found)
 
 
-def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part]) -> Ranged:
+def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part], count: int) -> Ranged:
     """Return the part with the range of each of its quantities, in which another choice of increments is expected.
 
-    It is wider than the span of the runs, not below zero, and open above where a run has no value. One run has none.
+    It is wider than the span of the runs, not below zero, and open above where a run has no value. It begins at zero
+    where not all of the `count` runs have the part: nothing is known of what the others bear. One run has no range.
     """
-    if len(runs) == 1:
+    if count == 1:
         return part
     ranges: dict[str, Any] = {}
     for name in names:
@@ -255,7 +255,8 @@ def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part]) -> Ranged:
         if name in part.model_fields_set and known:
             more = ENSEMBLE.wider * (max(known) - min(known))
             above = max(known) + more if len(known) == len(values) else None
-            ranges[f"{name}_range"] = [max(0.0, min(known) - more), above]
+            low = max(0.0, min(known) - more) if len(runs) == count else 0.0
+            ranges[f"{name}_range"] = [low, above]
     return part.replace(**ranges)
 
 

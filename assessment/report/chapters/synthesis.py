@@ -19,6 +19,7 @@ from assessment.results.summary import (
     least_row,
     rows_of,
     settled,
+    undetermined,
     worst_settled,
 )
 from assessment.results.table import ORIGINAL
@@ -54,6 +55,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
+    open_ways = [direction_name(way) for way in undetermined(results).get(name, ())]
+    where += [words.plain("synthesis.open_ways", directions=", ".join(open_ways))] if check and open_ways else []
     symbol, shown = indexed(label(quantity, words)), written(quantity, value, words)
     place = {"symbol": symbol, "value": shown, "where": ", ".join(filter(None, where)), "outcome": outcome}
     if name == ORIGINAL:

@@ -23,7 +23,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema import StateResults
 from assessment.results.schema.checks import Capacity
-from assessment.results.schema.static import PushdownPath, Pushovers, RigidPush, Run
+from assessment.results.schema.static import ElasticPush, PushdownPath, Pushovers, RigidPush, Run
 from assessment.runtime.tasks import Workers
 from mechanics import Assembly, Block, Material, pushover
 from mechanics.messages import message
@@ -188,7 +188,7 @@ def test_without_checks_the_least_alpha_governs_and_of_those_that_agree_in_it_th
 
 def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
     """The least of each quantity by itself would be figures of different runs in one table."""
-    runs = runs_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6), ultimate=(0.3, 0.2))
+    runs = runs_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6), ultimate=(0.3, 0.2, 0.25))
     found = governing(runs, checked(SLC=1.0, SLV=0.8, SLD=0.5))
     pushed, capacity = found.pushover["+x"], found.capacity["+x"]
     assert (pushed.run.member, pushed.rigid.alpha_0, pushed.rigid.d_0_m) == (2, 0.12, 0.4)
@@ -224,6 +224,16 @@ def test_a_run_without_capacity_does_not_govern():
 
     runs = runs_of(curve(0.1, 0.5), curve(0.1, 0.4), curve(0.1, 0.6))
     found = governing(runs, assess)
-    assert found.pushover["+x"].run.member == 1 and found.capacity["+x"].SLV.a_g_g_range == pytest.approx(
-        widened(0.5, 0.6)
-    )
+    assert found.pushover["+x"].run.member == 1
+    low, high = found.capacity["+x"].SLV.a_g_g_range
+    assert (low, high) == (0.0, pytest.approx(widened(0.5, 0.6)[1])), "another choice may find no capacity"
+
+
+def test_a_run_without_a_rigid_curve_does_not_govern_by_its_elastic_one():
+    """A settled arch of which one member found no rigid curve was told none at all: α_u was compared with α_0."""
+    elastic = made(ElasticPush, {"alpha_u": 0.05})
+    runs = runs_of(curve(0.1, 0.5).replace(elastic=elastic), Pushovers(control="C", elastic=elastic))
+    pushed = governing(runs).pushover["+x"]
+    assert pushed.run.member == 1 and pushed.rigid.alpha_0_range == [0.0, 0.1]
+    alone = governing(runs_of(*(Pushovers(control="C", elastic=elastic) for _ in runs))).pushover["+x"]
+    assert alone.rigid is None and alone.elastic.alpha_u == 0.05

@@ -13,7 +13,7 @@ from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.results.schema import SummaryCheck
 from assessment.results.schema.static import Strengthening
-from assessment.results.summary import index_limit, worst_settled
+from assessment.results.summary import index_limit, undetermined, worst_settled
 from tests.support.analysed import analysed
 from tests.support.judgement.random_results import random_results
 from tests.support.results_example import SETTLED, results_example
@@ -61,13 +61,15 @@ def sentence_agrees(results):
     limit, state = index_limit(results), worst_settled(results) or "original"
     said = Markup(lead(results, WORDS)[0]).striptags()
     found = re.search(
-        r"ζE = (\S+) \((pushover|linear check), (\w+), ([+−]x)\)"
+        r"ζE = (\S+) \((pushover|linear check), (\w+), ([+−]x)(?:, index in ([+−]x) not determined)?\)"
         r"(?:; before the settlement (\S+): .*? of (\S+)\s%)?", said,
     )  # fmt: skip
     if found is None or limit is None:
         assert "ζE = " not in said
         return
-    value, kind, where, direction, before, share = found.groups()
+    value, kind, where, direction, open_way, before, share = found.groups()
+    lacking = [direction_name(each) for each in undetermined(results).get(state, ())]
+    assert lacking == ([open_way] if open_way else [])
     own = {way: borne(results, state, way, limit) for way in ("+x", "-x")}
     known = {way: ratio for way, ratio in own.items() if ratio is not None}
     way = direction.replace("−", "-")
