@@ -177,7 +177,9 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             paths = [known(each.value).path for each in moves]
             ends = [inf if path.ultimate_movement_m is None else path.ultimate_movement_m for path in paths]
             least = moves[ends.index(min(ends))]
-            pushdown[own.behaviour] = _ranged(known(least.value).path, ("ultimate_movement_m",), paths, len(runs))
+            pushdown[own.behaviour] = _ranged(
+                known(least.value).path, ("ultimate_movement_m",), paths, len(runs)
+            )
             found.warnings.extend(least.warnings)
     pushover, capacity = {}, {}
     by_run = [curves(run) for run in runs]
@@ -218,10 +220,10 @@ def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]
     least = [min((indices(each) or each).values(), default=inf) for each in ratios]
     if min(least) < inf:
         return least.index(min(least))
-    told = [{"alpha": each.rigid.alpha_0, "d_0": each.rigid.d_0_m} if each.rigid else {} for each in runs]
-    if not any(told):
-        told = [{"alpha": each.elastic.alpha_u} if each.elastic else {} for each in runs]
-    alpha, d_0 = ([inf if (value := each.get(key)) is None else value for each in told] for key in ("alpha", "d_0"))
+    told = [(each.rigid.alpha_0, each.rigid.d_0_m) if each.rigid else (None, None) for each in runs]
+    if not any(each.rigid for each in runs):
+        told = [(each.elastic.alpha_u if each.elastic else None, None) for each in runs]
+    alpha, d_0 = ([inf if each is None else each for each in values] for values in zip(*told, strict=True))
     agreeing = [k for k, each in enumerate(alpha) if each <= min(alpha) * (1.0 + ENSEMBLE.agree)]
     return min(agreeing, key=lambda k: d_0[k])
 

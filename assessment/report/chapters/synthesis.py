@@ -56,7 +56,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
     open_ways = [direction_name(way) for way in undetermined(results).get(name, ())]
-    where += [words.plain("synthesis.open_ways", directions=", ".join(open_ways))] if check and open_ways else []
+    if check and open_ways:
+        where.append(words.plain("synthesis.open_ways", directions=", ".join(open_ways)))
     symbol, shown = indexed(label(quantity, words)), written(quantity, value, words)
     place = {"symbol": symbol, "value": shown, "where": ", ".join(filter(None, where)), "outcome": outcome}
     if name == ORIGINAL:

@@ -171,7 +171,7 @@ class SecondSolver(Part):
 class RigidPush(Push):
     """`pushover.+x.rigid`: the capacity curve with rigid joints."""
 
-    alpha_0: float = key("largest multiplier of the curve that, held, does not fell the structure, α_0", "α_0")
+    alpha_0: float = key("largest multiplier that, held, does not fell the structure, α_0", "α_0")
     alpha_0_range: list[float | None] | None = optional("least and largest of an ensemble")
     alpha_onset: float = key(
         "its first multiplier, of limit analysis in the state's own configuration; above it blocks meet "
