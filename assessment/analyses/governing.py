@@ -220,10 +220,11 @@ def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]
     least = [min((indices(each) or each).values(), default=inf) for each in ratios]
     if min(least) < inf:
         return least.index(min(least))
-    told = [(each.rigid.alpha_0, each.rigid.d_0_m) if each.rigid else (None, None) for each in runs]
-    if not any(each.rigid for each in runs):
-        told = [(each.elastic.alpha_u if each.elastic else None, None) for each in runs]
-    alpha, d_0 = ([inf if each is None else each for each in values] for values in zip(*told, strict=True))
+    rigid = [each.rigid for each in runs]
+    alpha = [each.alpha_0 if each else inf for each in rigid]
+    if not any(rigid):
+        alpha = [each.elastic.alpha_u if each.elastic else inf for each in runs]
+    d_0 = [inf if each is None or each.d_0_m is None else each.d_0_m for each in rigid]
     agreeing = [k for k, each in enumerate(alpha) if each <= min(alpha) * (1.0 + ENSEMBLE.agree)]
     return min(agreeing, key=lambda k: d_0[k])
 
