@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from assessment.analyses.capacity import Assessed, other_mechanism, refused, towards
+from assessment.analyses.capacity import Assessed, refused, towards
 from assessment.analyses.found import Found, in_increments
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
 from assessment.results.schema import StateResults
@@ -268,19 +268,11 @@ def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message
     reasons: dict[str, list[Message]] = {}
     for reason in (reason for each in checked for reason in each.failures):
         reasons.setdefault(reason.template, []).append(reason)
-    for template, same in reasons.items():
-        reason = same[0]
-        if len(same) > 1 and template == other_mechanism(0.0, 0.0).template:
-            work, alpha = ([float(str(each.fields[name])) for each in same] for name in ("work", "alpha"))
-            reason = message(
-                "virtual work on the mechanism gives α = {least:.3g} to {most:.3g}, the curve {lowest:.3g} to "
-                "{highest:.3g}: blocks slide or move by themselves there, and e*, Γ* are not those of a mechanism",
-                least=min(work), most=max(work), lowest=min(alpha), highest=max(alpha),
-            )  # fmt: skip
+    for same in reasons.values():
         of_many = message(
-            "no capacity in {count} of {runs} runs: {reason}", count=len(same), runs=runs, reason=reason
+            "no capacity in {count} of {runs} runs: {reason}", count=len(same), runs=runs, reason=same[0]
         )
-        yield refused(reason) if runs == 1 else of_many
+        yield refused(same[0]) if runs == 1 else of_many
 
 
 def _told_of(runs: Sequence[Run]) -> Iterator[Message]:
