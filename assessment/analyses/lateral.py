@@ -293,10 +293,8 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
             "blocks move from α = {onset:.4g} on; by d = {displacement:.3g} m they have met others or slide in another "
             "way, and α0 = {multiplier:.4g} is that of what moves then; the former activates the first mechanism: "
             "linear checks are of it",
-            onset=curve.alpha_onset,
-            displacement=float(path.displacement[path.peak]),
-            multiplier=curve.alpha_0,
-        )
+            onset=curve.alpha_onset, displacement=float(path.displacement[path.peak]), multiplier=curve.alpha_0,
+        )  # fmt: skip
     if len(path.dropped):
         yield message(
             "points left out of the curve: {count}, up to α = {multiplier:.4g}; in their states limit analysis finds "
@@ -315,9 +313,8 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
         yield message(
             "the control point takes no part in the mechanism at α0: displacements, e*, Γ*, forces and hand "
             "check are those of d = {displacement:.4g} m, α = {multiplier:.4g}",
-            displacement=float(path.displacement[path.formed]),
-            multiplier=float(path.multiplier[path.formed]),
-        )
+            displacement=float(path.displacement[path.formed]), multiplier=float(path.multiplier[path.formed]),
+        )  # fmt: skip
 
 
 def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
