@@ -28,8 +28,7 @@ def model_summary(results: Results) -> str:
     stands = "yes" if model.self_weight_stable else "NO"
     return (
         f"{results.title}\n"
-        f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, "
-        f"unknowns {model.unknowns}{ties}\n"
+        f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, unknowns {model.unknowns}{ties}\n"
         f"  weight {model.weight_kN:.4g} kN; stands under its own weight: {stands}"
     )
 
@@ -38,8 +37,7 @@ def _identified(results: Results) -> Iterator[str]:
     """Yield the movement that explains what was measured best, as the project file has it too."""
     identified = results.identification
     if identified and (best := best_of(identified)):
-        moved = "; ".join(map(movement_text, best.movement))
-        freedom = best.degrees_of_freedom
+        moved, freedom = "; ".join(map(movement_text, best.movement)), best.degrees_of_freedom
         yield f"best movement: {moved} (χ² {best.chi_squared:.3g}, {freedom} degrees of freedom)"
         if identified.settlements and not fits(best):
             yield "  # does not fit the measurements: not to be used"

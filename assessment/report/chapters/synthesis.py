@@ -19,7 +19,6 @@ from assessment.results.summary import (
     least_row,
     rows_of,
     settled,
-    undetermined,
     worst_settled,
 )
 from assessment.results.table import ORIGINAL
@@ -55,9 +54,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
-    open_ways = [direction_name(way) for way in undetermined(results).get(name, ())]
-    if check and open_ways:
-        where.append(words.plain("synthesis.open_ways", directions=", ".join(open_ways)))
+    ways = [direction_name(at.direction or "") for at in rows_of(results, name) if not index_of(at, limit)]
+    where += [words.plain("synthesis.open_ways", directions=", ".join(ways))] if check and ways else []
     symbol, shown = indexed(label(quantity, words)), written(quantity, value, words)
     place = {"symbol": symbol, "value": shown, "where": ", ".join(filter(None, where)), "outcome": outcome}
     if name == ORIGINAL:
@@ -129,9 +127,9 @@ def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
     if row is not None and (dynamic := row.dynamic_pga_g) is not None:
         static = row.static_nominal_pga_g
         yield words(f"synthesis.dynamic{'' if static is None else '_static'}", dynamic=dynamic, static=static)
-    whole = [each for each in (results.campaign.loss if results.campaign else []) if each.share == 1.0]
     found = [results.states[name].incremental.loss] if name in results.states else []
-    found += [each for each in whole if each.settlement == name]
+    moved = results.campaign.loss if results.campaign else []
+    found += [each for each in moved if (each.settlement, each.share) == (name, 1.0)]
     loss = next(filter(None, found), None)
     if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
         low, high = loss.dynamic_range
