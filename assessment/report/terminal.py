@@ -28,8 +28,8 @@ def model_summary(results: Results) -> str:
     stands = "yes" if model.self_weight_stable else "NO"
     return (
         f"{results.title}\n"
-        f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, unknowns {model.unknowns}{ties}\n"
-        f"  weight {model.weight_kN:.4g} kN; stands under its own weight: {stands}"
+        f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, unknowns {model.unknowns}"
+        f"{ties}\n  weight {model.weight_kN:.4g} kN; stands under its own weight: {stands}"
     )
 
 
