@@ -218,11 +218,8 @@ def _pull(p: Array, n: float, out: Array) -> None:
     at_b = at_a + p[LX] * tz - p[LZ] * tx - 1.0 / p[TIED]  # q × t
     out[0], out[1] = -stiff * at_a * tx, -stiff * at_a * tz
     out[2], out[3] = stiff * at_b * tx, stiff * at_b * tz
-    out[4], out[5], out[6] = (
-        n * at_a - stiff * at_a * at_a,
-        stiff * at_a * at_b,
-        -n * at_b - stiff * at_b * at_b,
-    )
+    out[4], out[6] = n * at_a - stiff * at_a * at_a, -n * at_b - stiff * at_b * at_b
+    out[5] = stiff * at_a * at_b
     out[7], out[8], out[9] = -stiff * tx * tx, -stiff * tx * tz, -stiff * tz * tz
     out[SHIFTS:] = 0.0
 

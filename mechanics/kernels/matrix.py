@@ -30,11 +30,8 @@ def moved_by(
 ) -> tuple[float, float, float]:
     """A₀ᵀΔx of a joint at a place p (PLACE,): changes of u, φ and v as block a moves by x, z and ω, and b likewise."""
     dx, dz, turn = ax - (bx - p[LZ] * tb), az - (bz + p[LX] * tb), ta - tb
-    return (
-        p[NX] * dx + p[NZ] * dz + p[MU] * turn,
-        p[MPHI] * turn,
-        p[NZ] * dx - p[NX] * dz + p[MV] * turn,
-    )
+    u, v = p[NX] * dx + p[NZ] * dz + p[MU] * turn, p[NZ] * dx - p[NX] * dz + p[MV] * turn
+    return u, p[MPHI] * turn, v
 
 
 @looped

@@ -51,7 +51,6 @@ def march(
     (the motion is as before it), 3: rigid joints rested before the last step and do after it (REST); how often it was
     halved.
     """
-    # many arguments and lines: arrays one by one, in one loop over steps, see mechanics.kernels
     weight, size, accepted = sizes
     levels, share, most, unsure, of_moment = halving
     n, c, steps = blocks.shape[1], len(a), len(base) - 1

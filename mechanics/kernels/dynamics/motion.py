@@ -147,10 +147,8 @@ def _begins(
     low, high = p[U] - p[H] * p[PHI], p[U] + p[H] * p[PHI]
     first, second = 1.0, 1.0  # factors of the gaps of the ends
     left = joint[REMAINS:]
-    bare_low, bare_high = (
-        low + max(left[0], left[2], left[4], 0.0),
-        high + max(left[1], left[3], left[5], 0.0),
-    )
+    bare_low = low + max(left[0], left[2], left[4], 0.0)
+    bare_high = high + max(left[1], left[3], left[5], 0.0)
     narrow, wide = min(bare_low, bare_high), max(bare_low, bare_high)
     if narrow < 0.0:
         first, second = closed, closed
@@ -196,7 +194,6 @@ def posed(
 
     `law` (j, LAW) becomes that of the step.
     """
-    # many arguments: arrays one by one, see mechanics.kernels
     elastic, count = elastic_beds(basic), 0
     stretch = theta + beta / h if elastic else 1.0
     active = np.empty(len(a), np.intp)

@@ -35,10 +35,8 @@ BEYOND = 1e-9  # of the weight: a force beyond the bound of friction that is not
 PRESSES = 1e-8  # of the weight: a force of faces that do more than touch
 NEWTON = 30  # iterations for the force of a joint that slides on a spring
 MOST = 12  # iterations
-FEW, MANY = (
-    3,
-    0.1,
-)  # joints, and share of all, that may change after the first iteration; more do not settle soon
+# joints, and share of all, that may change after the first iteration; more do not settle soon
+FEW, MANY = 3, 0.1
 
 # columns of what an iteration knows of a joint (j, KNOWN): N, P, T; the slip λ, with its sign where the joint slides;
 # −1, 0 or 1: how it slides; D's entries; what a joint that sticks misses, and its compliance
@@ -187,7 +185,6 @@ def newton(
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight. Returns the number of
     iterations, the unbalanced force per weight, infinite where it has not converged, and the gaps missed, per step.
     """
-    # many arguments: arrays one by one, see mechanics.kernels
     pattern = unpacked(packed)
     weight, size, step, accepted = scale
     joints, known = StepJoints(row, places, law, which), np.empty((len(row), KNOWN))

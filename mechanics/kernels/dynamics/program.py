@@ -191,7 +191,6 @@ def solve(
     blocks that move are solved as far as STALLED, or with lift. Returns whether it is solved, the number of
     iterations, the residuals of forces and products, and the greatest lift, per span.
     """
-    # many arguments: arrays one by one, see mechanics.kernels
     weight, size, span, accepted, closed = scale
     done, central, gap = 0, True, 0.0
     if elastic and begins == NEAR:

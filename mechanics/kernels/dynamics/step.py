@@ -50,7 +50,6 @@ def attempt(
     Joints that stay open bear nothing: those too far apart to close in the step are left out of its program, and it is
     solved again with those that its motion has closed all the same.
     """
-    # many arguments and lines: arrays one by one, shared by the stages of a step, see mechanics.kernels
     weight, size, span, accepted, errors = scale
     c, n, m = len(a), blocks.shape[1], 0
     x, v, past = blocks[0], blocks[1], blocks[2]
@@ -203,7 +202,6 @@ def _worked(
     `spent` (ENERGIES,) gets the energies of friction, dashpots, springs in shear and slow impacts, `resultants` (j, 3)
     and `joints` (j, JOINT) the forces.
     """
-    # many arguments: arrays one by one, see mechanics.kernels
     elastic = elastic_beds(basic)
     stretch = theta + beta / h if elastic else 1.0
     contact, turned = 0.0, 0.0

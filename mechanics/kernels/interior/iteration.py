@@ -26,29 +26,16 @@ that touches has no slip at all.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from mechanics.kernels.interior.joint_law import CHANGES, CN1, KNOWN, LANES
-from mechanics.kernels.interior.joints import (
-    TO_THE_BOUND,
-    ProgramJoints,
-    advance,
-    aim_all,
-    assemble,
-    change_all,
-    clear_corrections,
-    correct_stray,
-    curve_all,
-    dot,
-    evaluate,
-    follow_all,
-    predicted,
-    push_all,
-    unbalanced,
-    within_strength,
-)
+
+from mechanics.kernels.interior.joints import (  # isort: skip
+    TO_THE_BOUND, ProgramJoints, advance, aim_all, assemble, change_all, clear_corrections, correct_stray, curve_all,
+    dot, evaluate, follow_all, predicted, push_all, unbalanced, within_strength,
+)  # fmt: skip
 from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP, STRENGTH
@@ -67,9 +54,7 @@ ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 FARTHER = 1.5  # times as far as a step leads, products are looked at
-IDLE_CRUSHED = (
-    20  # iterations without progress where joints can be crushed: forces go from bound to bound first
-)
+IDLE_CRUSHED = 20  # iterations without progress where joints crush: forces go from bound to bound first
 TOUCHES = 1e-6  # of the step: a gap that is none, where friction is infinite
 PRESSES = 0.01  # of what a bed closes: a gap of faces that press there
 NEAR, GROWS = 0.5, 10.0  # share of its bound at which T raises it, and by how much
@@ -106,32 +91,115 @@ def _raise_bounds(places: Array, law: Array, given: Array, f: Array, y: Array, u
         y[j, 3] *= (mu * n - t) / (GROWS * mu * n - t)
 
 
-@looped
-def _factorised(
-    joints: Any, known: Array, held: Array, two: bool, most_negative: int, lower: Array, upper: Array, pattern: Any
-) -> bool:  # fmt: skip
-    """Whether the matrix has a factor, then in its place: Cholesky's, or that of `two` triangles.
+class Newton(NamedTuple):
+    """The linear system of an iteration: joints, what is known of them, its factor; its weight per step `stiff`.
 
-    `most_negative`: of its pivots that may be.
+    `lateral` (m,), or empty; the displacements `pushed` (m,) under it, and its work on them; `mass` (m,), or empty.
     """
-    assemble(joints, known, held, lower, upper, two, pattern)
-    if not two:
-        return bool(cholesky(lower, pattern))
-    negative = lu(lower, upper, pattern)
-    return bool(0 <= negative <= most_negative)
+
+    joints: Any
+    known: Array
+    lateral: Array
+    pushed: Array
+    work: float
+    mass: Array
+    size: float
+    stiff: float
+    lower: Array
+    upper: Array
+    pattern: Any
+
+
+@compiled
+def _residuals(
+    joints: Any, x: Array, alpha: float, f: Array, y: Array, load: Array, lateral: Array, mass: Array, curved: Array,
+    least: float, known: Array, residual: Array,
+) -> tuple[float, float]:  # fmt: skip
+    """Forces that are not balanced, into `residual` (m,), and what is known of joints; gaps missed, mean product.
+
+    Of `curved` (j, CURVED) the joints get the share of the beds in what yields.
+    """
+    residual[:] = load
+    if len(lateral):
+        residual += alpha * lateral
+    if len(mass):
+        residual -= mass * x
+    gap_off, mean, yielded = evaluate(joints, x, f, y, least, known, residual)
+    if len(curved):
+        joints.curved[:] = yielded / (yielded + mean) * curved
+        curve_all(joints, x, residual)
+    return gap_off, mean
+
+
+@compiled
+def _factorised(
+    joints: Any, known: Array, mass: Array, pushed: bool, skew: bool, size: float, stiff: float, holding: float,
+    two: bool, held: Array, stored: Array, pattern: Any,
+) -> tuple[float, bool]:  # fmt: skip
+    """The factor of the matrix, into `stored`; firmer where rounding outweighs the stiffness that holds blocks.
+
+    Returns the stiffness `holding` that it took, negative if there is no factor, and whether it is of `two` triangles:
+    of a `skew` matrix, and beyond the peak of a curve, where the work that is given holds one motion.
+    """
+    half = len(stored) // 2
+    while True:
+        held[:] = holding * stiff
+        held[2::3] *= size**2
+        if len(mass):
+            held += mass
+        lower, upper = stored[:half], stored[half:] if two else stored[:half]
+        assemble(joints, known, held, lower, upper, two, pattern)
+        if two:
+            negative = lu(lower, upper, pattern)
+            found = 0 <= negative <= (len(held) if skew else 1)
+        else:
+            found = bool(cholesky(lower, pattern))
+        if found:
+            return holding, two
+        if not two and pushed and len(joints.curved):
+            two = True
+        elif holding >= FIRM:
+            return -1.0, two
+        else:
+            holding *= FIRMER
+
+
+@compiled
+def _changes(
+    newton: Newton, residual: Array, work_residual: float, target: float, enough: float, tied: bool, dx: Array,
+    fine: Array,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Changes dx (m,), Δα and those of joints that cancel the residuals; products become `target` less corrections.
+
+    Refined until `enough` is balanced, unless that is infinite. Returns by what share of themselves forces and gaps
+    fall at most, `tied` to each other or not, and Δα.
+    """
+    joints, known, lateral = newton.joints, newton.known, newton.lateral
+    dalpha, refined = 0.0, enough < np.inf
+    dx[:] = residual
+    aim_all(joints, known, target, dx)
+    substitute(newton.lower, newton.upper, newton.pattern, dx)
+    if len(lateral):
+        dalpha = (work_residual - dot(lateral, dx)) / newton.work
+        dx += dalpha * newton.pushed
+    follow_all(joints, known, dx, target, newton.stiff, refined)
+    if refined:
+        dalpha = _refine(newton, residual, target, enough, dalpha, dx, fine)
+    most_f, most_g = change_all(joints, known, target, newton.stiff)
+    if tied:
+        most_f = most_g = max(most_f, most_g)
+    return most_f, most_g, dalpha
 
 
 @looped
 def _refine(
-    joints: Any, known: Array, load: Array, lateral: Array, mass: Array, lateral_solution: Array, lateral_work: float,
-    dalpha: float, dx: Array, enough: float, size: float, target: float, stiff: float, fine: Array, lower: Array,
-    upper: Array, pattern: Any,
+    newton: Newton, load: Array, target: float, enough: float, dalpha: float, dx: Array, fine: Array
 ) -> float:  # fmt: skip
     """Refine displacements dx and changes of forces until they balance the residual `load` (m,); the new Δα.
 
     Closed and stuck joints are stiff: forces that follow from motions lose their digits there.
     """
-    # many arguments: arrays one by one, see mechanics.kernels
+    joints, known, lateral, mass = newton.joints, newton.known, newton.lateral, newton.mass
     for _ in range(REFINEMENTS):
         for i in range(len(fine)):
             fine[i] = load[i]
@@ -140,15 +208,15 @@ def _refine(
         for i in range(len(mass)):
             fine[i] -= mass[i] * dx[i]
         push_all(joints, known, dx, fine)
-        if unbalanced(fine, size) <= enough:
+        if unbalanced(fine, newton.size) <= enough:
             break
-        substitute(lower, upper, pattern, fine)
+        substitute(newton.lower, newton.upper, newton.pattern, fine)
         if len(lateral):
-            more = -dot(lateral, fine) / lateral_work
+            more = -dot(lateral, fine) / newton.work
             dalpha += more
             for i in range(len(fine)):
-                fine[i] += more * lateral_solution[i]
-        follow_all(joints, known, fine, target, stiff, True)
+                fine[i] += more * newton.pushed[i]
+        follow_all(joints, known, fine, target, newton.stiff, True)
         for i in range(len(fine)):
             dx[i] += fine[i]
     return dalpha
@@ -168,39 +236,30 @@ def iterate(
     of iterations, negative if no iteration leads on (with curvature: if equilibrium is not stable), α, and the
     residuals of forces, gaps and products, scaled likewise.
     """
-    # many arguments and lines: arrays one by one, and a loop whose stages share a dozen arrays, see mechanics.kernels
     pattern = unpacked(packed)
     weight, size, step, accepted, closed = scale
-    count, c, unit = len(x), len(row), step / weight
-    given, law = law, law.copy()
-    bounded = _bound_shear(places, law, f, step)
-    bent = np.zeros_like(curved)
-    joints = ProgramJoints(row, places, law, bent, which)
-    known = np.empty(((c + LANES - 1) // LANES, KNOWN))
-    tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
-    pushed, stiff, holding = len(lateral) > 0, 1.0 / unit, HOLDING
-    skew = bool(len(law) > 0 and (law[:, DILATION] < 1.0).any())
-    two, half = skew, len(stored) // 2
-    lower, upper = stored[:half], stored[half:] if two else stored[:half]
-    kept_dx, kept_change = np.empty(count), np.empty((len(known), KNOWN - CN1))
-    residual, dx, lateral_solution = np.empty(count), np.empty(count), np.empty(count)
-    held, fine = np.empty(count), np.empty(count)
-    best, since, iteration = np.inf, 0, 0
     most, idle = limits
     if (law[:, STRENGTH] < np.inf).any():
         idle = IDLE_CRUSHED
+    count, c, unit = len(x), len(row), step / weight
+    given, law = law, law.copy()
+    bounded = _bound_shear(places, law, f, step)
+    joints = ProgramJoints(row, places, law, np.zeros_like(curved), which)
+    known = np.empty(((c + LANES - 1) // LANES, KNOWN))
+    tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
+    pushed, skew = len(lateral) > 0, bool(len(law) > 0 and (law[:, DILATION] < 1.0).any())
+    stiff, holding, two, half = 1.0 / unit, HOLDING, skew, len(stored) // 2
+    residual, dx, held, fine = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    lateral_solution, lateral_work = np.empty(count), 1.0
+    kept_dx, kept_changes = np.empty(count), np.empty((len(known), KNOWN - CN1))
+    kept_f, kept_g, kept_alpha = 0.0, 0.0, 0.0
+    best, since, iteration = np.inf, 0, 0
     best_x, best_f, best_y = x.copy(), f.copy(), y.copy()
     best_alpha, best_off = alpha, (np.inf, np.inf, np.inf)
     while True:
-        residual[:] = load
-        if pushed:
-            residual += alpha * lateral
-        if len(mass):
-            residual -= mass * x
-        gap_off, mean, yielded = evaluate(joints, x, f, y, unit * STIFFEST, known, residual)
-        if len(curved):
-            bent[:] = yielded / (yielded + mean) * curved
-            curve_all(joints, x, residual)
+        gap_off, mean = _residuals(
+            joints, x, alpha, f, y, load, lateral, mass, curved, unit * STIFFEST, known, residual
+        )
         force_off = unbalanced(residual, size)
         work_residual = work - dot(lateral, x) if pushed else 0.0
         force, gap, product = (
@@ -219,63 +278,43 @@ def iterate(
             x[:], f[:], y[:] = best_x, best_f, best_y
             return iteration, best_alpha, best_off[0], best_off[1], best_off[2]
         iteration += 1
-        while True:  # firmer where rounding outweighs the hold
-            held[:] = holding * stiff
-            held[2::3] *= size**2
-            if len(mass):
-                held += mass
-            if _factorised(joints, known, held, two, count if skew else 1, lower, upper, pattern):
-                break
-            if not two and pushed and len(curved):  # beyond the peak the work that is given holds one motion
-                two, upper = True, stored[half:]
-                continue
-            if holding >= FIRM:
-                return -iteration, alpha, force, gap, product
-            holding *= FIRMER
-        lateral_work = 1.0
+
+        holding, two = _factorised(
+            joints, known, mass, pushed, skew, size, stiff, holding, two, held, stored, pattern
+        )
+        if holding < 0.0:
+            return -iteration, alpha, force, gap, product
+        lower, upper = stored[:half], stored[half:] if two else stored[:half]
         if pushed:
             lateral_solution[:] = lateral
             substitute(lower, upper, pattern, lateral_solution)
             lateral_work = dot(lateral, lateral_solution)
+        newton = Newton(
+            joints, known, lateral, lateral_solution, lateral_work, mass, size, stiff, lower, upper, pattern
+        )
+
         clear_corrections(known)
-        target, dalpha, most_f, most_g = 0.0, 0.0, 0.0, 0.0
-        kept_f, kept_g, kept_alpha = 0.0, 0.0, 0.0
-        for corrects in range(3):
-            dx[:] = residual
-            aim_all(joints, known, target, dx)
-            substitute(lower, upper, pattern, dx)
-            if pushed:
-                dalpha = (work_residual - dot(lateral, dx)) / lateral_work
-                dx += dalpha * lateral_solution
-            follow_all(joints, known, dx, target, stiff, corrects > 0)
-            if corrects:
-                enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
-                dalpha = _refine(
-                    joints, known, residual, lateral, mass, lateral_solution, lateral_work, dalpha, dx, enough, size,
-                    target, stiff, fine, lower, upper, pattern,
-                )  # fmt: skip
-            most_f, most_g = change_all(joints, known, target, stiff)
-            if tied:
-                most_f = most_g = max(most_f, most_g)
-            if corrects == 2:
-                if max(most_f, most_g) > max(kept_f, kept_g):  # the earlier step leads farther
-                    most_f, most_g, dalpha = kept_f, kept_g, kept_alpha
-                    dx[:], known[:, CHANGES] = kept_dx, kept_change
-                break
+        target, enough = 0.0, np.inf
+        for correction in range(3):  # predictor, corrector, and one more of products that stray farther on
+            most_f, most_g, dalpha = _changes(newton, residual, work_residual, target, enough, tied, dx, fine)
             reach_f, reach_g = 1.0 / max(most_f, 1.0), 1.0 / max(most_g, 1.0)
-            if corrects == 1:
-                if max(most_f, most_g) <= 1.0:
-                    break
-                kept_f, kept_g, kept_alpha = most_f, most_g, dalpha
-                kept_dx[:], kept_change[:] = dx, known[:, CHANGES]
-                to_f, to_g = min(1.0, FARTHER * reach_f + 0.1), min(1.0, FARTHER * reach_g + 0.1)
-                correct_stray(joints, known, to_f, to_g, target)
-            else:
+            if correction == 0:
                 ahead = predicted(joints, known, reach_f, reach_g)
                 centre = (ahead / (4.0 * c * mean)) ** 3 if mean > 0.0 else 0.0
                 if off > product:
                     centre = max(centre, CENTRED if product > BEHIND * off else 1.0)
                 target = centre * mean
+                enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
+            elif correction == 1:
+                if max(most_f, most_g) <= 1.0:
+                    break
+                kept_f, kept_g, kept_alpha = most_f, most_g, dalpha
+                kept_dx[:], kept_changes[:] = dx, known[:, CHANGES]
+                to_f, to_g = min(1.0, FARTHER * reach_f + 0.1), min(1.0, FARTHER * reach_g + 0.1)
+                correct_stray(joints, known, to_f, to_g, target)
+            elif max(most_f, most_g) > max(kept_f, kept_g):  # the earlier changes lead farther
+                most_f, most_g, dalpha = kept_f, kept_g, kept_alpha
+                dx[:], known[:, CHANGES] = kept_dx, kept_changes
         reach_f = 1.0 if most_f < TO_THE_BOUND else TO_THE_BOUND / most_f
         reach_g = 1.0 if most_g < TO_THE_BOUND else TO_THE_BOUND / most_g
         reach_f = within_strength(joints, known, reach_f)

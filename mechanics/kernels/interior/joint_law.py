@@ -41,14 +41,11 @@ CHANGES = slice(CN1, KNOWN)  # all unknowns' changes
 
 
 @looped
-def read(
-    p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, s: Array, k: int
-) -> None:  # fmt: skip
+def read(p: Array, law: Array, i: int, j: int, x: Array, f: Array, y: Array, s: Array, k: int) -> None:
     """The iterate of a joint, its law and the residuals of its bed and its slip, into lane k of s.
 
     Gaps y (4,) of the ends change where the bed's own can be told from them.
     """
-    # many arguments: arrays one by one, see mechanics.kernels
     du, dphi, dv = motion(p, i, j, x)
     n1, n2, h, mu = f[0], f[1], p[H], law[FRICTION]
     s[FREE + k] = 1.0

@@ -126,14 +126,8 @@ def assemble(
             pu, vu, vp = (up, s[DVU + k], s[DVP + k]) if two else (up, uv, pv)
             if two and len(joints.curved):
                 c = joints.curved[j]
-                n, m, t, u, phi, v = (
-                    c[SHIFTS],
-                    c[SHIFTS + 1],
-                    c[SHIFTS + 2],
-                    c[SLIDE],
-                    c[SLIDE + 1],
-                    c[SLIDE + 2],
-                )
+                n, m, t = c[SHIFTS], c[SHIFTS + 1], c[SHIFTS + 2]
+                u, phi, v = c[SLIDE], c[SLIDE + 1], c[SLIDE + 2]
                 uu, up, uv = uu - n * u, up - n * phi, uv - n * v
                 pu, pp, pv = pu - m * u - c[LEVERS], pp - m * phi - c[LEVERS + 1], pv - m * v
                 vu, vp, vv = vu - t * u, vp - t * phi, vv - t * v

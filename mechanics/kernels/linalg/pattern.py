@@ -43,10 +43,8 @@ class Fronts(NamedTuple):
         """Of a factorisation."""
         own, rows = np.diff(self.first), self.height - OVERHANG
         below = rows - own
-        return (
-            float((rows * (rows + 1.0) * (2 * rows + 1.0) - below * (below + 1.0) * (2 * below + 1.0)).sum())
-            / 12.0
-        )
+        total = (rows * (rows + 1.0) * (2 * rows + 1.0) - below * (below + 1.0) * (2 * below + 1.0)).sum()
+        return float(total) / 12.0
 
     def where(self, row: Index, column: Index) -> tuple[Index, Index]:
         """Place of these entries of the lower triangle (n,) by rows of blocks, and the step to the next column."""
