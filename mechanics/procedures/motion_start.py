@@ -1,4 +1,4 @@
-"""What a time history begins with: base, integrator and steps, and the state at rest on its joints (paper, §3)."""
+"""What a time history begins with (paper, §3): base, integrator, steps by the periods of its joints, state at rest."""
 
 from __future__ import annotations
 
@@ -7,18 +7,27 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, array_of, is_number, require
+from mechanics.kernels.bed_law import bed_forces
+from mechanics.kernels.joint import H
+from mechanics.kernels.law import BED, LEFT, SHEAR
+from mechanics.kernels.linalg.factors import cholesky, substitute
+from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.model.contacts import end_gaps
-from mechanics.procedures.elastic_periods import contact_period, first_frequency
+from mechanics.solvers.elimination import Elimination
 from mechanics.steps.dynamic_system import DynamicSystem, Halving, Motion
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size
 from mechanics.steps.rest import come_down, way
 from mechanics.steps.static_system import Sliding, carried, static_system
 from mechanics.steps.tolerances import REST
 from mechanics.types import GRAVITY, Array
+
+RIGID_SHEAR = 1e3  # tangential over normal stiffness that replaces an infinite one in the first frequency
 
 Integrator = Literal["auto", "moreau-jean", "second-order", "implicit-euler"]
 
@@ -194,6 +203,61 @@ def chosen_halving(
     return replace(
         halving, levels=levels
     ), f"; down to {shortest:.2g} ms, contacts of the stiffest joint are resolved"
+
+
+def contact_period(model: Assembly) -> float:
+    """Return √(m/k), s, of the stiffest joint as drawn, m the reduced mass: a contact lasts π times it."""
+    contacts, mass = model.contacts, np.where(model.movable, model.mass[:, 0], np.inf)
+    contacts = contacts.take(np.flatnonzero(~contacts.ties))
+    stiffness = contacts.bed * 2.0 * contacts.places(model.initial.positions)[:, H]
+    with np.errstate(divide="ignore"):
+        lightness = 1.0 / mass[contacts.a] + 1.0 / mass[contacts.b]
+    return float(1.0 / np.sqrt((stiffness * lightness).max(initial=1e-300)))
+
+
+def first_frequency(model: Assembly) -> float:
+    """Return the lowest circular frequency (rad/s) of the blocks as drawn: all joints closed and sticking, ties taut.
+
+    It is 0 if some blocks are loose.
+    """
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    system = static_system(model, "elastic")
+    layout = Elimination.of(system.dof, model.initial.positions[model.movable, :2])
+    places = system.contacts.places(model.initial.positions)
+    ties, normal = system.contacts.ties, system.law[:, BED] * 2.0 * places[:, H]
+    with np.errstate(divide="ignore"):
+        shear = np.minimum(1.0 / system.law[:, SHEAR], RIGID_SHEAR * normal)
+    mass, stored = model.mass[model.movable].ravel()[layout.order], layout.triangle()
+    diagonal(np.zeros(len(mass)), stored, layout.pattern)
+    for k, (i, j) in enumerate(layout.row):
+        _, _, _, _, turns = bed_forces(
+            system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0
+        )  # all of it pressed, none crushed
+        turns, slides = (0.0, 0.0) if ties[k] else (turns, shear[k])
+        law = np.diag([normal[k], turns, slides]).ravel()
+        stiffen(k, places[k], i, j, law, stored, layout.pattern)
+    if _some_are_loose(model) or not cholesky(stored, layout.pattern):
+        return 0.0
+    root = np.sqrt(mass)
+
+    def flexibility(x: Array) -> Array:
+        y: Array = root * x.ravel()
+        substitute(stored, stored, layout.pattern, y)
+        return root * y
+
+    operator = LinearOperator((len(mass), len(mass)), matvec=flexibility, dtype=float)
+    largest = eigsh(operator, k=1, which="LA", v0=root, return_eigenvectors=False)
+    # with few distinct modes ARPACK restarts from random vectors, and its last digits are not repeatable
+    return float(f"{1.0 / np.sqrt(largest[0]):.10g}")
+
+
+def _some_are_loose(model: Assembly) -> bool:
+    """Whether some block is connected to no support by joints (a frequency of rounding alone might hide it)."""
+    joints, count = model.joints, len(model.blocks)
+    links = sparse.coo_matrix((np.ones(len(joints.a)), (joints.a, joints.b)), shape=(count, count))
+    _, part = connected_components(links, directed=False)
+    return not np.isin(part, part[~model.movable]).all()
 
 
 def _settled(

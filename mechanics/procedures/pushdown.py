@@ -173,11 +173,6 @@ def _followed(moving: _Moving, increment: float, to_collapse: bool) -> Pushdown:
     return path.result()
 
 
-def _longest(model: Assembly) -> float:
-    """Return the longest movement (m) on the way to collapse: the larger side of the drawing."""
-    return float(np.ptp(drawn_extent(model), axis=0).max())
-
-
 def _checked(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> SupportMovement:
     """Return the whole movement of a support; ArgumentError if it is none."""
     target = array_of("displacement", displacement, "(x, z) in m")
@@ -282,7 +277,8 @@ class _Path:
 
     def __init__(self, moving: _Moving, increment: float, to_collapse: bool) -> None:
         self.moving, self.model, self.to_collapse = moving, moving.system.model, to_collapse
-        self.limit = max(moving.full, _longest(self.model)) if to_collapse else moving.full
+        larger_side = float(np.ptp(drawn_extent(self.model), axis=0).max())  # of the drawing
+        self.limit = max(moving.full, larger_side) if to_collapse else moving.full
         self.final: State | None = None
         self.undecided: ConvergenceError | None = None
         self.ultimate: float | None = None
@@ -323,7 +319,10 @@ class _Path:
         if self.end is None and self.movement[-1] >= self.limit * (1.0 - 1e-9):
             self.end = message("the whole movement is applied")
         elif self.end is None and self.final is not None and len(self.steps) >= POINTS:
-            self.end = self._too_many_points
+            key = "increment_m" if self.moving.shifts else "increment_rad"
+            self.end = message(
+                "a path has {count} points at most; write a larger {key}", count=POINTS, key=key
+            )
         return jumped
 
     def stop(self, error: NoEquilibriumError | ConvergenceError) -> None:
@@ -341,12 +340,6 @@ class _Path:
         """Share of the path that is done: of the whole movement; how far away collapse is is not known."""
         applied = min(self.movement[-1] / self.moving.full, 1.0)
         return 0.5 * applied if self.to_collapse else applied
-
-    @property
-    def _too_many_points(self) -> Message:
-        """Why a path to collapse ends after so many points, and what to change."""
-        key = "increment_m" if self.moving.shifts else "increment_rad"
-        return message("a path has {count} points at most; write a larger {key}", count=POINTS, key=key)
 
     @property
     def applied(self) -> bool:

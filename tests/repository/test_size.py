@@ -23,11 +23,11 @@ LINES = {
     "assessment/studies": 2264,
     "assessment/workflow": 916,
     "mechanics": 947,
-    "mechanics/kernels": 3585,
+    "mechanics/kernels": 3584,
     "mechanics/model": 2981,
-    "mechanics/procedures": 3421,
+    "mechanics/procedures": 3469,
     "mechanics/records": 996,
-    "mechanics/solvers": 1068,
+    "mechanics/solvers": 973,
     "mechanics/steps": 1783,
 }
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, State, time_history
-from mechanics.procedures.elastic_periods import first_frequency
-from mechanics.procedures.motion_start import Integrator
+from mechanics.procedures.motion_start import Integrator, first_frequency
 from mechanics.steps.static_system import Behaviour
 from mechanics.types import GRAVITY
 from tests.support.structures import block_on_base, on_base, rectangle

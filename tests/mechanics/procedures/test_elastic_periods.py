@@ -8,7 +8,7 @@ from mechanics import Assembly, Block, Material, time_history
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SEGMENTS, SHEAR
 from mechanics.model.contacts import rows
-from mechanics.procedures.elastic_periods import RIGID_SHEAR, first_frequency
+from mechanics.procedures.motion_start import RIGID_SHEAR, first_frequency
 from mechanics.steps.static_system import static_system
 from tests.support.structures import (
     arch_on_piers,

@@ -12,8 +12,7 @@ from assessment.project.motions import history_motions
 from assessment.project.project import load_project
 from mechanics import ArgumentError, Assembly, Block, Material, State, TimeHistory, pushdown, time_history
 from mechanics.procedures import settled
-from mechanics.procedures.elastic_periods import first_frequency
-from mechanics.procedures.motion_start import HISTORY, Integrator
+from mechanics.procedures.motion_start import HISTORY, Integrator, first_frequency
 from mechanics.procedures.time_history import _notes
 from mechanics.types import GRAVITY, Array
 from tests.support.analysed import arch

@@ -11,8 +11,8 @@ from mechanics.errors import CollapseError
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps, forces_on_blocks
 from mechanics.procedures import limit_in, static_theorem
+from mechanics.procedures.static_theorem import PointForces
 from mechanics.program import end_forces
-from mechanics.solvers.lp_point_forces import PointForces
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry, small_wall
 from tests.support.structures import (
