@@ -16,9 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mechanics.kernels.bed_law import ends_under
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, CRUSHED, DILATION, FRICTION, SHEAR, SLID, STRENGTH, ends_under
 from mechanics.model.contacts import forces_on_blocks, relative_motion
 from mechanics.types import Array, Index
 

@@ -23,7 +23,7 @@ from assessment.report.language import Words, translated
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
 from assessment.workflow.checking import checked, elapsed, expected
 from mechanics import Layer, Material
-from mechanics.faults import FaultyDrawingError, Outline
+from mechanics.errors import FaultyDrawingError, Outline
 from mechanics.model import repair_drawing, survey_drawing
 from mechanics.records import read_record, response_spectrum
 from mechanics.types import Array

@@ -77,7 +77,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.report.language import Words
     from assessment.report.terminal import model_summary
     from assessment.workflow.checking import checked, expected_line
-    from mechanics.faults import FaultyDrawingError
+    from mechanics.errors import FaultyDrawingError
 
     project = load_project(options.project)
     folder = _writable(options.out or project.folder / "output")

@@ -15,7 +15,7 @@ from assessment.project.schema import StrengtheningTable, TieTable
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import write_atomically
 from mechanics import Assembly, DrawingError, State, Tie
-from mechanics.faults import Fault, FaultyDrawingError
+from mechanics.errors import Fault, FaultyDrawingError
 from mechanics.messages import Message, headed, layer_key, message
 from mechanics.model import Layer, default_tolerance, repair_drawing, survey_drawing, survey_layout
 from mechanics.types import Array

@@ -8,7 +8,7 @@ at its two ends, N = N₁ + N₂ and P = h(N₂ − N₁):
 
 Its gradient are the closures of the ends, its Hessian their compliance; both are continuous. A bed of points at the
 ends of n equal segments (the paper's) has no W* in closed form: there the displacements under two forces are found
-first. Beds of finite strength: crushing. Which of them a joint has: bed_law.
+first. Beds of finite strength: crushing. Which of them a joint has: law.
 """
 
 from __future__ import annotations

@@ -13,17 +13,12 @@ the bed is divided; on each part f is the difference of two beds without strengt
 
 from __future__ import annotations
 
-import numpy as np
-
 from mechanics.kernels.bed import closures, stiffened, stored
 from mechanics.kernels.jit import looped
-from mechanics.kernels.joint import H
-from mechanics.kernels.law import STRENGTH
 from mechanics.types import Array
 
 LINES = 4  # of both ends and of the middle, and that of dashpots
 NEWTON, HALVINGS = 60, 30  # iterations for the displacements under given forces, and halvings of one
-UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
 EXACT = 1e-13  # of the force: an imbalance of the bed that is none
 
 
@@ -165,16 +160,3 @@ def softness(
     d11, d22, d12 = 0.25 * (c0 - 2.0 * c1 + c2), 0.25 * (c0 + 2.0 * c1 + c2), 0.25 * (c0 - c2)
     det = d11 * d22 - d12 * d12
     return d22 / det, d12 / det, d11 / det
-
-
-@looped
-def keep_within_strength(places: Array, law: Array, f: Array) -> None:
-    """Scale N₁, N₂ and T, f (j, 3), of joints at places (j, PLACE) to a share of the strength, where it is finite."""
-    for k in range(len(f)):
-        most = 2.0 * places[k, H] * law[k, STRENGTH]
-        if most == np.inf:
-            continue
-        n, low = f[k, 0] + f[k, 1], min(f[k, 0], f[k, 1])
-        share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
-        for e in range(3):
-            f[k, e] *= share

@@ -19,8 +19,7 @@ from ezdxf.math import Matrix44
 from ezdxf.path import make_path
 from scipy.spatial import cKDTree
 
-from mechanics.errors import DrawingError, require
-from mechanics.faults import Fault, FaultyDrawingError, Outline, listed
+from mechanics.errors import DrawingError, Fault, FaultyDrawingError, Outline, listed, require
 from mechanics.messages import Message, headed, layer_key, message, visible
 from mechanics.model.block import Block, Material, default_tolerance
 from mechanics.model.dxf import Placed, covered, open_document, placed_entities

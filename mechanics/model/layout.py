@@ -13,7 +13,7 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from mechanics.faults import Fault, FaultyDrawingError, listed
+from mechanics.errors import Fault, FaultyDrawingError, listed
 from mechanics.messages import Message, message
 from mechanics.model.block import Block, Joints, Polygons, find_joints, polygons_of, ring_edges
 from mechanics.model.dxf import can_change

@@ -15,7 +15,7 @@ from ezdxf.entities.polyline import Polyline
 from ezdxf.math import Vec3
 from numpy.typing import NDArray
 
-from mechanics.faults import Fault, Remedy
+from mechanics.errors import Fault, Remedy
 from mechanics.model.dxf import SAME_POINT, Placed, can_change, has_direction
 from mechanics.types import Array, Index
 

@@ -10,8 +10,7 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
-from mechanics.errors import DrawingError
-from mechanics.faults import FaultyDrawingError
+from mechanics.errors import DrawingError, FaultyDrawingError
 from mechanics.model.block import Block, default_tolerance, following, preceding, ring_edges
 from mechanics.model.drawing import Layer, Sheet
 from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes

@@ -11,9 +11,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, array_of, is_number, require
-from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import BED, LEFT, SHEAR
+from mechanics.kernels.law import BED, LEFT, SHEAR, bed_forces
 from mechanics.kernels.linalg.factors import cholesky, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import Message, message

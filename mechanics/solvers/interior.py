@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, inertia, iterate
+from mechanics.kernels.interior.joints import keep_within_strength
 from mechanics.kernels.joint import CURVED, H
 from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, bed_gaps, certify

@@ -13,7 +13,7 @@ from assessment.project.project import TOML, source_bytes
 from assessment.project.schema import KeyPath
 from assessment.runtime.errors import ProjectError
 from mechanics import Layer, Material
-from mechanics.faults import FaultyDrawingError
+from mechanics.errors import FaultyDrawingError
 from mechanics.messages import Message, layer_key, message
 from mechanics.model import METRES, NEAR, PlacedOutline, Sheet, connected, default_tolerance
 from mechanics.types import Mask

@@ -22,7 +22,7 @@ from assessment.results.frames import ties_of
 from assessment.results.joint_states import outlines
 from assessment.results.schema import Direction, Results, Settlement
 from assessment.results.table import sense
-from mechanics.faults import FaultyDrawingError
+from mechanics.errors import FaultyDrawingError
 from mechanics.pictures import FAINT, INK, SUPPORT, TIE, Bounds, Shape, fill
 from mechanics.types import Array
 

@@ -22,11 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed_law import bed_forces, bed_work
 from mechanics.kernels.crushing import LINES, highest, leave
 from mechanics.kernels.jit import compiled
 from mechanics.kernels.joint import PHI, TIED, H, U, V, place
-from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH, bed_forces, bed_work
 from mechanics.kernels.matrix import moved_by
 from mechanics.types import Array
 

@@ -19,11 +19,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.interior.joints import unbalanced
 from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, lift, most_shear
+
+from mechanics.kernels.law import (  # isort: skip
+    DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, bed_forces, lift, most_shear,
+)  # fmt: skip
 from mechanics.kernels.linalg.factors import lu, solve, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen

@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.bed_law import bed_forces, gaps_under
-from mechanics.kernels.crushing import keep_within_strength
 from mechanics.kernels.dynamics.newton import newton
 from mechanics.kernels.interior.iteration import iterate
+from mechanics.kernels.interior.joints import keep_within_strength
 from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import CURVED, PHI, H, U
-from mechanics.kernels.law import DASHPOTS, DILATION, FRICTION, LEFT, STEEP, STRENGTH, lift
+
+from mechanics.kernels.law import (  # isort: skip
+    DASHPOTS, DILATION, FRICTION, LEFT, STEEP, STRENGTH, bed_forces, gaps_under, lift,
+)  # fmt: skip
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 

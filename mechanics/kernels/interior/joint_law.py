@@ -18,10 +18,9 @@ from __future__ import annotations
 import numpy as np
 
 from mechanics.kernels.bed import closures, linearised
-from mechanics.kernels.bed_law import EXACT, gaps_under, kind
 from mechanics.kernels.jit import inlined, larger, looped
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, DILATION, FRICTION, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DILATION, EXACT, FRICTION, SHEAR, SLID, STRENGTH, gaps_under, kind
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from mechanics.kernels.interior.joint_law import (  # isort: skip
     BM, BP, C1, C2, CG1, CG2, CLM, CLP, CN1, CN2, CT, CY1, CY2, CZM, CZP, DPP, DPV, DUP, DUU, DUV, DVP, DVU,
     DVV, FN, FP, FT, G1, G2, KAPPA, LANES, LM, LP, MPHI, MU, MV, N1, N2, OFF, RN, RP, RT, S11, S12, S22, Y1,
@@ -15,12 +17,14 @@ from mechanics.kernels.interior.joint_law import (  # isort: skip
 )  # fmt: skip
 from mechanics.kernels.jit import inlined, larger, looped
 from mechanics.kernels.joint import LEVERS, SHIFTS, SLIDE, H
+from mechanics.kernels.law import STRENGTH
 from mechanics.kernels.matrix import bend, diagonal, motion, push, stiffen, turn
 from mechanics.types import Array
 
 TO_THE_BOUND = 0.995  # share of the way to the bounds that an iteration goes
 LEAST = 0.1  # of the target: smaller products are corrected
 MOST = 10.0  # of the target: larger products are corrected
+UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
 SHORTER = 100  # times that an iteration is shortened for joints not to be crushed
 
 
@@ -243,6 +247,19 @@ def clear_corrections(known: Array) -> None:
     """No corrections of the products, as an iteration begins."""
     for r in range(len(known)):
         known[r, C1 : BM + LANES] = 0.0
+
+
+@looped
+def keep_within_strength(places: Array, law: Array, f: Array) -> None:
+    """Scale N₁, N₂ and T, f (j, 3), of joints at places (j, PLACE) to a share of the strength, where it is finite."""
+    for k in range(len(f)):
+        most = 2.0 * places[k, H] * law[k, STRENGTH]
+        if most == np.inf:
+            continue
+        n, low = f[k, 0] + f[k, 1], min(f[k, 0], f[k, 1])
+        share = min(1.0, UNDER_STRENGTH * most / n, UNDER_STRENGTH * 2.0 * low * most / (n * n))
+        for e in range(3):
+            f[k, e] *= share
 
 
 @looped

@@ -6,11 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.kernels.bed import stiffened, stored
-from mechanics.kernels.bed_law import bed_forces, ends_under, gaps_under
 from mechanics.kernels.crushing import crushed, leave, softness, under, worked
 from mechanics.kernels.dynamics.motion import JOINT, REMAINS, bed_under, work_on_bed
 from mechanics.kernels.joint import PHI, PLACE, TIED, H
-from mechanics.kernels.law import BED, LAW, LEFT, SEGMENTS, STRENGTH
+from mechanics.kernels.law import BED, LAW, LEFT, SEGMENTS, STRENGTH, bed_forces, ends_under, gaps_under
 from mechanics.types import Array
 from tests.mechanics.kernels.test_bed import displacements, ends_of, halves, stiffnesses, turns
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.errors import DrawingError
-from mechanics.faults import FaultyDrawingError
+from mechanics.errors import DrawingError, FaultyDrawingError
 from mechanics.model.block import Block, Material
 from mechanics.model.layout import survey_layout, touching
 

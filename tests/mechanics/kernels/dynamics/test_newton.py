@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.kernels.bed import points, points_stored
-from mechanics.kernels.bed_law import bed_forces
 from mechanics.kernels.dynamics import newton as loops
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import BED, DILATION, FRICTION, LAW, LEFT, SEGMENTS, SHEAR, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, LAW, LEFT, SEGMENTS, SHEAR, STRENGTH, bed_forces
 from mechanics.program import certify
 from mechanics.solvers import solve
 from tests.support.reference_loops import bed_of_points
