@@ -255,14 +255,10 @@ class Fitting:
     def _onto_edges(self, still: int, moved: int, within: float) -> None:
         """Put vertices of the outline `moved` onto the nearest edge of the other."""
         for vertex in self._near(moved, still, within):
-            foot = self._foot(vertex, still)
+            ring, place = shapely.linearrings(self.outline(still)), shapely.Point(self.points[vertex])
+            foot = shapely.get_coordinates(shapely.shortest_line(ring, place))[0]
             if self.exact < np.linalg.norm(foot - self.points[vertex]) <= within:
                 self._move(vertex, foot)
-
-    def _foot(self, vertex: int, other: int) -> Array:
-        """Return the point (2,) of another outline that is nearest to a vertex."""
-        ring, place = shapely.linearrings(self.outline(other)), shapely.Point(self.points[vertex])
-        return np.asarray(shapely.get_coordinates(shapely.shortest_line(ring, place))[0])
 
     def _move(self, vertex: int, place: Array) -> None:
         """Move a vertex, with those at its place, within their room, unless one must stay or two would become one."""

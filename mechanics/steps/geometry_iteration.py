@@ -71,7 +71,12 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
             continue
         found = certified(problem, now)
         if found.certificate.worst(problem.size) <= STEP.certificate(system.behaviour):
-            return _stable(_once_more(problem, now, found))
+            found = _once_more(problem, now, found)
+            if not found.stable:  # an iteration can end at an unstable one
+                raise NoEquilibriumError(
+                    message("loss of stability: the equilibrium of the structure is an unstable one")
+                )
+            return found
         # programs with the geometry held approach an equilibrium only where the stiffness is positive
         if not (stable or found.stable):
             raise NoEquilibriumError(
@@ -85,7 +90,8 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     if system.rigid and best is not None and best.certificate.worst(problem.size) <= STEP.slow:
         return best
     assert now.iterate is not None
-    block = int(np.flatnonzero(model.movable)[_farthest(now.iterate.displacement)])
+    farthest = np.argmax(abs(now.iterate.displacement.reshape(-1, 3)[:, :2]).max(axis=1))
+    block = int(np.flatnonzero(model.movable)[farthest])
     raise UnsettledError(
         message("the geometry of the step does not settle, at block {block} first", block=block)
     )
@@ -176,20 +182,6 @@ def certified(problem: StepProblem, now: Round) -> Equilibrium:
     found = Solution(forces, now.alpha, rest, certify(program, forces, now.alpha, rest))
     stable = system.rigid or interior.stable(program, system.layout.take(index), iterate)
     return equilibrium(problem, now.at, index, found, iterate, now.solves, stable)
-
-
-def _stable(found: Equilibrium) -> Equilibrium:
-    """Return an equilibrium; raise NoEquilibriumError if it is an unstable one, at which an iteration can end."""
-    if not found.stable:
-        raise NoEquilibriumError(
-            message("loss of stability: the equilibrium of the structure is an unstable one")
-        )
-    return found
-
-
-def _farthest(displacement: Array) -> int:
-    """Return the number of the movable block that moves farthest in displacements (m,)."""
-    return int(np.argmax(abs(displacement.reshape(-1, 3)[:, :2]).max(axis=1)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,8 +80,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         # slips count from the last step: a joint that has slid does not slide back
         assert last.forces is not None
         start = state_at_rest(now.system, moved, last.forces, now.start)
-        work = problem.work - _work_done(problem, begun, moved)
-        now, at = replace(now, start=start, work=work, size=size), moved
+        done = 0.0 if problem.lateral is None else float((problem.lateral * (moved - begun)).sum())
+        now, at = replace(now, start=start, work=problem.work - done, size=size), moved
         if force > still:
             continue
         held = certified(replace(now, size=problem.size), last)
@@ -103,11 +103,6 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         "left to itself the structure does not come to rest: it goes on by {moved:.2g} m a step", moved=left
     )
     raise kind(goes_on)
-
-
-def _work_done(problem: StepProblem, begun: Array, at: Array) -> float:
-    """Return the work (kNm) of the lateral load from `begun` to `at` (b, 3); 0 without a lateral load."""
-    return 0.0 if problem.lateral is None else float((problem.lateral * (at - begun)).sum())
 
 
 def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:

@@ -22,13 +22,13 @@ LINES = {
     "assessment/runtime": 1438,
     "assessment/studies": 2264,
     "assessment/workflow": 916,
-    "mechanics": 947,
-    "mechanics/kernels": 3584,
-    "mechanics/model": 2981,
-    "mechanics/procedures": 3469,
+    "mechanics": 935,
+    "mechanics/kernels": 3577,
+    "mechanics/model": 2975,
+    "mechanics/procedures": 3463,
     "mechanics/records": 996,
     "mechanics/solvers": 973,
-    "mechanics/steps": 1783,
+    "mechanics/steps": 1769,
 }
 
 
