@@ -19,7 +19,14 @@ from mechanics import (
     time_history,
 )
 from mechanics.model.assembly import State
-from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond, semicircular_arch
+from tests.support.structures import (
+    arch_on_piers,
+    block_on_base,
+    on_base,
+    rectangle,
+    running_bond,
+    semicircular_arch,
+)
 
 STONE = Material(18.0, 0.7, 1e6)
 TOP = (0.2, 1.0)
@@ -32,12 +39,7 @@ def model():
 
 def leaning(shift: float) -> Assembly:
     """A block whose centroid stands `shift` (m) beyond the edge of its base."""
-    return Assembly(
-        [
-            Block(rectangle(-1, -1, 0, 0), 1.0, STONE, support="base"),
-            Block(rectangle(shift - 0.5, 0, shift + 0.5, 1), 1.0, STONE),
-        ]
-    )
+    return on_base(STONE, (-1, -1, 0), (shift - 0.5, 0, shift + 0.5, 1))
 
 
 ANALYSES = {

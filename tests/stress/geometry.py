@@ -13,7 +13,7 @@ from mechanics.steps.equilibrium import check_self_weight, closed_program, react
 from mechanics.steps.static_system import static_system
 from tests.stress.harness import Case, sound
 from tests.stress.scales import by_highs
-from tests.support.structures import block_on_base, on_base, rectangle, semicircular_arch
+from tests.support.structures import block_on_base, built, on_base, rectangle, semicircular_arch
 
 STONE = Material(18.0, 0.7, 1e8)
 
@@ -41,10 +41,9 @@ def slender_in_motion(width: float, height: float) -> None:
 
 def needle(width: float) -> None:
     """A needle, 1 : 10, beside a block of 10 m on one base: it overturns first, at 0.1."""
-    thin = Block(rectangle(6.0, 0.0, 6.0 + width, 10.0 * width), 1.0, STONE)
-    wide = Block(rectangle(-5.0, 0.0, 5.0, 10.0), 1.0, STONE)
-    base = Block(rectangle(-20.0, -1.0, 20.0, 0.0), 1.0, STONE, support="base")
-    limit = limit_analysis(Assembly([base, wide, thin], tolerance=1e-3 * width))
+    wide, thin = (-5.0, 0.0, 5.0, 10.0), (6.0, 0.0, 6.0 + width, 10.0 * width)
+    model = built(STONE, wide, thin, base=(-20.0, -1.0, 20.0, 0.0), tolerance=1e-3 * width)
+    limit = limit_analysis(model)
     sound(limit, 1e-3)
     assert limit.alpha == pytest.approx(0.1, rel=1e-6)
 
@@ -69,8 +68,7 @@ def tilted(angle: float) -> None:
     """A base tilted by less than the tolerance: α = tan(arctan(B/H) + θ), as near as the joint is drawn."""
     cos, sin = np.cos(angle), np.sin(angle)
     corners = np.array(rectangle(0.0, 0.0, 0.2, 1.0)) @ np.array([[cos, sin], [-sin, cos]])
-    base = Block(rectangle(-1.0, -0.1, 1.0, 0.0), 1.0, STONE, support="base")
-    model = Assembly([base, Block(corners, 1.0, STONE)])
+    model = on_base(STONE, (-1.0, -0.1, 1.0), corners)
     limit = limit_analysis(model)
     sound(limit, 1e-3)
     assert limit.alpha == pytest.approx(0.2, abs=2.0 * abs(angle) + 1e-9)
@@ -78,13 +76,8 @@ def tilted(angle: float) -> None:
 
 def tee(overlap: float) -> None:
     """A block across the joint of two: a T; α of each part in closed form, the whole as HiGHS has it."""
-    blocks = [
-        Block(rectangle(-2.0, -0.5, 3.0, 0.0), 1.0, STONE, support="base"),
-        Block(rectangle(0.0, 0.0, 0.5, 0.4), 1.0, STONE),
-        Block(rectangle(0.5, 0.0, 1.0, 0.4), 1.0, STONE),
-        Block(rectangle(0.5 - overlap, 0.4, 0.9, 0.8), 1.0, STONE),
-    ]
-    model = Assembly(blocks, tolerance=1e-10)
+    boxes = (0.0, 0.0, 0.5, 0.4), (0.5, 0.0, 1.0, 0.4), (0.5 - overlap, 0.4, 0.9, 0.8)
+    model = built(STONE, *boxes, base=(-2.0, -0.5, 3.0, 0.0), tolerance=1e-10)
     limit = limit_analysis(model)
     sound(limit, 1e-3)
     assert limit.alpha == pytest.approx(by_highs(model), abs=1e-7)

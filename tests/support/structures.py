@@ -1,6 +1,8 @@
 """Assemblies that several tests analyse."""
 
+from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -8,16 +10,33 @@ from assessment.benchmark.structures import block_on_base, in_frame, rectangle, 
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
-    "arch_on_piers", "block_on_base", "column", "in_frame", "on_base", "rectangle", "running_bond",
-    "semicircular_arch", "tied_arch",
+    "arch_on_piers", "block_on_base", "built", "column", "in_bond", "in_frame", "on_base", "rectangle",
+    "running_bond", "semicircular_arch", "tied_arch",
 ]  # fmt: skip
 
 
-def on_base(stone: Material, base: tuple[float, float, float], *boxes: tuple[float, ...]) -> Assembly:
-    """Boxes (left, bottom, right, top), 1 m deep, and a support `base` (left, bottom, right) that ends at z = 0."""
-    left, bottom, right = base
-    under = Block(rectangle(left, bottom, right, 0.0), 1.0, stone, support="base")
-    return Assembly([under, *(Block(rectangle(*box), 1.0, stone) for box in boxes)])
+def built(stone: Material, *shapes: Any, tolerance: float | None = None, **supports: Any) -> Assembly:
+    """Supports by name, then blocks, of one stone, 1 m deep: boxes (left, bottom, right, top) or corners (n, 2)."""
+    under = [Block(_corners(shape), 1.0, stone, support=name) for name, shape in supports.items()]
+    return Assembly([*under, *(Block(_corners(shape), 1.0, stone) for shape in shapes)], tolerance=tolerance)
+
+
+def _corners(shape: Any) -> Any:
+    return rectangle(*shape) if np.ndim(shape) == 1 else shape
+
+
+def on_base(stone: Material, base: tuple[float, float, float], *shapes: Any) -> Assembly:
+    """Blocks, as `built`, and a support `base` (left, bottom, right) that ends at z = 0."""
+    return built(stone, *shapes, base=(*base, 0.0))
+
+
+def in_bond(rows: Sequence[Sequence[float]], height: float) -> list[tuple[float, float, float, float]]:
+    """Bricks of courses from z = 0 on, each by the ends of its bricks."""
+    return [
+        (left, height * k, right, height * (k + 1))
+        for k, row in enumerate(rows)
+        for left, right in pairwise(row)
+    ]
 
 
 def arch_on_piers(

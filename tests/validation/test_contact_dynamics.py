@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, limit_analysis
+from mechanics import Assembly, Material, limit_analysis
 from mechanics.types import GRAVITY
 from tests.support.contact_dynamics import farthest, motion
 from tests.support.random_masonry import random_masonry
 from tests.support.reference_loops import turned
-from tests.support.structures import block_on_base, running_bond
+from tests.support.structures import block_on_base, built, rectangle, running_bond
 
 STANDS, FALLS = 3e-3, 3e-2  # of a block's size, in one second
 
@@ -23,18 +23,9 @@ STANDS, FALLS = 3e-3, 3e-2  # of a block's size, in one second
 @pytest.mark.parametrize(("alpha", "friction"), [(0.2, 0.1), (0.0, 0.65)])
 def test_a_block_slides_down_an_incline(alpha: float, friction: float) -> None:
     """s = g (sin β + α cos β − μ (cos β − α sin β)) t²/2, or it stays."""
-    slope, stone = np.radians(20.0), Material(20.0, friction)
-    model = Assembly(
-        [
-            Block(
-                turned([[-3.0, -0.5], [3.0, -0.5], [3.0, 0.0], [-3.0, 0.0]], -slope),
-                1.0,
-                stone,
-                support="base",
-            ),
-            Block(turned([[-0.5, 0.0], [0.5, 0.0], [0.5, 0.4], [-0.5, 0.4]], -slope), 1.0, stone),
-        ]
-    )
+    slope = np.radians(20.0)
+    base, block = (turned(rectangle(*box), -slope) for box in ((-3.0, -0.5, 3.0, 0.0), (-0.5, 0.0, 0.5, 0.4)))
+    model = built(Material(20.0, friction), block, base=base)
     way = motion(model, np.full(500, alpha), 1e-3)[-1, 1] - motion(model, np.zeros(1), 1e-9)[-1, 1]
     sin, cos = np.sin(slope), np.cos(slope)
     pull = sin + alpha * cos - friction * (cos - alpha * sin)
@@ -47,11 +38,8 @@ def test_a_block_slides_down_an_incline(alpha: float, friction: float) -> None:
 def test_a_wedge_leaves_its_groove_along_one_face() -> None:
     """s = g (α cos β − sin β − μ (cos β + α sin β)) t²/2 up the face; it stands to α = tan(β + arctan μ) = 1.76."""
     slope, friction, stone = np.radians(45.0), 0.275, Material(20.0, 0.275)
-    groove = [
-        Block([[0.0, 0.0], [2.0, 2.0], [2.0, 0.0]], 1.0, stone, support="right"),
-        Block([[0.0, 0.0], [-2.0, 0.0], [-2.0, 2.0]], 1.0, stone, support="left"),
-    ]
-    model = Assembly([*groove, Block([[0.0, 0.0], [0.5, 0.5], [-0.5, 0.5]], 1.0, stone)])
+    right, left = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0]], [[0.0, 0.0], [-2.0, 0.0], [-2.0, 2.0]]
+    model = built(stone, [[0.0, 0.0], [0.5, 0.5], [-0.5, 0.5]], right=right, left=left)
     start, end = motion(model, np.full(300, 1.2), 1e-3)[[0, -1], 2]
     sin, cos = np.sin(slope), np.cos(slope)
     pull = 1.2 * cos - sin - friction * (cos + 1.2 * sin)

@@ -7,11 +7,11 @@ with the acceleration by which the base exceeds μg. The elastic block is a rigi
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, State, time_history
+from mechanics import Assembly, Material, State, time_history
 from mechanics.procedures.motion_start import Integrator, first_frequency
 from mechanics.steps.static_system import Behaviour
 from mechanics.types import GRAVITY
-from tests.support.structures import block_on_base, on_base, rectangle
+from tests.support.structures import block_on_base, on_base
 
 FLAT = {"width": 2.0, "height": 0.2, "friction": 0.3}
 
@@ -253,10 +253,8 @@ def test_dashpots_of_a_block_that_rocks_act_in_contact_alone(integrator: Integra
 @pytest.mark.parametrize("integrator", ["second-order", "implicit-euler"])
 def test_a_joint_that_is_open_at_one_end_rests_on_its_dashpots(integrator: Integrator) -> None:
     """The centroid lies over the outer sixth of the bed: it neither creeps nor changes its forces."""
-    stone = Material(20.0, 0.7, 1e5)
-    base = Block(rectangle(-1.0, -0.5, 1.0, 0.0), 1.0, stone, support="base")
-    leaning = Block([[-0.5, 0.0], [0.5, 0.0], [1.3, 2.0], [0.3, 2.0]], 1.0, stone)
-    model = Assembly([base, leaning])
+    leaning = [[-0.5, 0.0], [0.5, 0.0], [1.3, 2.0], [0.3, 2.0]]
+    model = on_base(Material(20.0, 0.7, 1e5), (-1.0, -0.5, 1.0), leaning)
     still = time_history(model, np.zeros(2), 0.005, "elastic")
     motion = time_history(model, np.zeros(200), 0.005, "elastic", still.start, integrator, damping_ratio=0.2)
     assert abs(motion.positions - motion.positions[0]).max() < 1e-6

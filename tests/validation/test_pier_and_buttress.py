@@ -13,9 +13,9 @@ between the faces at a height z, friction μN on both, W the weights, w widths, 
 
 import pytest
 
-from mechanics import Assembly, Block, Material, limit_analysis, pushover
+from mechanics import Assembly, Material, limit_analysis, pushover
 from tests.support.contact_dynamics import farthest
-from tests.support.structures import rectangle
+from tests.support.structures import on_base
 
 SHAPES = [
     (0.5, 2.0, 0.4, 1.5, 0.5),
@@ -27,14 +27,7 @@ SHAPES = [
 def built(w1: float, h1: float, w2: float, h2: float, mu: float, stiffness: float | None = None) -> Assembly:
     """Pier and buttress on one base."""
     stone = Material(20.0, mu) if stiffness is None else Material(20.0, mu, stiffness)
-    base = Block(rectangle(-w1 - 0.5, -0.3, w2 + 0.5, 0.0), 1.0, stone, support="base")
-    return Assembly(
-        [
-            base,
-            Block(rectangle(-w1, 0.0, 0.0, h1), 1.0, stone),
-            Block(rectangle(0.0, 0.0, w2, h2), 1.0, stone),
-        ]
-    )
+    return on_base(stone, (-w1 - 0.5, -0.3, w2 + 0.5), (-w1, 0.0, 0.0, h1), (0.0, 0.0, w2, h2))
 
 
 def onset_and_peak(w1: float, h1: float, w2: float, h2: float, mu: float) -> tuple[float, float]:

@@ -19,7 +19,7 @@ from mechanics import (
     time_history,
 )
 from mechanics.steps.static_system import static_system
-from tests.support.structures import on_base, rectangle
+from tests.support.structures import built, on_base, rectangle
 
 NONE = 1e-6  # a friction that is next to none: associated sliding then lifts nothing
 
@@ -221,13 +221,8 @@ def test_contacts_about_a_configuration_hold_every_pair_that_touches(seed):
     """Blocks thrown about: two outlines that overlap are a pair that is known there, if no farther than the reach."""
     rng = np.random.default_rng(seed)
     stone = Material(20.0, 0.6)
-    corners = [
-        np.array(rectangle(0.6 * i, 0.6 * j, 0.6 * i + 0.5, 0.6 * j + 0.5))
-        for i in range(3)
-        for j in range(3)
-    ]
-    floor = Block(rectangle(-2.0, -1.0, 4.0, -0.1), 1.0, stone, support="base")
-    model = Assembly([floor, *(Block(c, 1.0, stone) for c in corners)])
+    boxes = [(0.6 * i, 0.6 * j, 0.6 * i + 0.5, 0.6 * j + 0.5) for i in range(3) for j in range(3)]
+    model = built(stone, *boxes, base=(-2.0, -1.0, 4.0, -0.1))
     positions = model.initial.positions.copy()
     positions[1:] += rng.uniform(-0.08, 0.08, (9, 3)) * (1.0, 1.0, 3.0)
     system = static_system(model, "rigid").around(positions, 0.05)
@@ -243,7 +238,5 @@ def test_contacts_about_a_configuration_hold_every_pair_that_touches(seed):
 @pytest.mark.parametrize("height", [0.001, 0.1])
 def test_the_top_of_a_thin_slab_is_not_held_by_the_underside_of_its_floor(height):
     """A slab of 1 m on a floor as thin: it slides at μ; faces that look at each other through both wedged it."""
-    stone = Material(20.0, 0.7)
-    floor = Block(rectangle(-5.0, -0.1 * height, 5.0, 0.0), 1.0, stone, support="base")
-    model = Assembly([floor, Block(rectangle(0.0, 0.0, 1.0, height), 1.0, stone)])
+    model = on_base(Material(20.0, 0.7), (-5.0, -0.1 * height, 5.0), (0.0, 0.0, 1.0, height))
     assert limit_analysis(model).alpha == pytest.approx(0.7, abs=1e-7)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from mechanics import Assembly, Block, Material, time_history
+from mechanics import Assembly, Material, time_history
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, SEGMENTS, SHEAR
 from mechanics.model.contacts import rows
@@ -14,6 +14,7 @@ from tests.support.structures import (
     arch_on_piers,
     block_on_base,
     column,
+    on_base,
     rectangle,
     running_bond,
     semicircular_arch,
@@ -27,8 +28,7 @@ def towers(*, apart: float = 4.0, above: float = 0.0, turned: float = 0.0) -> As
     cos, sin = np.cos(turned), np.sin(turned)
     second = np.array([rectangle(0.0, i, 1.0, i + 1.0) for i in range(2)]) @ [[cos, sin], [-sin, cos]]
     first = [rectangle(0.0, i, 1.0, i + 1.0) for i in range(2)]
-    base = Block(rectangle(-1.0, -1.0, 6.0, 0.0), 1.0, STONE, support="base")
-    return Assembly([base, *(Block(v, 1.0, STONE) for v in [*first, *(second + np.array([apart, above]))])])
+    return on_base(STONE, (-1.0, -1.0, 6.0), *first, *(second + np.array([apart, above])))
 
 
 def dense(model: Assembly) -> float:

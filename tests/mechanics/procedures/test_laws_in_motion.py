@@ -16,22 +16,15 @@ from mechanics.procedures.motion_start import HISTORY, Integrator, first_frequen
 from mechanics.procedures.time_history import _notes
 from mechanics.types import GRAVITY, Array
 from tests.support.analysed import arch
-from tests.support.structures import block_on_base, column, on_base, rectangle, running_bond
+from tests.support.structures import block_on_base, built, column, on_base, rectangle, running_bond
 
 G = 9.80665
 
 
 def between_walls(friction: float, stiffness: float) -> Assembly:
     """A beam of 1.8 m, 0.8 m high, that fits between two walls."""
-    stone = Material(20.0, friction, stiffness)
-    left, right = rectangle(-0.5, 0.0, 0.0, 2.0), rectangle(1.8, 0.0, 2.3, 2.0)
-    return Assembly(
-        [
-            Block(left, 1.0, stone, support="left"),
-            Block(right, 1.0, stone, support="right"),
-            Block(rectangle(0.0, 1.0, 1.8, 1.8), 1.0, stone),
-        ]
-    )
+    walls = {"left": (-0.5, 0.0, 0.0, 2.0), "right": (1.8, 0.0, 2.3, 2.0)}
+    return built(Material(20.0, friction, stiffness), (0.0, 1.0, 1.8, 1.8), **walls)
 
 
 @pytest.mark.parametrize(("friction", "stiffness"), [(0.84, 1e5), (0.84, 1e7), (5.0, 1e6)])
@@ -250,11 +243,7 @@ SOFT, STIFF = 1e6, 1e7  # kN/m³
 
 def block(strength: float, height: float = 1.0, stiffness: float = SOFT) -> Assembly:
     stone = Material(WEIGHT, 0.7, stiffness, compressive_strength=strength)
-    base = Block([[-2, -0.5], [2, -0.5], [2, 0], [-2, 0]], 1.0, stone, support="base")
-    return Assembly(
-        [base, Block([[-0.5, 0], [0.5, 0], [0.5, height], [-0.5, height]], 1.0, stone)],
-        segments_per_joint=None,
-    )
+    return on_base(stone, (-2, -0.5, 2), (-0.5, 0, 0.5, height))
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mechanics import ArgumentError, Assembly, Block, Material, State, Tie, limit_analysis, pushdown, pushover
+from mechanics import ArgumentError, Assembly, Material, State, Tie, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps, forces_on_blocks
@@ -18,8 +18,8 @@ from tests.support.random_masonry import random_masonry, small_wall
 from tests.support.structures import (
     arch_on_piers,
     block_on_base,
+    built,
     column,
-    rectangle,
     running_bond,
     semicircular_arch,
 )
@@ -93,15 +93,14 @@ def flat_arch(voussoirs: int, span: float, height: float, friction: float) -> As
     pier = np.array([(below[0] - wide, -deep), (below[0], -deep), (below[0], 0.0), (above[0], height),
                      (below[0] - wide, height)])  # fmt: skip
     inner, outer = below[0] + 0.2, below[0] - wide - 0.2
-    blocks = [
-        Block(rectangle(outer, -deep - 0.3, inner, -deep), 1.0, stone, support="left"),
-        Block(rectangle(-inner, -deep - 0.3, -outer, -deep), 1.0, stone, support="right"),
-        Block(pier, 1.0, stone),
-        Block((pier * (-1.0, 1.0))[::-1], 1.0, stone),
+    stones = [
+        [(a, 0.0), (b, 0.0), (d, height), (c, height)]
+        for (a, b), (c, d) in zip(pairwise(below), pairwise(above), strict=True)
     ]
-    for (a, b), (c, d) in zip(pairwise(below), pairwise(above), strict=True):
-        blocks.append(Block([(a, 0.0), (b, 0.0), (d, height), (c, height)], 1.0, stone))
-    return Assembly(blocks)
+    return built(
+        stone, pier, (pier * (-1.0, 1.0))[::-1], *stones, left=(outer, -deep - 0.3, inner, -deep),
+        right=(-inner, -deep - 0.3, -outer, -deep),
+    )  # fmt: skip
 
 
 CRACKED = [(flat_arch(3, 1.2, 0.35, 0.7), (0.05, -0.05)), (flat_arch(5, 1.0, 0.35, 0.65), (0.0, -0.12))]

@@ -10,7 +10,7 @@ from mechanics.model.block import Tie
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
 from mechanics.steps.static_step import StepProblem
-from tests.support.structures import arch_on_piers, rectangle, tied_arch
+from tests.support.structures import arch_on_piers, on_base, rectangle, tied_arch
 
 # of the peak: far beyond that of elastic joints blocks snap from place to place, and rounding decides where to
 UNTIL = {"rigid": 0.3, "elastic": 0.95}
@@ -85,16 +85,13 @@ def test_a_diagonal_has_the_middle_the_length_and_the_blocks_of_its_image_and_is
 
 def test_outlines_and_masses_have_to_be_each_others_image():
     """A parallelogram has the centroid, the area and the joints of its image, and leans the other way."""
-    stone = Material(20.0, 0.6)
-    base = Block(rectangle(-2.0, -0.4, 2.0, 0.0), 1.0, stone, support="base")
+    stone, base = Material(20.0, 0.6), (-2.0, -0.4, 2.0)
     leaning = [[-0.6, 0.0], [0.4, 0.0], [0.6, 0.0], [0.6, 1.0], [-0.4, 1.2], [-0.6, 1.0]]
     upright = [[-0.6, 0.0], [0.6, 0.0], [0.6, 1.0], [0.4, 1.2], [-0.4, 1.2], [-0.6, 1.0]]
     for outline, symmetrical in ((leaning, False), (upright, True)):
-        model = Assembly([base, Block(outline, 1.0, stone)])
-        shifted = Block(
-            np.array(outline) - [np.mean([b.centroid[0] for b in model.blocks[1:]]), 0.0], 1.0, stone
-        )
-        assert (Mirror.of(Assembly([base, shifted]), "rigid") is not None) is symmetrical
+        to_the_middle = np.array([on_base(stone, base, outline).blocks[1].centroid[0], 0.0])
+        model = on_base(stone, base, np.array(outline) - to_the_middle)
+        assert (Mirror.of(model, "rigid") is not None) is symmetrical
 
 
 def _changed(change):

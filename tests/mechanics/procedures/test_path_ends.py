@@ -13,7 +13,7 @@ from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPo
 from mechanics.steps.static_system import static_system
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry
-from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle
+from tests.support.structures import arch_on_piers, block_on_base, built, on_base, rectangle
 
 STONE = Material(20.0, 0.6, 1e6)
 MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "push_path")}
@@ -28,11 +28,8 @@ def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
 
 def test_a_lintel_that_rides_with_one_seat_slides_off_the_other():
     """Its bearings are 0.05 and 0.10 m: friction takes it along with the longer one, on which its weight is larger."""
-    seats = [rectangle(-1.0, -1.0, 0.05, 0.0), rectangle(1.9, -1.0, 3.0, 0.0)]
-    blocks = [
-        Block(seat, 1.0, STONE, support=name) for seat, name in zip(seats, ("left", "right"), strict=True)
-    ]
-    model = Assembly([*blocks, Block(rectangle(0.0, 0.0, 2.0, 0.3), 1.0, STONE)])
+    seats = {"left": (-1.0, -1.0, 0.05, 0.0), "right": (1.9, -1.0, 3.0, 0.0)}
+    model = built(STONE, (0.0, 0.0, 2.0, 0.3), **seats)
     path = pushdown(model, "right", (0.002, 0.0), increment=0.001, to_collapse=True)
     assert path.ultimate == pytest.approx(0.05, abs=1e-5)
 
@@ -60,8 +57,7 @@ def test_run_arch_tie():
 def test_the_arc_of_a_turn_does_not_depend_on_vertices_in_the_middle_of_an_edge():
     plain = [[-1.0, -0.2], [1.0, -0.2], [1.0, 0.0], [-1.0, 0.0]]
     dotted = [*plain[:1], *([x, -0.2] for x in (-0.9, -0.8, -0.7)), *plain[1:]]
-    wall = Block(rectangle(-0.1, 0.0, 0.1, 1.0), 1.0, STONE)
-    models = [Assembly([Block(base, 1.0, STONE, support="base"), wall]) for base in (plain, dotted)]
+    models = [built(STONE, (-0.1, 0.0, 0.1, 1.0), base=base) for base in (plain, dotted)]
     one, other = (pushdown(model, "base", rotation=0.01).movement[-1] for model in models)
     assert one == pytest.approx(other, rel=1e-12)
 

@@ -1,32 +1,22 @@
 """The peak of a curve is that of its own flow: what another flow, a lift or forces left open would bear is dropped."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
+from mechanics import Assembly, Material, limit_analysis, pushdown, pushover
 from mechanics.procedures.peaks import stands_until
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
 from mechanics.steps.static_system import static_system
 from tests.stress.corpus import assemblies
-from tests.support.structures import block_on_base, rectangle, semicircular_arch
+from tests.support.structures import block_on_base, built, in_bond, semicircular_arch
 
 
 def settled_wall(friction, height, split, width, rows, movement, step):
     """A wall in bond on two supports that meet at `split`, the right one settled; rows of ends of bricks."""
-    stone = Material(20.0, friction)
-    bases = [
-        Block(rectangle(low, -0.3, high, 0.0), 1.0, stone, support=name)
-        for low, high, name in ((-0.4, split, "left"), (split, width + 0.6, "right"))
-    ]
-    bricks = [
-        Block(rectangle(low, height * k, high, height * (k + 1)), 1.0, stone)
-        for k, row in enumerate(rows)
-        for low, high in pairwise(row)
-    ]
-    model = Assembly([*bases, *bricks])
+    bases = {"left": (-0.4, -0.3, split, 0.0), "right": (split, -0.3, width + 0.6, 0.0)}
+    model = built(Material(20.0, friction), *in_bond(rows, height), **bases)
     return model, pushdown(model, "right", movement, increment=step).final
 
 
@@ -106,20 +96,16 @@ def test_a_load_held_at_a_peak_is_taken_up_by_what_exceeds_it_or_fells_the_struc
 
 def test_points_beside_a_peak_of_another_flow_are_their_own():
     """All down to the lesser multiplier were dropped, α_0 was 0.421 by 4 mm; contact dynamics of its own: 0.515."""
-    stone = Material(20.0, 0.747)
     piers = [
-        rectangle(left + shift, 0.314 * k, left + shift + 0.3667, 0.314 * (k + 1))
+        (left + shift, 0.314 * k, left + shift + 0.3667, 0.314 * (k + 1))
         for k, shift in enumerate((0.0, 0.0043))
         for left in (-1.002, 0.648)
     ]
     lintels = [(-0.8561, 0.8561), (-1.0583, -0.8561), (0.8561, 1.0583)]
-    courses = [rectangle(low, 0.628, high, 0.8898) for low, high in lintels]
-    courses += [rectangle(low, 0.8898, high, 1.1608) for low, high in ((-1.0383, 0.2582), (0.2582, 1.0383))]
-    bases = [
-        Block(rectangle(low, -0.3, low + 1.0667, 0.0), 1.0, stone, support=name)
-        for low, name in ((-1.4083, "left"), (0.3416, "right"))
-    ]
-    model = Assembly([*bases, *(Block(polygon, 1.0, stone) for polygon in (*piers, *courses))])
+    courses = [(low, 0.628, high, 0.8898) for low, high in lintels]
+    courses += [(low, 0.8898, high, 1.1608) for low, high in ((-1.0383, 0.2582), (0.2582, 1.0383))]
+    bases = {name: (low, -0.3, low + 1.0667, 0.0) for low, name in ((-1.4083, "left"), (0.3416, "right"))}
+    model = built(Material(20.0, 0.747), *piers, *courses, **bases)
     settled = pushdown(model, "right", (-0.004935, 0.0008034), increment=0.0004935).final
     assert pushover(model, None, "-x", increment=0.004, state=settled).alpha_0 == pytest.approx(
         0.515, rel=0.01

@@ -1,7 +1,6 @@
 """Curves of settled states, of joints that slide, their peaks, control points and ends, in any frame."""
 
 import re
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from mechanics.procedures.peaks import may_peak
 from mechanics.procedures.push_path import PUSHOVER
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import small_wall
-from tests.support.structures import in_frame, on_base, rectangle, running_bond
+from tests.support.structures import built, in_bond, in_frame, on_base, rectangle, running_bond
 
 MOVED = (0.03, -0.02)
 
@@ -141,18 +140,8 @@ def test_a_curve_goes_on_along_its_flow_whatever_the_increment():
 
 def test_forces_that_a_settlement_has_left_do_not_raise_the_curve():
     """A wall in bond on two supports: what friction has pressed in held it up to 5 % above its least flow."""
-    stone = Material(18.0, 0.6)
-    bases = [
-        Block(rectangle(left, -0.3, left + 0.6, 0.0), 1.0, stone, support=name)
-        for left, name in ((0.0, "left"), (0.6, "right"))
-    ]
-    rows = [(0.0, 0.4, 0.8, 1.2), (0.0, 0.2, 0.6, 1.0, 1.2)]
-    bricks = [
-        Block(rectangle(left, 0.25 * course, right, 0.25 * (course + 1)), 1.0, stone)
-        for course in range(4)
-        for left, right in pairwise(rows[course % 2])
-    ]
-    model = Assembly([*bases, *bricks])
+    bricks = in_bond(2 * [(0.0, 0.4, 0.8, 1.2), (0.0, 0.2, 0.6, 1.0, 1.2)], 0.25)
+    model = built(Material(18.0, 0.6), *bricks, left=(0.0, -0.3, 0.6, 0.0), right=(0.6, -0.3, 1.2, 0.0))
     settled = pushdown(model, "right", (0.0, -0.005), increment=0.001).final
     curve = pushover(model, (0.0, 1.0), "-x", increment=0.004, state=settled, until=0.7)
     drawn = limit_analysis(model, "-x").alpha
@@ -306,13 +295,9 @@ def test_where_the_first_mechanism_is_local_the_curve_is_of_what_goes_farthest()
 @pytest.mark.parametrize("width", [0.1, 0.05, 0.02])
 def test_a_pinnacle_on_a_block_of_up_to_four_thousand_times_its_weight_turns_over(width):
     """α = tan(atan(b/h) − θ) until its centre is above its toe: the corner there has moved by h sin(atan(b/h))."""
-    stone = Material(18.0, 0.6)
-    blocks = [
-        Block(rectangle(-2, -0.3, 2, 0), 1.0, stone, support="base"),
-        Block(rectangle(-1.5, 0, 1.5, 3), 1.0, stone),
-    ]
-    pinnacle = Block(rectangle(-0.5 * width, 3, 0.5 * width, 3 + 5 * width), 1.0, stone)
-    curve = pushover(Assembly([*blocks, pinnacle]), increment=0.001)
+    pinnacle = (-0.5 * width, 3, 0.5 * width, 3 + 5 * width)
+    model = on_base(Material(18.0, 0.6), (-2, -0.3, 2), (-1.5, 0, 1.5, 3), pinnacle)
+    curve = pushover(model, increment=0.001)
     assert curve.alpha_0 == pytest.approx(0.2, rel=1e-6) and curve.reached_zero
     assert curve.displacement[-1] == pytest.approx(5 * width * np.sin(np.arctan(0.2)), rel=1e-3)
 

@@ -27,7 +27,9 @@ from tests.support.steps import euler_step, posed, shaken, static_step
 from tests.support.structures import (
     arch_on_piers,
     block_on_base,
+    built,
     column,
+    on_base,
     rectangle,
     running_bond,
     semicircular_arch,
@@ -348,14 +350,8 @@ def test_a_poor_answer_is_solved_again_by_another_solver(monkeypatch):
 
 def wedged():
     """A block between two walls that cannot give way."""
-    stone = Material(18.0, 0.7, 1e6)
-    return Assembly(
-        [
-            Block(rectangle(-2, -1, 3, 0), 1.0, stone, support="base"),
-            Block(rectangle(-1, 0, 0, 1), 1.0, stone, support="left"),
-            Block(rectangle(1, 0, 2, 1), 1.0, stone, support="right"),
-            Block(rectangle(0, 0, 1, 1), 1.0, stone),
-        ]
+    return built(
+        Material(18.0, 0.7, 1e6), (0, 0, 1, 1), base=(-2, -1, 3, 0), left=(-1, 0, 0, 1), right=(1, 0, 2, 1)
     )
 
 
@@ -372,9 +368,7 @@ def test_a_wedged_block_has_no_mechanism(direction):
 def test_shear_displacement_of_a_joint_with_tangential_stiffness(share):
     """Far from sliding and tipping: u = H/(k_t A), the joint's rotation aside; unloaded, the block comes back."""
     k_t = share * 1e6
-    stone = Material(18.0, 0.7, 1e6, k_t)
-    base = Block(rectangle(-1, -1, 2, 0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(0, 0, 1, 0.02), 1.0, stone)])
+    model = on_base(Material(18.0, 0.7, 1e6, k_t), (-1, -1, 2), (0, 0, 1, 0.02))
     system = static_system(model, "elastic")
     start = rest(system, model.initial)
     load = model.dead_load + 0.1 * model.lateral_load("+x")
@@ -402,9 +396,7 @@ def test_compression_of_an_elastic_joint_under_gravity():
 
 def test_a_raised_force_of_an_elastic_end_does_not_change_what_its_gap_misses():
     """Where a bed opens, a little force at its open end closes it by much: the gap beside it grows by as much."""
-    stone = Material(18.0, 0.7, 1e6)
-    base = Block(rectangle(-1, -1, 2, 0), 1.0, stone, support="base")
-    model = Assembly([base, Block(rectangle(0, 0, 1, 1), 1.0, stone)])
+    model = on_base(Material(18.0, 0.7, 1e6), (-1, -1, 2), (0, 0, 1, 1))
     system = static_system(model, "elastic")
     program, _ = posed(StepProblem(system, model.initial, model.dead_load, 1e-3))
     forces = program.weight * np.array([[1e-6, 1.0, 0.0]])

@@ -6,9 +6,9 @@ import re
 import tempfile
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -151,14 +151,43 @@ def _write(path: Path, content: str | bytes) -> None:
     path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
 
 
-def _project(folder: Path) -> Try:
-    write_named_files(folder)
+def _file(
+    name: str, begun: Callable[[Path], object], verdict: Callable[[Path], str]
+) -> Callable[[Path], Try]:
+    """What writes a case to a file of a folder that is `begun`, and tries the folder."""
 
-    def attempt(text: str | bytes) -> str:
-        _write(folder / "project.toml", text)
-        return judged(lambda: load_project(folder))
+    def prepared(folder: Path) -> Try:
+        begun(folder)
 
-    return attempt
+        def attempt(content: str | bytes) -> str:
+            _write(folder / name, content)
+            return verdict(folder)
+
+        return attempt
+
+    return prepared
+
+
+def _wall(folder: Path) -> None:
+    _write(folder / "project.toml", WALL)
+
+
+def _loaded(folder: Path) -> str:
+    return judged(lambda: load_project(folder))
+
+
+def _modelled(folder: Path) -> str:
+    return judged(lambda: build_model(load_project(folder)))
+
+
+def _repaired(folder: Path) -> str:
+    (folder / "geometry-repaired.dxf").unlink(missing_ok=True)
+    return judged(lambda: build_model(with_repaired_drawing(load_project(folder))[0]))
+
+
+def _reported(folder: Path) -> str:
+    with mock.patch.object(workflow, "write", lambda *_, **__: []):
+        return commanded("report", folder)
 
 
 def _numbers_of_a_model(folder: Path) -> Try:
@@ -175,47 +204,6 @@ def _numbers_of_a_model(folder: Path) -> Try:
     def attempt(text: str) -> str:
         _write(folder / "project.toml", text)
         return judged(model)
-
-    return attempt
-
-
-def _drawing(folder: Path) -> Try:
-    _write(folder / "project.toml", WALL)
-
-    def attempt(content: str | bytes) -> str:
-        _write(folder / "geometry.dxf", content)
-        return judged(lambda: build_model(load_project(folder)))
-
-    return attempt
-
-
-def _repaired(folder: Path) -> Try:
-    _write(folder / "project.toml", WALL)
-
-    def attempt(content: str | bytes) -> str:
-        _write(folder / "geometry.dxf", content)
-        (folder / "geometry-repaired.dxf").unlink(missing_ok=True)
-        return judged(lambda: build_model(with_repaired_drawing(load_project(folder))[0]))
-
-    return attempt
-
-
-def _pictured(folder: Path) -> Try:
-    _write(folder / "project.toml", WALL)
-
-    def attempt(content: str | bytes) -> str:
-        _write(folder / "geometry.dxf", content)
-        return commanded("check", folder)
-
-    return attempt
-
-
-def _workbook(folder: Path) -> Try:
-    (folder / "geometry.dxf").touch()
-
-    def attempt(content: bytes) -> str:
-        _write(folder / "project.xlsx", content)
-        return judged(lambda: load_project(folder))
 
     return attempt
 
@@ -241,24 +229,6 @@ def _hazard(folder: Path) -> Try:
         return judged(curve)
 
     return attempt
-
-
-def _results(folder: Path) -> Try:
-    write_block(folder)
-    (folder / "output").mkdir()
-
-    def attempt(content: str | bytes) -> str:
-        _write(folder / "output" / "results.json", content)
-        with _no_products():
-            return commanded("report", folder)
-
-    return attempt
-
-
-@contextmanager
-def _no_products() -> Iterator[None]:
-    with mock.patch.object(workflow, "write", lambda *_, **__: []):
-        yield
 
 
 def _name(_: Path) -> Try:
@@ -323,41 +293,34 @@ _TABLE = "T_R;a_g [g];F0;T_C*\n" + "\n".join(
 _RESULTS = json.dumps(results_example())
 _TEXTS = st.sampled_from([text for text in records.FORMATS.values() if isinstance(text, str)])
 _STEPS = st.sampled_from((None, 0.005, 1e-6, 10.0))
+_DRAWINGS = dxf_text.hostile_drawings() | damaged_lines(dxf_text.WHOLE, numbers)
 
 KINDS: dict[str, Kind] = {
     "project file": Kind(
-        damaged_lines(CONTRACT, values) | damaged_bytes(CONTRACT.encode()) | values, _project, 1200
+        damaged_lines(CONTRACT, values) | damaged_bytes(CONTRACT.encode()) | values,
+        _file("project.toml", write_named_files, _loaded), 1200,
     ),
     "numbers of a project": Kind(damaged_lines(BLOCK, numbers), _numbers_of_a_model, 500),
     "every table of a project": Kind(
-        damaged_lines(EVERY, values) | damaged_lines(EVERY, numbers), _numbers_of_a_model, 300
+        damaged_lines(EVERY, values) | damaged_lines(EVERY, numbers), _numbers_of_a_model, 300,
     ),
-    "drawing": Kind(
-        dxf_text.hostile_drawings()
-        | damaged_lines(dxf_text.WHOLE, numbers)
-        | damaged_bytes(dxf_text.WHOLE.encode()),
-        _drawing,
-        800,
+    "drawing": Kind(_DRAWINGS | damaged_bytes(dxf_text.WHOLE.encode()), _file("geometry.dxf", _wall, _modelled), 800),
+    "drawing, repaired": Kind(_DRAWINGS, _file("geometry.dxf", _wall, _repaired), 100),
+    "drawing, with its picture": Kind(_DRAWINGS, _file("geometry.dxf", _wall, partial(commanded, "check")), 50),
+    "workbook": Kind(
+        _workbooks(), _file("project.xlsx", lambda folder: (folder / "geometry.dxf").touch(), _loaded), 200,
     ),
-    "drawing, repaired": Kind(
-        dxf_text.hostile_drawings() | damaged_lines(dxf_text.WHOLE, numbers), _repaired, 100
-    ),
-    "drawing, with its picture": Kind(
-        dxf_text.hostile_drawings() | damaged_lines(dxf_text.WHOLE, numbers), _pictured, 50
-    ),
-    "workbook": Kind(_workbooks(), _workbook, 200),
     "record": Kind(
         st.tuples(_TEXTS.flatmap(lambda text: damaged_lines(text, numbers)), _STEPS)
-        | st.tuples(_TEXTS.flatmap(lambda text: damaged_bytes(text.encode())), _STEPS),
-        _record,
-        1000,
+        | st.tuples(_TEXTS.flatmap(lambda text: damaged_bytes(text.encode())), _STEPS), _record, 1000,
     ),
     "hazard": Kind(
         damaged_lines(_nodes(), numbers) | damaged_lines(_TABLE, numbers) | damaged_bytes(_TABLE.encode()),
-        _hazard,
-        400,
+        _hazard, 400,
     ),
-    "results": Kind(damaged_bytes(_RESULTS.encode()) | values, _results, 300),
-    "name": Kind(names, _name, 500),
-    "argument": Kind(names, _arguments, 100),
-}
+    "results": Kind(
+        damaged_bytes(_RESULTS.encode()) | values,
+        _file("output/results.json", lambda folder: (write_block(folder) / "output").mkdir(), _reported), 300,
+    ),
+    "name": Kind(names, _name, 500), "argument": Kind(names, _arguments, 100),
+}  # fmt: skip
