@@ -230,9 +230,8 @@ def first_frequency(model: Assembly) -> float:
     mass, stored = model.mass[model.movable].ravel()[layout.order], layout.triangle()
     diagonal(np.zeros(len(mass)), stored, layout.pattern)
     for k, (i, j) in enumerate(layout.row):
-        _, _, _, _, turns = bed_forces(
-            system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0
-        )  # all of it pressed, none crushed
+        # all of it pressed, none crushed
+        _, _, _, _, turns = bed_forces(system.law[k], np.inf, system.law[k, LEFT:], places[k, H], -1.0, 0.0)
         turns, slides = (0.0, 0.0) if ties[k] else (turns, shear[k])
         law = np.diag([normal[k], turns, slides]).ravel()
         stiffen(k, places[k], i, j, law, stored, layout.pattern)

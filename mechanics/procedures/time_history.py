@@ -239,9 +239,8 @@ def _until_collapse(
     system: DynamicSystem, part: Recorded, begun: Array, point: ControlPoint | None
 ) -> tuple[Recorded, Message | None]:
     """Return a part of a motion up to the step at which it has collapsed, and why; None where it has not."""
-    may_have = far(system.model, begun, part.x, point) & part.v.any(
-        axis=(1, 2)
-    )  # what rests does not collapse
+    # what rests does not collapse
+    may_have = far(system.model, begun, part.x, point) & part.v.any(axis=(1, 2))
     for k in np.flatnonzero(may_have):
         if k and (reason := collapse(system.model, system.contacts, begun, part.x[k], part.v[k], point)):
             return part.until(int(k)), reason

@@ -20,9 +20,8 @@ from mechanics.types import GRAVITY, Array
 
 ACCEPTED = 1e-10  # residual of an interior-point solution, per weight and step
 GOOD = 1e-8  # a certificate that needs no second opinion
-USABLE = (
-    1e-6  # the worst certificate that is accepted after all solvers have been tried or where a motion rests
-)
+# the worst certificate that is accepted after all solvers have been tried or where a motion rests
+USABLE = 1e-6
 BALANCED = USABLE  # of gravity: acceleration up to which loads count as balanced
 DOUBTFUL = 1e-3  # of gravity: a smaller acceleration may be none
 OPEN = 100.0  # steps: gap of a joint that stays open; half of it is open too
@@ -97,9 +96,8 @@ def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Ar
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
     law[:, BED], law[:, SHEAR], law[:, SLID], law[:, DILATION] = np.inf, 0.0, 0.0, 1.0
-    law[:, FRICTION] = np.minimum(
-        law[:, FRICTION], STEEPEST
-    )  # T is nothing where N is: no closed cone says that
+    # T is nothing where N is: no closed cone says that
+    law[:, FRICTION] = np.minimum(law[:, FRICTION], STEEPEST)
     mass = np.full(len(program.load), program.weight / GRAVITY)
     mass[2::3] *= program.size**2
     gauss = replace(program, places=places, law=law, work=0.0, mass=mass, step=GRAVITY, curved=None)

@@ -205,9 +205,8 @@ def fronts(linked: Index, bounds: Index) -> Fronts:
             at = np.searchsorted(there, rows[begin:])
             targets.append(np.array([[k, begin, end, laid]]))
             place.append(3 * at)
-            spans = _spans(
-                at - np.arange(len(at))
-            )  # of every place in them the distance to the end of its span
+            # of every place in them the distance to the end of its span
+            spans = _spans(at - np.arange(len(at)))
             together.append(3 * np.concatenate([np.arange(e - b, 0, -1) for _, b, e in spans]))
             laid += len(at)
         aim.append(len(targets) - 1)

@@ -23,9 +23,8 @@ from mechanics.types import Array
 
 MOST_ITERATIONS, IDLE = 100, 10  # in all, and without progress
 ROUGH = 1e-3  # residual of a solution by the associative law near which another one begins
-APART = (
-    0.3  # distance from the bounds, per weight and step, at which a program begins near an earlier solution
-)
+# distance from the bounds, per weight and step, at which a program begins near an earlier solution
+APART = 0.3
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
 
 

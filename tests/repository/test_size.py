@@ -25,9 +25,9 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3577,
     "mechanics/model": 2975,
-    "mechanics/procedures": 3463,
+    "mechanics/procedures": 3461,
     "mechanics/records": 996,
-    "mechanics/solvers": 973,
+    "mechanics/solvers": 969,
     "mechanics/steps": 1769,
 }
 

@@ -17,9 +17,8 @@ from tests import ROOT
 
 MOST_ARGUMENTS = 8
 KERNELS = ROOT / "mechanics" / "kernels"  # compiled loops; mechanics/kernels/__init__.py has the reason
-CATALOGUE = (
-    ROOT / "assessment" / "project" / "catalogue"
-)  # templates: functions of the dimensions of a structure
+# templates: functions of the dimensions of a structure
+CATALOGUE = ROOT / "assessment" / "project" / "catalogue"
 REASON = "arguments: "
 
 

@@ -25,11 +25,8 @@ from mechanics import Assembly, Block, Material, read_record
 from tests.support.structures import column, on_base, rectangle
 
 STEP, LENGTH = 0.005, 8.0  # s
-FINE, DEEP, SURE = (
-    1.01,
-    0.7,
-    10,
-)  # ratio of the dense levels; down to this share; collapses in a row that end it
+# ratio of the dense levels; down to this share; collapses in a row that end it
+FINE, DEEP, SURE = (1.01, 0.7, 10)
 INTRADOS, THICKNESS = 2.0, 0.45  # m, of the arches
 
 

@@ -92,9 +92,8 @@ def cases() -> Iterator[Case]:
         name = f"k = {k:g} kN/m³"
         yield Case("stiffness", name, partial(stiffness, k), refusal, soft or unresolved, bad)
     for factor in 10.0 ** np.arange(-5, 6, 2):
-        soft = (
-            factor * 1e5 / 12.0 < 27.0 * 0.75
-        )  # k b³/12 of a soft joint below W h/2: no column stands on it
+        # k b³/12 of a soft joint below W h/2: no column stands on it
+        soft = factor * 1e5 / 12.0 < 27.0 * 0.75
         refusal = (RunawayError,) if soft else ()
         yield Case(
             "stiffness", f"one of three joints stiffer by {factor:g}", partial(mixed, factor), refusal, soft

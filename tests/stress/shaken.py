@@ -57,9 +57,8 @@ def shaken(number: int, model: Assembly, contacts: Behaviour) -> None:
     motion = time_history(model, waves(number), STEP, contacts)
     sound(motion)
     energy = motion.energy
-    moves = (
-        energy.turnover > 1e-12 * model.weight * model.size
-    )  # of a structure that rests there is nothing to balance
+    # of a structure that rests there is nothing to balance
+    moves = energy.turnover > 1e-12 * model.weight * model.size
     assert not moves or energy.imbalance <= BALANCE, f"energy balance {energy.imbalance:.1e}"
     into = max(deepest(model, x) for x in motion.positions[:: max(len(motion.time) // 5, 1)])
     assert into <= INSIDE * model.block_size.min(), f"blocks lie {into:.2e} m in each other"

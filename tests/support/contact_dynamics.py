@@ -121,9 +121,8 @@ def ends_of_overlap(
         if min(reach[0, 1], reach[1, 1]) - max(reach[0, 0], reach[1, 0]) < least:
             continue
         for end in range(2):
-            of = (
-                int(reach[1, 0] > reach[0, 0]) if end == 0 else int(reach[1, 1] < reach[0, 1])
-            )  # whose corner
+            # whose corner
+            of = int(reach[1, 0] > reach[0, 0]) if end == 0 else int(reach[1, 1] < reach[0, 1])
             face, corner = 1 - of, (end + of) % 2
             out_x, out_z = way[face, 1], -way[face, 0]
             px, pz = point[of, corner, 0], point[of, corner, 1]

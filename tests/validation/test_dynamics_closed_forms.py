@@ -225,10 +225,8 @@ def test_dashpots_of_a_block_that_rocks_act_in_contact_alone(integrator: Integra
     for time in np.arange(0.0, 1.99, h):
         turned.append(q[2])
         cos, sin = np.cos(q[2]), np.sin(q[2])
-        x, z = (
-            along * cos + 0.5 * height * sin,
-            along * sin - 0.5 * height * cos,
-        )  # of fibres about the centroid
+        # of fibres about the centroid
+        x, z = (along * cos + 0.5 * height * sin, along * sin - 0.5 * height * cos)
         gap = q[1] + 0.5 * height + z
         force = np.where(gap < 0.0, np.maximum(each * (-gap - beta * (v[1] + v[2] * x)), 0.0), 0.0)
         normal = force.sum()

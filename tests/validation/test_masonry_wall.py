@@ -12,15 +12,8 @@ from mechanics import limit_analysis
 from tests.support.structures import running_bond
 
 
-def test_number_of_bricks():
-    assert int(running_bond().movable.sum()) == 33
-
-
-def test_number_of_joints():
-    assert len(running_bond().joints.a) == 83
-
-
-def test_number_of_bricks_of_wall_2():
+def test_numbers_of_bricks_and_joints():
+    assert (int(running_bond().movable.sum()), len(running_bond().joints.a)) == (33, 83)
     assert int(running_bond(5, 10).movable.sum()) == 55
 
 

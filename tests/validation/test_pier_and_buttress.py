@@ -17,11 +17,8 @@ from mechanics import Assembly, Material, limit_analysis, pushover
 from tests.support.contact_dynamics import farthest
 from tests.support.structures import on_base
 
-SHAPES = [
-    (0.5, 2.0, 0.4, 1.5, 0.5),
-    (0.5, 3.0, 0.5, 2.0, 0.4),
-    (0.4, 2.4, 0.4, 2.0, 0.3),
-]  # w₁, h₁, w₂, h₂, μ
+# w₁, h₁, w₂, h₂, μ
+SHAPES = [(0.5, 2.0, 0.4, 1.5, 0.5), (0.5, 3.0, 0.5, 2.0, 0.4), (0.4, 2.4, 0.4, 2.0, 0.3)]
 
 
 def built(w1: float, h1: float, w2: float, h2: float, mu: float, stiffness: float | None = None) -> Assembly:

@@ -1,9 +1,10 @@
-"""The semicircular voussoir arch: minimum thickness, friction, thrusts.
+"""The semicircular voussoir arch: minimum thickness, friction, thrusts, the spread of its supports at which it falls.
 
 Minimum t/R on the centre line [literature and computed independently]: 0.0957, 0.1061, 0.1067, 0.1074 with 7, 15, 27,
 51 voussoirs without sliding (limit 0.1075); with 27 voussoirs 0.1067, 0.1211, 0.1512 at μ = 0.40, 0.38, 0.35 and none
 at 0.30. Thrust over weight at t/R = 0.12, 0.15, 0.20, many voussoirs: least 0.1908, 0.1759, 0.1540, greatest 0.2070,
-0.2270, 0.2546.
+0.2270, 0.2546. Ultimate spread at the same t/R, 26 voussoirs, friction 0.7 [computed independently]: 0.0354, 0.1134,
+0.2962 of the mean radius.
 """
 
 import pytest
@@ -68,3 +69,10 @@ def test_the_edge_of_stability_is_sharp():
         low, high = (low, middle) if stands(27, middle) else (middle, high)
     assert stands(27, high + 1e-6)
     assert not stands(27, low - 1e-6)
+
+
+@pytest.mark.parametrize(("thickness", "expected"), [(0.12, 0.0354), (0.15, 0.1134), (0.20, 0.2962)])
+def test_ultimate_spread(thickness, expected):
+    model = semicircular_arch(26, thickness, friction=0.7)
+    path = pushdown(model, "right", (0.001, 0.0), increment=0.004, to_collapse=True)
+    assert path.ultimate == pytest.approx(expected, abs=3e-4)

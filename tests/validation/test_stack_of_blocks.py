@@ -12,10 +12,8 @@ from tests.support.contact_dynamics import motion
 from tests.support.structures import on_base
 
 FINE = 2e-4  # s; with 2e-5 it falls between 0.570 and 0.571 g, and between 0.2250 and 0.2255 g
-FALLS = {
-    0.5: (0.570, 0.572),
-    1.0: (0.2245, 0.2255),
-}  # g: stands the first, falls under the second, by period in s
+# g: stands the first, falls under the second, by period in s
+FALLS = {0.5: (0.570, 0.572), 1.0: (0.2245, 0.2255)}
 
 
 def sine(amplitude: float, period: float = 0.5) -> Callable[[np.ndarray], np.ndarray]:

@@ -232,9 +232,8 @@ def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, 
 def test_motions_that_do_not_fit_are_refused_by_key(tmp_path, extra, named):
     _project(tmp_path / "block")
     np.savetxt(tmp_path / "block" / "short.csv", np.column_stack([TIME, WAVE])[:50], delimiter=",")
-    knock = np.column_stack(
-        [0.005 * np.arange(401), np.arange(401) == 201]
-    )  # one sample, between those at 0.01 s
+    # one sample, between those at 0.01 s
+    knock = np.column_stack([0.005 * np.arange(401), np.arange(401) == 201])
     np.savetxt(tmp_path / "block" / "knock.csv", knock, delimiter=",")
     path = tmp_path / "block" / "project.toml"
     path.write_text(path.read_text(encoding="utf-8") + TAIL.format(scale=1.0) + extra, encoding="utf-8")

@@ -236,9 +236,8 @@ def test_every_state_and_direction_of_a_run_has_it(state, direction):
     rigid = analysed()["states"][state]["pushover"][direction]["rigid"]
     found = rigid["second_solver"]
     low, high = rigid.get("alpha_0_range", [rigid["alpha_0"]] * 2)
-    assert (
-        low <= found["alpha_0"] <= (high or 1.0)
-    )  # of an ensemble the least counts; this is that of the own run
+    # of an ensemble the least counts; this is that of the own run
+    assert low <= found["alpha_0"] <= (high or 1.0)
     assert found["alpha_program"] == pytest.approx(found["alpha_0"], rel=1e-4)
     assert found["alpha_linear_program"] == pytest.approx(found["alpha_program"], rel=1e-6)
     difference = found["alpha_linear_program"] / found["alpha_program"] - 1.0

@@ -47,9 +47,8 @@ def test_a_block_slides_past_an_edge():
     assert loss.displacement_m == pytest.approx(0.4)
     assert (loss.joint, loss.blocks, loss.overlap_m) == (0, [0, 1], pytest.approx(0.4))
     assert local_loss(model, states[:4], ways[:4], forces, falls=True) is None
-    assert (
-        local_loss(model, states, ways, 0.0 * forces, falls=True) is None
-    )  # a joint that bears nothing loses nothing
+    # a joint that bears nothing loses nothing
+    assert local_loss(model, states, ways, 0.0 * forces, falls=True) is None
     assert "perdere l’appoggio a d = 0,4 m" in in_italian(loss_sentence(loss))
 
 

@@ -141,9 +141,8 @@ def test_a_page_of_another_project_changes_nothing_and_is_told(session):
         session.held(known["project"])
     with pytest.raises(ConflictError):
         session.held("")
-    ask(
-        mine, "edit", digest=known["digest"], changes=[[["title"], "Mine"]]
-    )  # asked before the other was opened
+    # asked before the other was opened
+    ask(mine, "edit", digest=known["digest"], changes=[[["title"], "Mine"]])
     assert mine.receive("quake.csv", "record", RECORD)["name"] == "records/quake.csv"
     assert (session.home / "block" / "records" / "quake.csv").is_file()
     assert ask(session, "state")["content"]["title"] == "Block"

@@ -128,9 +128,8 @@ def test_record_spectrum_limits_and_shapes():
     assert spectrum.acceleration([[0.0, 0.5], [1.0, 2.0]]).shape == (2, 2)
     double = RecordSpectrum(2.0 * RECORD, STEP)
     np.testing.assert_allclose(double.displacement([0.3, 1.0]), 2.0 * spectrum.displacement([0.3, 1.0]))
-    gentle = RecordSpectrum(
-        np.sin(np.linspace(0.0, np.pi, 2000)), 0.005
-    )  # 10 s: quasi-static for short periods
+    # 10 s: quasi-static for short periods
+    gentle = RecordSpectrum(np.sin(np.linspace(0.0, np.pi, 2000)), 0.005)
     assert gentle.acceleration(0.05) == pytest.approx(1.0, rel=1e-3)
 
 

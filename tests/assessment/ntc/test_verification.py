@@ -209,9 +209,8 @@ def test_local_limit():
     assert (near.d_star_m, near.governing) == (pytest.approx(0.1), "local limit")
     far = verify(_block(), {"SLC": SOIL_A}, Method(local_limits={"SLC": 0.5}))["SLC"]
     assert (far.d_star_m, far.governing) == (pytest.approx(0.18), "0.60 d_0")
-    slow = Way(
-        np.array([0.0, 1.0]), np.array([0.0, 0.7])
-    )  # the blocks go 0.7 times as far as the point: 0.07 m
+    # the blocks go 0.7 times as far as the point: 0.07 m
+    slow = Way(np.array([0.0, 1.0]), np.array([0.0, 0.7]))
     capacity = _block()
     capacity = replace(capacity, fit=replace(capacity.fit, way=slow))
     near = check_nonlinear(capacity, "SLC", SOIL_A, Method(local_limits={"SLC": 0.2}))

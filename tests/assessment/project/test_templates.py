@@ -143,9 +143,8 @@ def test_a_bell_gable_sways_on_its_piers(openings):
 def test_a_pointed_arch_of_half_the_span_is_the_round_one():
     alike = {"span_m": 3.0, "rise_m": 1.5, "voussoirs": 20}
     assert corners(made("pointed-arch", alike)[0]) == corners(made("arch", alike)[0])
-    just = template_assembly(
-        "pointed-arch", span_m=3.0, rise_m=1.5000001, voussoirs=20
-    )  # the branch of two centres
+    # the branch of two centres
+    just = template_assembly("pointed-arch", span_m=3.0, rise_m=1.5000001, voussoirs=20)
     assert limit_analysis(just).alpha == pytest.approx(
         limit_analysis(template_assembly("arch", **alike)).alpha, rel=1e-5
     )

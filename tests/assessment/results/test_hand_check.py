@@ -129,9 +129,8 @@ def test_a_mechanism_goes_where_the_loads_push_it_and_its_joints_open():
                 overlap(drawing.start.swept(sign * drawing.velocity, 0.01 * drawing.amount))
                 for sign in (1.0, -1.0)
             )
-            assert forth <= max(
-                0.1 * back, 1e-9
-            )  # m²: below it is rounding, of joints that only slide or turn
+            # m²: below it is rounding, of joints that only slide or turn
+            assert forth <= max(0.1 * back, 1e-9)
             assert back > 0.0 or state == SETTLED  # a settled arch stands with its joints open
 
 

@@ -82,16 +82,8 @@ FREE = {
 
 def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
     """Tables of results whose keys the schema knows, one of each kind."""
-    named = {
-        "states",
-        "spectra",
-        "pushdown",
-        "pushover",
-        "capacity",
-        "scalings",
-        "messages",
-        "checks",
-    }  # one level of names
+    # one level of names
+    named = {"states", "spectra", "pushdown", "pushover", "capacity", "scalings", "messages", "checks"}
     found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     for path in places(results):
         if not FREE & {*path} and not (path and path[-1] in named):

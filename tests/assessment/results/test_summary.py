@@ -91,10 +91,8 @@ def test_the_linear_check_counts_at_slv_where_the_nonlinear_one_has_no_number():
     found = changed(without)
     counts, settled = (row(found, state).checks["SLV"] for state in ("original", SETTLED))
     assert counts.check == "SLV linear" and counts.zeta_E is not None
-    assert (settled.check, settled.loss) == (
-        "SLV",
-        None,
-    )  # of a linear and a nonlinear check there is no loss
+    # of a linear and a nonlinear check there is no loss
+    assert (settled.check, settled.loss) == ("SLV", None)
 
 
 def test_static_and_dynamic_capacity_are_on_one_reference_and_compared_without_confidence_factor():

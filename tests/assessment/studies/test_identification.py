@@ -246,9 +246,8 @@ def test_readings_of_a_block_that_turns(model):
     arm = np.array(PIER) - pivot
     shown = readings(model, gauges, positions)
     expected = 1e3 * turn * np.array([width, 0.0, 0.0, -1.0, arm[1], arm[0]])
-    assert shown == pytest.approx(
-        expected, abs=1e-4 * 1e3 * turn * width + 1e-9
-    )  # second order in the rotation
+    # second order in the rotation
+    assert shown == pytest.approx(expected, abs=1e-4 * 1e3 * turn * width + 1e-9)
 
 
 LINEAR = np.array([[2.0, 0.0], [0.0, 1.0], [1.0, 1.0]])

@@ -9,9 +9,8 @@ from mechanics.records import formats as record_formats
 from mechanics.records.record import read_record
 from mechanics.types import GRAVITY
 
-VALUES = np.array(
-    [0.01, -0.25, 0.1234567, 3.5e-05, -0.0125, 0.2, -1.0e-07, 0.0, 0.07, -0.03, 0.015, 0.002]
-)  # g
+# g
+VALUES = np.array([0.01, -0.25, 0.1234567, 3.5e-05, -0.0125, 0.2, -1.0e-07, 0.0, 0.07, -0.03, 0.015, 0.002])
 STEP = 0.005
 
 

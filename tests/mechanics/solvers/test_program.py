@@ -409,9 +409,8 @@ def test_a_raised_force_of_an_elastic_end_does_not_change_what_its_gap_misses():
     )
     assert before[0, 0] == pytest.approx(after[0, 0], rel=1e-9)
     assert begun.gaps[0, 0] > 2.0 * near.gaps[0, 0]
-    assert begun.gaps[0, 1] == pytest.approx(
-        1e-3 * program.step
-    )  # the other end yields less: its gap is the least
+    # the other end yields less: its gap is the least
+    assert begun.gaps[0, 1] == pytest.approx(1e-3 * program.step)
 
 
 def test_one_thread_within_and_as_many_as_before_afterwards() -> None:

@@ -65,9 +65,8 @@ def test_a_joint_that_carries_is_closed_in_a_rigid_motion_whatever_gap_was_left(
     closed = unshaken(model, State(above, still, carrying=np.array([True])), "rigid")
     falls = unshaken(model, State(above, still), "rigid")
     assert farthest(closed.positions[-1], above) < 1e-8
-    assert farthest(falls.positions[-1], above) == pytest.approx(
-        1e-5, abs=1e-6 * model.size
-    )  # a gap that is none
+    # a gap that is none
+    assert farthest(falls.positions[-1], above) == pytest.approx(1e-5, abs=1e-6 * model.size)
 
 
 def raised(model: Assembly, height: float) -> StepProblem:

@@ -23,11 +23,8 @@ from tests.support.typed import typed
 Results = dict[str, Any]
 Fields = Mapping[str, str]
 LIMITS = ("SLO", "SLD", "SLV", "SLC")
-RESIDUALS = {
-    "equilibrium_residual": 1e-6,
-    "cone_violation": 1e-6,
-    "complementarity": 1e-3,
-}  # at most, of good ones
+# at most, of good ones
+RESIDUALS = {"equilibrium_residual": 1e-6, "cone_violation": 1e-6, "complementarity": 1e-3}
 WORDS = words_of(typed(results_example("en")))
 
 

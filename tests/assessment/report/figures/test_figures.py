@@ -74,9 +74,8 @@ def test_a_pure_rotation_has_an_arc_over_its_support_in_its_sense(turned):
     [arrow] = figure.axes[0].texts
     centre, tail, head = base_of(results).centroid_m, arrow.xyann, arrow.xy
     assert (np.array(tail) + head) / 2.0 == pytest.approx(centre)
-    assert math.copysign(1.0, tail[0] - head[0]) == math.copysign(
-        1.0, rotation
-    )  # anticlockwise: from the right
+    # anticlockwise: from the right
+    assert math.copysign(1.0, tail[0] - head[0]) == math.copysign(1.0, rotation)
     figure.draw_without_rendering()
     begun, over, *_ = arrow.arrow_patch.get_path().vertices
     assert over[1] > begun[1]

@@ -62,9 +62,8 @@ def test_the_tornado_takes_the_weaker_direction_and_the_widest_swing_first():
     assert row["a_g_low_g"] == pytest.approx(0.42) and row["a_g_high_g"] == pytest.approx(0.72)
     assert row["a_g_base_g"] == 0.6 and row["swing_g"] == pytest.approx(0.30)
     assert rows["original", "stiffness"]["a_g_base_g"] == 1.0
-    assert rows[SETTLED, "friction"]["swing_g"] == pytest.approx(
-        0.03
-    )  # low and as given, the high one being equal
+    # low and as given, the high one being equal
+    assert rows[SETTLED, "friction"]["swing_g"] == pytest.approx(0.03)
 
 
 def test_what_was_not_reached_has_no_swing():
