@@ -4,8 +4,13 @@ The analyses themselves are public names of `mechanics`; here are their results 
 """
 
 from mechanics.procedures.energy import may_fall
-from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.mechanism import farthest_corner, friction_work, hinges, virtual_work_multiplier
+from mechanics.procedures.limit_analysis import (
+    farthest_corner,
+    friction_work,
+    hinges,
+    limit_in,
+    virtual_work_multiplier,
+)
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.motion_start import HISTORY
 from mechanics.procedures.path_start import settled

@@ -22,8 +22,7 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.model.contacts import Contacts
 from mechanics.pictures import draw_curve, film
-from mechanics.procedures.limit_analysis import limit_analysis
-from mechanics.procedures.mechanism import farthest_corner
+from mechanics.procedures.limit_analysis import farthest_corner, limit_analysis
 from mechanics.procedures.model_check import check_path
 from mechanics.procedures.path_start import no_way_from_rest
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushoverTolerances, PushPath

@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3577,
     "mechanics/model": 2975,
-    "mechanics/procedures": 3461,
+    "mechanics/procedures": 3454,
     "mechanics/records": 996,
     "mechanics/solvers": 969,
     "mechanics/steps": 1769,

@@ -17,7 +17,7 @@ from assessment.results.joint_states import outlines, situations
 from assessment.results.table import sense
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 from mechanics.pictures import field, place
-from mechanics.procedures.mechanism import friction_work, virtual_work_multiplier
+from mechanics.procedures.limit_analysis import friction_work, virtual_work_multiplier
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
 from tests.support.random_masonry import small_wall

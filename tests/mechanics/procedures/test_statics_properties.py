@@ -11,7 +11,7 @@ from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from mechanics import Assembly, limit_analysis, pushdown, pushover
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps
-from mechanics.procedures.mechanism import virtual_work_multiplier
+from mechanics.procedures.limit_analysis import virtual_work_multiplier
 from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import closed_program, reaction, rest
 from mechanics.steps.static_system import static_system
