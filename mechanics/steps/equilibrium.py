@@ -20,7 +20,7 @@ from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import StaticSystem, carried, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
-from mechanics.types import GRAVITY, Array, Index
+from mechanics.types import GRAVITY, Array, Index, Mask
 
 FALL = 0.1  # of a block: the way in which unpressed ones are looked for
 YIELD = 1e-4  # of a block: what the weight of the whole structure presses a face in
@@ -50,18 +50,25 @@ class ClosedProgram:
     def hinged(self, normal: Array) -> ClosedProgram | None:
         """Return the program with its hinges where normal forces (j,) kN have them; None if they are there.
 
-        Raises NoEquilibriumError where a force crushes the whole of a joint.
+        An edge that its force crushes over the whole of a joint, as a corner on a narrow ledge, carries nothing.
         """
         half, strength = self.edges.T
-        if (normal >= 2.0 * half * strength).any():
-            raise NoEquilibriumError(message("no equilibrium: a joint is crushed over its whole length"))
+        if (whole := normal >= 2.0 * half * strength).any():
+            return self.without(whole)
         now = half - 0.5 * normal / strength
         places = self.program.places
-        if abs(now - places[:, H]).max(initial=0.0) <= STEP.rounding * self.program.size:
+        if abs(now - places[:, H]).max(initial=0.0) <= STEP.inside * self.program.size:
             return None
         moved = places.copy()
         moved[:, H], moved[:, PHI] = now, places[:, PHI] * places[:, H] / now
         return replace(self, program=replace(self.program, places=moved))
+
+    def without(self, joints: Mask) -> ClosedProgram:
+        """Return the program without those of its joints (j,)."""
+        kept, own = np.flatnonzero(~joints), self.program
+        program = replace(own, dof=own.dof[kept], places=own.places[kept], law=own.law[kept])
+        layout, edges = self.layout.take(kept), self.edges[kept]
+        return replace(self, program=program, index=self.index[kept], layout=layout, edges=edges)
 
     def on_edges(self) -> tuple[ClosedProgram, Array]:
         """Return the program whose joints with one open end are hinges at the other, N and T alone.

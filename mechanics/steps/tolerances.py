@@ -97,7 +97,7 @@ class LimitTolerances:
 
     closed: float = 1e-3
     onset: float = 1e-3
-    repeats: int = 12
+    repeats: int = 24
     tries: int = 64
     tried: int = 6000
     other: float = 0.5

@@ -11,7 +11,7 @@ from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
     "arch_on_piers", "block_on_base", "built", "column", "in_bond", "in_frame", "on_base", "rectangle",
-    "running_bond", "semicircular_arch", "tied_arch",
+    "running_bond", "semicircular_arch", "springing_arch", "tied_arch",
 ]  # fmt: skip
 
 
@@ -123,3 +123,33 @@ def column(
     base = Block(rectangle(-width, -0.2, 2.0 * width, 0.0), 1.0, stone, support="base")
     stacked = [Block(rectangle(0.0, low, width, high), 1.0, stone) for low, high in pairwise(levels)]
     return Assembly([base, *stacked], segments)
+
+
+def springing_arch(
+    lip: float = 0.0, ledge: float = 0.0, strength: float = np.inf, stiffness: float | None = None
+) -> Assembly:
+    """A segmental arch of nine voussoirs between skewbacks on two piers, span 2.4 m, as they are drawn.
+
+    `lip` (m): of the skewbacks, upright below the springing; `ledge` (m): by which it is set back on them, or on the
+    piers. Without a lip the foot of the intrados lies on a pier, at its corner where there is no ledge.
+    """
+    stone = Material(20.0, 0.7, stiffness, compressive_strength=strength)
+    half, thick, pier, top = np.radians(55.0), 0.4, 0.8, 2.0
+    radius = (1.2 + ledge) / np.sin(half)
+    centre = np.array([0.0, top + lip - radius * np.cos(half)])
+    turns = np.linspace(-half, half, 10)
+    inner = centre + radius * np.column_stack([np.sin(turns), np.cos(turns)])
+    outer = centre + (radius + thick) * np.column_stack([np.sin(turns), np.cos(turns)])
+    blocks = []
+    for side in (-1.0, 1.0):
+        low, high = sorted((1.2 * side, (1.2 + pier) * side))
+        blocks.append(Block(rectangle(low, -0.4, high, 0.0), 1.0, stone, support=f"{side:+g}"))
+        blocks += [Block(rectangle(low, 0.5 * k, high, 0.5 * k + 0.5), 1.0, stone) for k in range(4)]
+        foot, head = (inner[0], outer[0]) if side < 0.0 else (inner[-1], outer[-1])
+        skewback = [((1.2 + pier) * side, top), ((1.2 + pier) * side, head[1]), head, foot]
+        skewback += [(1.2 * side, foot[1])] if lip and ledge else []
+        skewback += [(1.2 * side, top)] if lip or not ledge else []
+        blocks.append(Block(skewback, 1.0, stone))
+    pairs = zip(inner, outer, inner[1:], outer[1:], strict=False)
+    blocks += [Block([a, b, d, c], 1.0, stone) for a, b, c, d in pairs]
+    return Assembly(blocks)

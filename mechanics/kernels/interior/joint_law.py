@@ -20,7 +20,19 @@ import numpy as np
 from mechanics.kernels.bed import closures, linearised
 from mechanics.kernels.jit import inlined, larger, looped
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, DILATION, EXACT, FRICTION, SHEAR, SLID, STRENGTH, gaps_under, kind
+from mechanics.kernels.law import (
+    BED,
+    CRUSHING,
+    DILATION,
+    EXACT,
+    FRICTION,
+    LEFT,
+    SHEAR,
+    SLID,
+    STRENGTH,
+    gaps_under,
+    kind,
+)
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -105,17 +117,22 @@ def _bed(
     """Gaps of a bed's ends under N₁ and N₂, its compliance C₁₁, −C₁₂, C₂₂, and its residual beside `first`, `second`.
 
     The last is negative where it is the distance of the ends from the gaps returned. An open end's gap may be the
-    bed's as well as y (4,): where it can, y takes what is missing.
+    bed's as well as y (4,): where it can, y takes what is missing. A bed that no fibre of which has reached its
+    strength is one without.
     """
     if law[BED] == np.inf:
         return 0.0, 0.0, 0.0, 0.0, 0.0, -1.0
-    if kind(law, law[STRENGTH]) != EXACT:
+    soft, which = 1.0 / (2.0 * h * law[BED]), kind(law, law[STRENGTH])
+    w1, w2 = closures(n1, n2, soft)
+    whole = which == CRUSHING and law[BED] * max(-w1, -w2) <= law[STRENGTH] and not law[LEFT:].any()
+    if which != EXACT and not whole:
         w1, w2, c11, c12, c22 = gaps_under(law, h, n1, n2)
         return w1, w2, c11, c12, c22, -1.0
-    soft = 1.0 / (2.0 * h * law[BED])
-    w1, w2 = closures(n1, n2, soft)
-    y[0], y[1] = _taken(first - w1, y[0]), _taken(second - w2, y[1])
-    off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
+    share = soft * law[BED] * (n1 + n2) / law[STRENGTH]  # of the strength: both gaps take it off both ends
+    y[0] = _taken(first - w1 + share * (y[0] + y[1]), y[0])
+    y[1] = _taken(second - w2 + share * (y[0] + y[1]), y[1])
+    closed = share * (y[0] + y[1])
+    off = max(abs(w1 + y[0] - closed - first), abs(w2 + y[1] - closed - second))
     turn = first - second - y[0] + y[1]
     w1, w2, c11, c12, c22 = linearised(n1, n2, turn, soft)
     return w1, w2, c11, c12, c22, off

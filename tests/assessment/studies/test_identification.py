@@ -185,7 +185,7 @@ def _stopped(monkeypatch, path):
     """Let every movement be stopped by an error that is no collapse, and carries the path so far, or none."""
 
     def stop(*_):
-        error = ConvergenceError(message("a joint is crushed over its whole length"))
+        error = ConvergenceError(message("a step of the path was not solved to the required accuracy"))
         error.path = path
         raise error
 

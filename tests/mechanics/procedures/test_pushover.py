@@ -12,7 +12,15 @@ from mechanics.procedures.peaks import may_peak
 from mechanics.procedures.push_path import PUSHOVER
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import small_wall
-from tests.support.structures import built, in_bond, in_frame, on_base, rectangle, running_bond
+from tests.support.structures import (
+    built,
+    in_bond,
+    in_frame,
+    on_base,
+    rectangle,
+    running_bond,
+    springing_arch,
+)
 
 MOVED = (0.03, -0.02)
 
@@ -40,6 +48,34 @@ def test_crushing_vanishes_with_the_inverse_of_the_strength():
     lost = [whole - onset(strength) for strength in (1e6, 1e5, 1e4)]
     assert 0.0 < lost[0] < 1e-3 * whole
     assert lost[1:] == pytest.approx([10.0 * lost[0], 100.0 * lost[0]], rel=0.01)
+
+
+@pytest.mark.parametrize(("lip", "ledge"), [(0.0, 0.0), (0.1, 0.05), (0.0, 0.05)])
+def test_the_corner_of_a_springing_refuses_no_strength(lip, ledge):
+    """Any strength was refused: a corner on a third block crushes at once where it is pressed, or bears a share.
+
+    With elastic joints Newton crept, with rigid ones the hinges did not settle, or a narrow ledge was no equilibrium.
+    """
+    curves = [
+        [
+            pushover(
+                springing_arch(lip, ledge, strength, 1e6),
+                (1.9, 2.0),
+                contacts=contacts,
+                increment=0.005,
+                until=0.9,
+            )
+            for strength in (np.inf, 1e5, 5000.0, 1000.0)
+        ]
+        for contacts in ("rigid", "elastic")
+    ]
+    rigid, elastic = ([curve.alpha_0 for curve in each] for each in curves)
+    lost = rigid[0] - np.array(rigid[1:])
+    assert 0.0 < lost[0] < 2e-3 * rigid[0]
+    assert 0.7 * 20.0 < lost[1] / lost[0] < 1.3 * 20.0 and 0.7 * 5.0 < lost[2] / lost[1] < 1.3 * 5.0
+    assert elastic == pytest.approx(
+        [elastic[0]] * 4, rel=2e-3
+    )  # so soft, their edges bear more than they crush
 
 
 @pytest.mark.parametrize(("direction", "sliding"), [("+x", "associative"), ("-x", "coulomb")])
