@@ -38,7 +38,7 @@ from mechanics.kernels.interior.joints import (  # isort: skip
 )  # fmt: skip
 from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, H, U
-from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.kernels.linalg.factors import cholesky, lu, substitute
 from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.types import Array
@@ -54,7 +54,6 @@ ROUNDING = 1e-3  # share of the unbalanced force, or of what is accepted, that a
 ROUNDED = 3e-15  # an imbalance, per weight, that is none
 WIDE = 1e-4  # gaps count for so much less than forces and products in what is accepted
 FARTHER = 1.5  # times as far as a step leads, products are looked at
-IDLE_CRUSHED = 20  # iterations without progress where joints crush: forces go from bound to bound first
 TOUCHES = 1e-6  # of the step: a gap that is none, where friction is infinite
 PRESSES = 0.01  # of what a bed closes: a gap of faces that press there
 NEAR, GROWS = 0.5, 10.0  # share of its bound at which T raises it, and by how much
@@ -239,8 +238,6 @@ def iterate(
     pattern = unpacked(packed)
     weight, size, step, accepted, closed = scale
     most, idle = limits
-    if (law[:, STRENGTH] < np.inf).any():
-        idle = IDLE_CRUSHED
     count, c, unit = len(x), len(row), step / weight
     given, law = law, law.copy()
     bounded = _bound_shear(places, law, f, step)

@@ -128,11 +128,11 @@ def _bed(
     if which != EXACT and not whole:
         w1, w2, c11, c12, c22 = gaps_under(law, h, n1, n2)
         return w1, w2, c11, c12, c22, -1.0
-    share = soft * law[BED] * (n1 + n2) / law[STRENGTH]  # of the strength: both gaps take it off both ends
-    y[0] = _taken(first - w1 + share * (y[0] + y[1]), y[0])
-    y[1] = _taken(second - w2 + share * (y[0] + y[1]), y[1])
-    closed = share * (y[0] + y[1])
-    off = max(abs(w1 + y[0] - closed - first), abs(w2 + y[1] - closed - second))
+    beta = soft * law[BED] * (n1 + n2) / law[STRENGTH]
+    y[0] = _taken(first - w1 + beta * (y[0] + y[1]), y[0])
+    y[1] = _taken(second - w2 + beta * (y[0] + y[1]), y[1])
+    w1, w2 = w1 - beta * (y[0] + y[1]), w2 - beta * (y[0] + y[1])
+    off = max(abs(w1 + y[0] - first), abs(w2 + y[1] - second))
     turn = first - second - y[0] + y[1]
     w1, w2, c11, c12, c22 = linearised(n1, n2, turn, soft)
     return w1, w2, c11, c12, c22, off
