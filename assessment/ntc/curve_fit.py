@@ -15,7 +15,7 @@ from mechanics.errors import require
 from mechanics.messages import Message, SaidError, message
 from mechanics.types import Array
 
-SWAY = 0.01  # of the displacement at the peak: as a settled state's hinges close, the control point may sway back
+SWAY = 0.01  # of the displacement at the peak: as hinges of a settled state close, the control point may sway back
 DROP = 1e-8  # of d_0: a last piece of the rigid branch that is shorter is vertical
 SECANT_SHARE = 0.4  # of α_u: where the secant stiffness is taken
 YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
@@ -179,12 +179,13 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
-    back = np.maximum.accumulate(d) - d
-    if d_secant <= 0.0 or back[: peak + 1].max() > SWAY * d[peak]:
+    grows = alpha[:above] >= np.maximum.accumulate(alpha[:above])  # where a part snaps through α falls and comes back
+    back = (np.maximum.accumulate(d) - d)[:above][grows]
+    if d_secant <= 0.0 or back.max() > SWAY * d[peak]:
         raise CapacityError(
             message("elastic curve: the control point does not advance as the load grows; choose another one")
         )
-    turned = np.flatnonzero(back[peak:] > 1e-9 * np.abs(d).max())
+    turned = np.flatnonzero(np.maximum.accumulate(d[peak:]) - d[peak:] > 1e-9 * np.abs(d).max())
     end = peak + int(turned[0]) if turned.size else d.size
     return d_secant, alpha_u, (np.maximum.accumulate(d[:end]), alpha[:end])
 

@@ -194,6 +194,18 @@ def test_a_control_point_that_sways_back_a_little_as_hinges_close_is_no_fault():
     assert swayed.alpha_y == straight.alpha_y
 
 
+@pytest.mark.parametrize("model", ["trilinear", "bilinear"])
+@pytest.mark.parametrize(("at", "down"), [(0.1, 0.01), (0.95, 0.9)])
+def test_a_part_that_snaps_through_is_no_turn_of_the_control_point(model, at, down):
+    """A crown that snaps from one hinge to another: α falls as the control point goes back, and both come again."""
+    d, alpha = np.linspace(0.0, 0.02, 41), 0.06 * np.linspace(0.0, 1.0, 41)
+    k = int(40 * at)
+    snap = np.linspace(at, down * at, 4)[1:]
+    snapped = np.insert(d, k + 1, 0.02 * snap), np.insert(alpha, k + 1, 0.06 * snap)
+    whole, fit = fit_curve(model, _rigid(), (d, alpha)), fit_curve(model, _rigid(), snapped)
+    assert (fit.d_y, fit.alpha_y) == pytest.approx((whole.d_y, whole.alpha_y), rel=5e-3)
+
+
 @pytest.mark.parametrize(
     ("rigid", "elastic", "says"),
     [
