@@ -179,7 +179,7 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
-    grows = alpha[:above] >= np.maximum.accumulate(alpha[:above])  # where a part snaps through α falls and comes back
+    grows = alpha[:above] >= np.maximum.accumulate(alpha[:above])  # not where a part snaps through
     back = (np.maximum.accumulate(d) - d)[:above][grows]
     if d_secant <= 0.0 or back.max() > SWAY * d[peak]:
         raise CapacityError(
