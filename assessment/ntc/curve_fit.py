@@ -180,8 +180,7 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
     grows = alpha[:above] >= np.maximum.accumulate(alpha[:above])  # not where a part snaps through
-    back = (np.maximum.accumulate(d) - d)[:above][grows]
-    if d_secant <= 0.0 or back.max() > SWAY * d[peak]:
+    if d_secant <= 0.0 or (np.maximum.accumulate(d) - d)[:above][grows].max() > SWAY * d[peak]:
         raise CapacityError(
             message("elastic curve: the control point does not advance as the load grows; choose another one")
         )
