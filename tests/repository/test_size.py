@@ -23,12 +23,12 @@ LINES = {
     "assessment/studies": 2264,
     "assessment/workflow": 916,
     "mechanics": 935,
-    "mechanics/kernels": 3577,
+    "mechanics/kernels": 3583,
     "mechanics/model": 2975,
     "mechanics/procedures": 3454,
     "mechanics/records": 996,
     "mechanics/solvers": 969,
-    "mechanics/steps": 1769,
+    "mechanics/steps": 1776,
 }
 
 

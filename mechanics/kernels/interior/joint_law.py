@@ -20,19 +20,7 @@ import numpy as np
 from mechanics.kernels.bed import closures, linearised
 from mechanics.kernels.jit import inlined, larger, looped
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import (
-    BED,
-    CRUSHING,
-    DILATION,
-    EXACT,
-    FRICTION,
-    LEFT,
-    SHEAR,
-    SLID,
-    STRENGTH,
-    gaps_under,
-    kind,
-)
+from mechanics.kernels.law import BED, DILATION, FRICTION, SHEAR, SLID, STRENGTH, gaps_under, is_whole
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
 
@@ -117,15 +105,13 @@ def _bed(
     """Gaps of a bed's ends under N₁ and N₂, its compliance C₁₁, −C₁₂, C₂₂, and its residual beside `first`, `second`.
 
     The last is negative where it is the distance of the ends from the gaps returned. An open end's gap may be the
-    bed's as well as y (4,): where it can, y takes what is missing. A bed that no fibre of which has reached its
-    strength is one without.
+    bed's as well as y (4,): where it can, y takes what is missing.
     """
     if law[BED] == np.inf:
         return 0.0, 0.0, 0.0, 0.0, 0.0, -1.0
-    soft, which = 1.0 / (2.0 * h * law[BED]), kind(law, law[STRENGTH])
+    soft = 1.0 / (2.0 * h * law[BED])
     w1, w2 = closures(n1, n2, soft)
-    whole = which == CRUSHING and law[BED] * max(-w1, -w2) <= law[STRENGTH] and not law[LEFT:].any()
-    if which != EXACT and not whole:
+    if not is_whole(law, max(-w1, -w2)):
         w1, w2, c11, c12, c22 = gaps_under(law, h, n1, n2)
         return w1, w2, c11, c12, c22, -1.0
     beta = soft * law[BED] * (n1 + n2) / law[STRENGTH]
