@@ -272,8 +272,8 @@ def add_curve(
     beyond = path.multiplier[path.peak :].max()
     if beyond > (1.0 + DIFFERS) * path.alpha_0:
         exceeded = message(
-            "under α = {alpha:.4g} held the structure falls: α that exceeds it farther on, up to {beyond:.4g}, counts "
-            "as much", alpha=path.alpha_0, beyond=float(beyond),
+            "under α = {alpha:.4g} held the structure falls: what exceeds it farther on, up to {beyond:.4g}, does not count",
+            alpha=path.alpha_0, beyond=float(beyond),
         )  # fmt: skip
         found.warnings.append(headed(title, exceeded))
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
@@ -294,6 +294,11 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
             "way, and α0 = {multiplier:.4g} is that of what moves then; the former activates the first mechanism: "
             "linear checks are of it",
             onset=curve.alpha_onset, displacement=float(path.displacement[path.peak]), multiplier=curve.alpha_0,
+        )  # fmt: skip
+    if path.model.crushes and curve.mechanism.sliding_joints:
+        yield message(
+            "joints slide and can be crushed: points of the curve are not held against limit analysis in their states, "
+            "and α0 may be that of another flow; compare it with that of joints without compressive_strength_kN_m2",
         )  # fmt: skip
     if len(path.dropped):
         yield message(

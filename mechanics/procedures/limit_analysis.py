@@ -27,13 +27,13 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.kernels.joint import H
-from mechanics.kernels.law import FRICTION, STEEP
+from mechanics.kernels.law import FRICTION, STEEP, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_points, relative_motion
 from mechanics.pictures import draw_mechanism, through_blocks
-from mechanics.program import BOUNDED, LARGEST_MULTIPLIER, Certificate, Program, Solution, certify
-from mechanics.solvers import GOOD, USABLE, iterated, solve
+from mechanics.program import BOUNDED, LARGEST_MULTIPLIER, Certificate, Program, Solution, certify, end_forces
+from mechanics.solvers import ACCEPTED, GOOD, USABLE, interior, iterated, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate, with_dilation
 from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
@@ -152,6 +152,8 @@ def _limit(
         closed = again
     else:
         raise ConvergenceError(message("the hinges that crush do not settle where their forces have them"))
+    if sliding == "coulomb" and np.isfinite(on_edges.program.law[:, STRENGTH]).any():
+        found, central, dilation = _no_more_than_whole(on_edges, (found, central, dilation))
     if abs(found.alpha) > BOUNDED:
         raise NoEquilibriumError(
             message(
@@ -178,6 +180,34 @@ def _limit(
         dilation,
         sliding,
     )
+
+
+def flowing_iterate(program: Program, found: Solution) -> Iterate:
+    """Return the iterate near a flow: its forces, gaps and slips, from which displacements are counted."""
+    u, phi, slip = program.deformation(found.displacement).T
+    tilt = program.places[:, H] * phi
+    gaps = np.column_stack([u - tilt, u + tilt, slip, -slip]).clip(0.0)
+    ends = end_forces(found.forces, program.places[:, H])
+    return Iterate(np.column_stack([ends, found.forces[:, 2]]), gaps, found.alpha, 0.0 * found.displacement)
+
+
+def _no_more_than_whole(
+    closed: ClosedProgram, flow: tuple[Solution, float, float]
+) -> tuple[Solution, float, float]:
+    """Return a flow of joints that crush; where joints that do not have less, one near theirs, or theirs.
+
+    Where joints crush the program is not linear, and its least flow is not sought.
+    """
+    program, law = closed.program, closed.program.law.copy()
+    law[:, STRENGTH] = np.inf
+    least, central, psi = _coulomb(replace(closed, program=replace(program, law=law)))
+    if least.alpha >= flow[0].alpha:
+        return flow
+    crushes = with_dilation(program, psi)
+    ended, _ = interior.run(crushes, closed.layout, flowing_iterate(program, least).warm(crushes), ACCEPTED)
+    found = interior.solution(crushes, ended)
+    good = found.certificate.worst(crushes.step) <= GOOD and found.alpha <= least.alpha
+    return found if good else least, central, psi
 
 
 def _associative(closed: ClosedProgram) -> tuple[Solution, float, float]:

@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import H
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.procedures.limit_analysis import Limit, limit_analysis
-from mechanics.program import Solution, end_forces
-from mechanics.solvers.interior import Iterate
+from mechanics.procedures.limit_analysis import Limit, flowing_iterate, limit_analysis
+from mechanics.program import Solution
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size, unpressed
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import come_down
@@ -82,14 +80,9 @@ def _onset(limit: Limit, increment: float) -> Equilibrium:
     index = np.arange(len(system.contacts))
     program, _ = problem.pose(begun.positions, None, index)
     moved = increment * limit.mechanism[limit.model.movable].ravel()
-    iterate = None
+    found, iterate = Solution(limit.forces, limit.alpha, moved, limit.certificate), None
     if not limit.dilation and np.isinf(limit.contacts.strength[limit.contacts.ties]).all():
-        u, phi, slip = program.deformation(moved).T
-        tilt = program.places[:, H] * phi
-        gaps = np.column_stack([u - tilt, u + tilt, slip, -slip]).clip(0.0)
-        ends = end_forces(limit.forces, program.places[:, H])
-        iterate = Iterate(np.column_stack([ends, limit.forces[:, 2]]), gaps, limit.alpha, 0.0 * moved)
-    found = Solution(limit.forces, limit.alpha, moved, limit.certificate)
+        iterate = flowing_iterate(program, found)
     step = equilibrium(problem, begun.positions, index, found, iterate, 1)
     return replace(step, state=begun, lifting=limit.sliding == "coulomb" and limit.dilation > 0.0)
 

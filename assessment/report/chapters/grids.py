@@ -17,7 +17,7 @@ from assessment.report.tables import capacity as checked
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.results import hand_check
 from assessment.results.schema import QUANTITIES, Results, present
-from assessment.results.summary import index_limit, index_of, least_row, printed
+from assessment.results.summary import index_limit, index_of, least_row, printed, undetermined
 from assessment.results.table import Row, Table, cells, reference_of
 
 AS_THEY_ARE = """ties settlements tie_tensions knowledge all_mechanisms linear_checks scalings history
@@ -159,22 +159,27 @@ def _action(results: Results) -> Table:
 
 
 def _interventions(results: Results) -> Table:
-    """Return original, settled and strengthened states beside one another, each in its weakest direction."""
+    """Return all states beside one another, each in its weakest direction and in those whose index is not known."""
     rows: list[Row] = []
     for name in results.states if results.strengthening else ():
         row: Row = {"state": name}
         if least := least_row(results, name):
             row |= {"direction": least.direction, "alpha_0": least.alpha_0, "d_0_m": least.d_0_m}
             if check := index_of(least, index_limit(results)):
-                row |= {"zeta_E": check.zeta_E, "reduction": check.loss, "gain": check.gain}
-                row["verified"] = check.verified
+                row |= {
+                    "zeta_E": check.zeta_E,
+                    "reduction": check.loss,
+                    "gain": check.gain,
+                    "verified": check.verified,
+                }
             pushed = (found for found in structure.tensions(results) if "direction" in found[0])
             own = (each for where, each in pushed if where["state"] == name)
             if pulled := [(each.greatest_kN, each.tie) for each in own if each.greatest_kN is not None]:
                 force, tie = max(pulled)
                 limit = structure.tie_strength(results)[tie]
                 row |= {"greatest_kN": force, "share_used": force / limit if limit else None}
-        rows.append(present(row))
+        ways = undetermined(results).get(name, ())
+        rows += [present(row), *({"state": name, "direction": way, "zeta_E": None} for way in ways)]
     columns = "state direction zeta_E reduction gain alpha_0 d_0_m greatest_kN share_used verified"
     return Table("compared", rows, tuple(columns.split()))
 

@@ -112,6 +112,17 @@ def test_the_states_are_compared_on_one_page_with_what_the_tie_bears(results):
     assert force == words.number(5e-3 / 0.2**2, 2)
 
 
+def test_a_direction_without_an_index_stands_beside_the_weakest_of_the_others(results):
+    """It may be weaker: the table gave the index of the direction that has one as that of the weakest."""
+    state = results.states["strengthened"]
+    half = state.replace(capacity={way: each for way, each in state.capacity.items() if way != "+x"})
+    printed = printed_tables(results.replace(states=results.states | {"strengthened": half}), Words.of("en"))
+    rows = [
+        [cell.striptags() for cell in row] for row in printed["compared"].rows if row[0] == "strengthened"
+    ]
+    assert [row[1:3] for row in rows[1:]] == [["+x", "n.d."]] and rows[0][1] == "−x"
+
+
 def test_the_hand_check_prints_the_work_of_the_tie(results):
     """W δ_z and F e, in the same column: their sum over W_s δ_x is α."""
     full = results.replace(echo=results.echo.replace(report=results.echo.report | {"annexes": "full"}))
