@@ -17,7 +17,7 @@ LINES = {
     "assessment/cli": 630,
     "assessment/ntc": 2116,
     "assessment/project": 4571,
-    "assessment/report": 5964,
+    "assessment/report": 5967,
     "assessment/results": 3169,
     "assessment/runtime": 1438,
     "assessment/studies": 2264,

@@ -54,13 +54,16 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     loss = check.loss if check else row.alpha_loss
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
-    ways = [direction_name(at.direction or "") for at in rows_of(results, name) if not index_of(at, limit)]
-    where += [words.plain("synthesis.open_ways", directions=", ".join(ways))] if check and ways else []
+    rows = [at for at in results.summary.rows if at.direction]
+    lacking = [at for at in rows if (index_of(at, limit) if check else getattr(at, quantity)) is None]
+    ways = ", ".join(direction_name(known(at.direction)) for at in lacking if at.state == name)
+    where += [words.plain("synthesis.open_ways", directions=ways)] if ways else []
     symbol, shown = indexed(label(quantity, words)), written(quantity, value, words)
     place = {"symbol": symbol, "value": shown, "where": ", ".join(filter(None, where)), "outcome": outcome}
     if name == ORIGINAL:
         return words("synthesis.original", **place)
-    key = "current" if len(settled(results)) == 1 else "worst"
+    worst = "known" if {at.state for at in lacking} & set(settled(results)) else "worst"
+    key = "current" if len(settled(results)) == 1 else worst
     said = words(f"synthesis.{key}", state=name, count=len(settled(results)), **place)
     drawn = {each.direction: index_of(each, limit) for each in rows_of(results, ORIGINAL)}
     if loss is not None and value is not None and loss < 1.0:
