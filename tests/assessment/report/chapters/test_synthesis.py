@@ -13,7 +13,7 @@ from assessment.report.tables.capacity import verification
 from assessment.report.tables.mechanisms import mechanisms
 from assessment.results.schema import SummaryCheck
 from assessment.results.schema.static import Strengthening
-from assessment.results.summary import index_limit, settled, undetermined, worst_settled
+from assessment.results.summary import index_limit, settled, worst_settled
 from tests.support.analysed import analysed
 from tests.support.judgement.random_results import random_results
 from tests.support.results_example import SETTLED, results_example
@@ -61,17 +61,20 @@ def sentence_agrees(results):
     limit, state = index_limit(results), worst_settled(results) or "original"
     said = Markup(lead(results, WORDS)[0]).striptags()
     found = re.search(
-        r"ζE = (\S+) \((pushover|linear check), (\w+), ([+−]x)(?:, not determined in ([+−]x))?\)"
+        r"ζE = (\S+) \((pushover|linear check), (\w+), ([+−]x)(?:, not determined in\s([+−]x))?\)"
         r"(?:; before the settlement (\S+): .*? of (\S+)\s%)?", said,
     )  # fmt: skip
     if found is None or limit is None:
         assert "ζE = " not in said
         return
     value, kind, where, direction, open_way, before, share = found.groups()
-    lacking = [direction_name(each) for each in undetermined(results).get(state, ())]
-    assert lacking == ([open_way] if open_way else [])
-    moved = [each for each in results.summary.rows if each.state in settled(results)]
-    if any(borne(results, each.state, each.direction, limit) is None for each in moved):
+    lacking = {
+        (each.state, direction_name(each.direction))
+        for each in results.summary.rows
+        if borne(results, each.state, each.direction, limit) is None
+    }
+    assert {way for name, way in lacking if name == state} == ({open_way} if open_way else set())
+    if any(name in settled(results) for name, _ in lacking):
         assert not said.startswith("In the worst of"), "another one may be worse"
     own = {way: borne(results, state, way, limit) for way in ("+x", "-x")}
     known = {way: ratio for way, ratio in own.items() if ratio is not None}
