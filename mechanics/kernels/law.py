@@ -57,7 +57,8 @@ def kind(law: Array, strength: float) -> int:
 @looped
 def is_whole(law: Array, pressed: float) -> bool:
     """Whether a bed obeys the exact law, its ends pressed in by at most `pressed`, m: no fibre has been crushed."""
-    return bool(law[SEGMENTS] == 0.0 and law[BED] * pressed <= law[STRENGTH] and not law[LEFT:].any())
+    exact = law[SEGMENTS] == 0.0 or law[STRENGTH] < np.inf
+    return bool(exact and law[BED] * pressed <= law[STRENGTH] and not law[LEFT:].any())
 
 
 @looped

@@ -23,7 +23,7 @@ LINES = {
     "assessment/studies": 2264,
     "assessment/workflow": 916,
     "mechanics": 935,
-    "mechanics/kernels": 3583,
+    "mechanics/kernels": 3584,
     "mechanics/model": 2975,
     "mechanics/procedures": 3477,
     "mechanics/records": 996,
