@@ -116,7 +116,10 @@ def test_without_the_cookie_nothing_is_answered(served, cookie):
 def test_another_host_is_refused_token_or_not(served, host):
     """A name of somebody else that resolves to this machine (DNS rebinding)."""
     assert served.enter(host=host.format(port=served.port)).status in (400, 403)
-    assert served.post("state", host=host.format(port=served.port)).status in (400, 403)
+    try:
+        assert served.post("state", host=host.format(port=served.port)).status in (400, 403)
+    except ConnectionResetError:  # no host is no HTTP: the server may hang up before it has read the body
+        assert not host
 
 
 @pytest.mark.parametrize(
