@@ -236,8 +236,8 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
     """
     if elastic is None:
         return None
-    last = elastic.curve.multiplier[-1]
-    if last <= PAST_PEAK * elastic.alpha_u and not (elastic.lost or elastic.reached_zero):
+    multiplier = elastic.curve.multiplier
+    if multiplier[-1] <= PAST_PEAK * max(multiplier) and not (elastic.lost or elastic.reached_zero):
         return None
     return max(map(abs, elastic.curve.displacement_m))
 

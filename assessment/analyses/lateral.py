@@ -277,7 +277,7 @@ def add_curve(
         )  # fmt: skip
         found.warnings.append(headed(title, exceeded))
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
-    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * path.alpha_0):
+    if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * path.multiplier.max()):
         end = message(
             "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
             displacement=float(path.displacement[-1]), multiplier=float(path.multiplier[-1]), reason=path.end,

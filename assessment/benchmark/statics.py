@@ -66,7 +66,7 @@ def rocking_rigid() -> runner.Case:
 
 
 def _peak(curve: Pushover) -> dict[str, float]:
-    return {"α_u": float(curve.multiplier.max())}
+    return {"α_u": curve.alpha_0}
 
 
 def limit(name: str, model: Assembly) -> runner.Case:

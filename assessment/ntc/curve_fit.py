@@ -179,8 +179,8 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
-    grows = alpha[:above] >= np.maximum.accumulate(alpha[:above])  # not where a part snaps through
-    if d_secant <= 0.0 or (np.maximum.accumulate(d) - d)[:above][grows].max() > SWAY * d[peak]:
+    grows = alpha[: peak + 1] >= np.maximum.accumulate(alpha[: peak + 1])  # not where a part snaps through
+    if d_secant <= 0.0 or (np.maximum.accumulate(d) - d)[: peak + 1][grows].max() > SWAY * d[peak]:
         raise CapacityError(
             message("elastic curve: the control point does not advance as the load grows; choose another one")
         )

@@ -152,7 +152,7 @@ def _limit(
         closed = again
     else:
         raise ConvergenceError(message("the hinges that crush do not settle where their forces have them"))
-    if sliding == "coulomb" and np.isfinite(on_edges.program.law[:, STRENGTH]).any():
+    if sliding == "coulomb" and model.crushes:
         found, central, dilation = _no_more_than_whole(on_edges, (found, central, dilation))
     if abs(found.alpha) > BOUNDED:
         raise NoEquilibriumError(
@@ -199,7 +199,7 @@ def _no_more_than_whole(
     Where joints crush the program is not linear, and its least flow is not sought.
     """
     program, law = closed.program, closed.program.law.copy()
-    law[:, STRENGTH] = np.inf
+    law[~closed.contacts.ties[closed.index], STRENGTH] = np.inf
     least, central, psi = _coulomb(replace(closed, program=replace(program, law=law)))
     if least.alpha >= flow[0].alpha:
         return flow

@@ -427,8 +427,8 @@ class PushPath:
         """Whether an elastic curve ends as it rises, and joints are compressed by hardly more than rounding."""
         return self.model.rounding > START.resolved and self.alpha >= self.largest
 
-    def peak_that_counts(self) -> int:
-        """Return the point of α_0: the largest multiplier that, held, does not move the structure to a fall.
+    def peak_that_counts(self) -> tuple[int, int]:
+        """Return the point of α_0, the largest multiplier that, held, does not fell the structure, and the last such.
 
         What exceeds it behind the trough of such a fall is reached by a push that is taken back alone: the curve has
         it, α_0 does not count it. It ends at α = 0. Before, points of other flows are dropped.
@@ -443,7 +443,7 @@ class PushPath:
             self.reached, self.lost = True, False
             self.end = message("the structure falls under α = {alpha:.4g} held", alpha=held)
             self.points = self.points[: last + 1]
-        return peak_of(alpha[: last + 1])
+        return peak_of(alpha[: last + 1]), last
 
 
 def peak_of(multiplier: Array) -> int:

@@ -202,11 +202,11 @@ def _result(curve: PushPath) -> Pushover:
             "or the increment is too large: {reason}",
             point=str(tuple(curve.push.control.tolist())), direction=curve.push.direction, reason=curve.end,
         ))  # fmt: skip
-    peak = curve.peak_that_counts()
+    peak, last = curve.peak_that_counts()
     equilibria = [point.step for point in curve.points]
     steps = equilibria[1:] if curve.system.rigid else equilibria
     check_path(steps)
-    formed, mechanism = _mechanism(curve, peak)
+    formed, mechanism = _mechanism(curve, peak, last)
     return Pushover(
         curve.push.control, curve.block, curve.displacement, curve.multiplier,
         tuple(step.state for step in equilibria), tuple(steps), tuple(step.certificate for step in equilibria),
@@ -217,9 +217,9 @@ def _result(curve: PushPath) -> Pushover:
     )  # fmt: skip
 
 
-def _mechanism(curve: PushPath, peak: int) -> tuple[int, Array]:
-    """Return the point at which the mechanism of a peak forms, and its displacements (b, 3)."""
-    for point in range(peak, len(curve.points)):
+def _mechanism(curve: PushPath, peak: int, last: int) -> tuple[int, Array]:
+    """Return the point, `last` at most, at which the mechanism of a peak forms, and its displacements (b, 3)."""
+    for point in range(peak, last + 1):
         mechanism = _mechanism_at(curve, point)
         if _takes_part(curve, point, mechanism):
             return point, mechanism

@@ -178,7 +178,7 @@ def _interventions(results: Results) -> Table:
                 force, tie = max(pulled)
                 limit = structure.tie_strength(results)[tie]
                 row |= {"greatest_kN": force, "share_used": force / limit if limit else None}
-        ways = undetermined(results).get(name, ())
+        ways = [way for way in undetermined(results).get(name, ()) if way != row.get("direction")]
         rows += [present(row), *({"state": name, "direction": way, "zeta_E": None} for way in ways)]
     columns = "state direction zeta_E reduction gain alpha_0 d_0_m greatest_kN share_used verified"
     return Table("compared", rows, tuple(columns.split()))
