@@ -299,8 +299,7 @@ def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
     multiplier = np.minimum(rigid.curve.multiplier, rigid.alpha_0)
     if rigid.reached_zero:
         multiplier[-1] = 0.0
-    peak = int(np.argmax(multiplier))
-    d, alpha = way.equivalent[peak:], multiplier[peak:]
+    d, alpha = way.equivalent[rigid.peak :], multiplier[rigid.peak :]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
     if rigid.lost:

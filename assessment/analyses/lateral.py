@@ -27,7 +27,7 @@ from mechanics.steps import Sliding
 
 STILL = 1e-6  # of the largest virtual displacement: a control point that moves less takes no part
 RESTS_OR_MOVES = 1.1  # ratio of the laws' multipliers up to which motions of rigid joints are not too small
-DIFFERS = 0.01  # relative difference of multipliers, by the other law or behind the peak, that is told
+DIFFERS = 0.01  # relative difference from α_0, by the other law of friction or farther on, that is reported
 
 
 def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.RigidPush:

@@ -166,12 +166,8 @@ def _interventions(results: Results) -> Table:
         if least := least_row(results, name):
             row |= {"direction": least.direction, "alpha_0": least.alpha_0, "d_0_m": least.d_0_m}
             if check := index_of(least, index_limit(results)):
-                row |= {
-                    "zeta_E": check.zeta_E,
-                    "reduction": check.loss,
-                    "gain": check.gain,
-                    "verified": check.verified,
-                }
+                row |= {"zeta_E": check.zeta_E, "reduction": check.loss, "gain": check.gain}
+                row["verified"] = check.verified
             pushed = (found for found in structure.tensions(results) if "direction" in found[0])
             own = (each for where, each in pushed if where["state"] == name)
             if pulled := [(each.greatest_kN, each.tie) for each in own if each.greatest_kN is not None]:

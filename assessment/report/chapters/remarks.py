@@ -165,7 +165,7 @@ def onsets(results: Results, words: Words) -> Sentences:
         if name == ORIGINAL or rigid.alpha_onset >= (1.0 - ONSET) * rigid.alpha_0:
             continue
         alpha = rigid.curve.multiplier
-        peak = max(range(len(alpha)), key=lambda k: min(alpha[k], rigid.alpha_0))
+        peak = rigid.peak
         inner = (k for k in range(1, peak) if alpha[k - 1] < alpha[k] > alpha[k + 1])
         earlier = next((k for k in inner if alpha[k] >= NEAR * alpha[peak]), None)
         near = Markup("")

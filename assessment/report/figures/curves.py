@@ -109,8 +109,7 @@ def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
     """Mark α0, d_0 and (d_y, α_y) where the axes reach them: named in the legend, beside a point they met others."""
     rigid, elastic, found = pushover.rigid, pushover.elastic, dict[str, tuple[float, float]]()
     if rigid:
-        peak = int(np.argmax(np.minimum(rigid.curve.multiplier, rigid.alpha_0)))
-        found[ONSET] = abs(rigid.curve.displacement_m[peak]), rigid.alpha_0
+        found[ONSET] = abs(rigid.curve.displacement_m[rigid.peak]), rigid.alpha_0
         if rigid.d_0_m is not None:
             found[END] = rigid.d_0_m, alpha_at_d_0(rigid) or 0.0
     if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:

@@ -201,6 +201,12 @@ class RigidPush(Push):
     mechanism_configuration: Configuration = key("where the mechanism starts")
     final_configuration: Configuration = key("at the end of the curve")
 
+    @property
+    def peak(self) -> int:
+        """Which point of the curve has α_0: what exceeds it farther on does not count."""
+        capped = [min(alpha, self.alpha_0) for alpha in self.curve.multiplier]
+        return capped.index(max(capped))
+
 
 class ElasticPush(Push):
     """`pushover.+x.elastic`: the curve with elastic joints."""

@@ -9,6 +9,7 @@ import pytest
 
 from assessment.analyses import lateral
 from assessment.analyses import lateral as module
+from assessment.analyses.capacity import rigid_branch, way_of_blocks
 from assessment.analyses.lateral import _rigid_notes, rests_or_moves, rigid_push, second_solver
 from assessment.cli.main import main
 from assessment.project.catalogue.geometry import rectangle as outline
@@ -292,3 +293,31 @@ def test_joints_that_crush_have_no_comparison():
     model = column(0.5, 1.0, 2, strength=1000.0)
     part = second_solver(model, "original", "+x", model.initial, 0.2)
     assert part.value is None and not part.warnings
+
+
+def test_what_rises_behind_a_trough_counts_no_more_than_the_first_peak():
+    """The curve was cut in the trough; whole, its later rise would be the capacity."""
+    path = pushover(block_on_base(), (0.0, 1.0), increment=0.05)
+    multiplier = path.multiplier.copy()
+    multiplier[1:4] = np.array([0.5, 1.3, 1.2]) * path.alpha_0
+    risen, found = replace(path, multiplier=multiplier), module.Found[module.Pushed]()
+    setting, control = (
+        module.PushSetting("rigid", "coulomb", 0.05),
+        ControlTable(name="C", point_m=(0.0, 1.0)),
+    )
+    module.add_curve("t", setting, control, risen, found)
+    assert any("what exceeds it later, up to" in text for text in found.warnings)
+    rigid = found.value.curves.rigid
+    assert (rigid.peak, rigid.alpha_0) == (0, path.alpha_0)
+    _, alpha = rigid_branch(rigid, way_of_blocks(rigid, rigid.mechanism.gamma_star, "+x"))
+    assert alpha[2] == alpha[3] == alpha.max() == path.alpha_0
+    told = module.Found[module.Pushed]()
+    module.add_curve("t", setting, control, path, told)
+    assert not any("what exceeds it later" in text for text in told.warnings)
+
+
+def test_a_curve_whose_joints_slide_and_crush_says_what_it_is_not_held_against():
+    stone = Material(20.0, 0.1, compressive_strength=1e4)
+    path = pushover(on_base(stone, (-1.0, -1.0, 3.0), (0.0, 0.0, 1.0, 1.0)), increment=0.05, until=0.9)
+    curve = rigid_push(ControlTable(name="C", point_m=(0.0, 1.0)), path)
+    assert any("joints slide and can be crushed" in text for text in _rigid_notes(curve, path))

@@ -18,6 +18,7 @@ from mechanics import (
     pushover,
 )
 from mechanics.solvers import least_acceleration, solve
+from mechanics.steps import equilibrium as rests
 from mechanics.steps import geometry_iteration as module
 from mechanics.steps import unpressed
 from mechanics.steps.equilibrium import check_self_weight, closed_program
@@ -170,3 +171,21 @@ def test_an_equilibrium_is_kept_where_the_program_that_would_better_it_fails(fai
         monkeypatch.setattr(module, "_other_contacts", lambda *_: np.zeros(0, dtype=int) if seen else None)
     found = find_equilibrium(problem, model.initial.positions)
     assert found.certificate.equilibrium == 1e-7
+
+
+def test_a_light_block_does_not_let_a_state_stand_on_fewer_joints(monkeypatch):
+    """0.025 g of the mean block were allowed where one block weighed a thousandth of it."""
+    model = on_base(STONE, (-1.0, -1.0, 3.0), (0.0, 0.0, 1.0, 1.0), (2.0, 0.0, 2.02, 0.02))
+    state = replace(model.initial, carrying=np.ones(len(model.contacts), dtype=bool))
+    found = {0.02: False, 1e-5: True}
+    for acceleration, stands in found.items():
+        monkeypatch.setattr(
+            rests,
+            "least_acceleration",
+            lambda program, _, a=acceleration: (a, np.zeros((len(program.law), 3))),
+        )
+        if stands:
+            check_self_weight(model, state)
+        else:
+            with pytest.raises(UnstableError):
+                check_self_weight(model, state)
