@@ -258,6 +258,13 @@ class Assembly:
         return any(block.material.compressive_strength < np.inf for block in self.blocks)
 
     @cached_property
+    def uncrushed(self) -> Assembly:
+        """The same blocks with joints that cannot be crushed."""
+        stones = [replace(block.material, compressive_strength=np.inf) for block in self.blocks]
+        whole = [replace(block, material=stone) for block, stone in zip(self.blocks, stones, strict=True)]
+        return replace(self, blocks=whole) if self.crushes else self
+
+    @cached_property
     def joints_in_a_row(self) -> int:
         """Largest number of joints from a block to the support nearest to it."""
         near, count = ~self.movable, 0

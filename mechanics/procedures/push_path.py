@@ -10,7 +10,7 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnstableError
 from mechanics.messages import Message, message
-from mechanics.model.assembly import Direction, State
+from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.procedures.limit_analysis import Limit, limit_in
 from mechanics.procedures.path_start import START, PathStart, elastic_start, mechanism_start
 from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
@@ -87,7 +87,7 @@ class PushPath:
         self.control_rate = self._control_rate()
         self.slope = np.inf  # what α has changed per unit work in the last step
         self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
-        self.limits: dict[Equilibrium, Limit | None] = {}
+        self.limits: dict[tuple[Equilibrium, Assembly], Limit | None] = {}
         self.end: Message | None = None
         self.reached, self.lost, self.endless = False, False, False
 
@@ -386,13 +386,10 @@ class PushPath:
         """Drop the points of another flow about the peak of the points up to `last`; return whether there are any.
 
         In their states there is a lesser multiplier, or only one that lifts what slides: slides leave forces open, that
-        may balance what nothing leads to. Where joints can be crushed limit analysis does not know how far they were.
+        may balance what nothing leads to. A finite strength raises no multiplier: joints that cannot be crushed bound it.
         """
         end, peak = len(self.points) - 1, peak_of(self.multiplier[: last + 1])
-        decides = self.system.rigid and bool(
-            np.isinf(self.model.contacts.strength[~self.model.contacts.ties]).all()
-        )
-        if not (decides and 0 < peak < end) or self._has_flow(peak):
+        if not (self.system.rigid and 0 < peak < end) or self._has_flow(peak):
             return False
         first, after = peak, peak
         for way in (-1, 1):
@@ -406,21 +403,26 @@ class PushPath:
         return True
 
     def _has_flow(self, point: int) -> bool:
-        """Whether the multiplier of a point is that of limit analysis in its state, by the law of friction."""
-        limit = self.limit_at(point)
+        """Whether limit analysis in the state of a point, of joints that cannot be crushed, has its multiplier."""
+        limit = self.limit_at(point, self.model.uncrushed)
         if limit is None:
             return True
         most = (1.0 + self.tolerances.flat) * limit.alpha
         return limit.dilation <= max(self.system.dilation, *LIMIT.slight) and self.multiplier[point] <= most
 
-    def limit_at(self, point: int) -> Limit | None:
-        """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there."""
+    def limit_at(self, point: int, model: Assembly) -> Limit | None:
+        """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there.
+
+        `model`: that of the curve, or the one whose joints cannot be crushed.
+        """
         step = self.points[point].step
-        if step not in self.limits:
-            self.limits[step] = None
+        if (step, model) not in self.limits:
+            self.limits[step, model] = None
             with suppress(NoEquilibriumError, ConvergenceError):
-                self.limits[step] = limit_in(self.model, self.push.direction, step.state, self.system.sliding)
-        return self.limits[step]
+                self.limits[step, model] = limit_in(
+                    model, self.push.direction, step.state, self.system.sliding
+                )
+        return self.limits[step, model]
 
     @property
     def is_hidden_by_rounding(self) -> bool:

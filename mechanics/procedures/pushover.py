@@ -230,7 +230,7 @@ def _mechanism_at(curve: PushPath, point: int) -> Array:
     """Return virtual displacements (b, 3) at a point: with elastic joints those of the step from it."""
     if curve.system.rigid and point == 0:
         return curve.first.rate
-    limit = curve.limit_at(point) if curve.system.rigid else None
+    limit = curve.limit_at(point, curve.model) if curve.system.rigid else None
     if limit is not None:
         return limit.mechanism
     begin = min(point, len(curve.points) - 2)

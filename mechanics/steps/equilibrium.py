@@ -184,16 +184,11 @@ def unpressed(model: Assembly) -> Index:
     way = FALL * model.size
     stiffness = model.weight / (YIELD * model.size**3)
     stones = [
-        replace(
-            block.material,
-            normal_stiffness=stiffness,
-            tangential_stiffness=stiffness,
-            compressive_strength=np.inf,
-        )
-        for block in model.blocks
+        replace(block.material, normal_stiffness=stiffness, tangential_stiffness=stiffness)
+        for block in model.uncrushed.blocks
     ]
     blocks = [replace(block, material=stone) for block, stone in zip(model.blocks, stones, strict=True)]
-    soft = replace(model, blocks=blocks)
+    soft = replace(model.uncrushed, blocks=blocks)
     system = static_system(soft, "elastic", "coulomb")
     still = StepProblem(system, soft.initial, soft.dead_load, way, mass=soft.mass / (way / GRAVITY))
     program, index = still.pose(soft.initial.positions, None)
