@@ -297,8 +297,8 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
         )  # fmt: skip
     if path.model.crushes and curve.mechanism.sliding_joints:
         yield message(
-            "joints slide and can be crushed: of several ways to slide the curve may take one whose α0 is some 5 % above "
-            "that of joints without compressive_strength_kN_m2; compare them",
+            "joints slide and can be crushed: of several ways to slide the curve may take one whose α0 is some 5 % "
+            "above that of joints without compressive_strength_kN_m2; compare them",
         )  # fmt: skip
     if len(path.dropped):
         yield message(

@@ -386,7 +386,7 @@ class PushPath:
         """Drop the points of another flow about the peak of the points up to `last`; return whether there are any.
 
         In their states there is a lesser multiplier, or only one that lifts what slides: slides leave forces open, that
-        may balance what nothing leads to. A finite strength raises no multiplier: joints that cannot be crushed bound it.
+        may balance what nothing leads to. A finite strength raises no multiplier: that without it is the bound.
         """
         end, peak = len(self.points) - 1, peak_of(self.multiplier[: last + 1])
         if not (self.system.rigid and 0 < peak < end) or self._has_flow(peak):
