@@ -11,7 +11,7 @@ import numpy as np
 from assessment.analyses.demand import Demands, confidence_source, demand_return_periods, site_acceleration
 from assessment.analyses.found import Found
 from assessment.analyses.lateral import FRICTION
-from assessment.analyses.paths import loss_sentence
+from assessment.analyses.paths import loss_sentence, what_is_lost
 from assessment.analyses.states import PAST_PEAK
 from assessment.ntc import capacity_curve as oscillator
 from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
@@ -327,9 +327,7 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     """Return the method with the local loss of the path as its limit, if the project gives no limit (C8.7.1.2)."""
     if loss is None or method.local_limits:
         return method
-    first, second = loss.blocks
-    reason = message("pushover, the faces of blocks {first} and {second} slide off each other", first=first,
-                     second=second)  # fmt: skip
+    reason = message("pushover, {lost}", lost=what_is_lost(loss))
     return replace(
         method, local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m), local_reason=reason
     )

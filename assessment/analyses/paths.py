@@ -4,7 +4,7 @@ A local loss (C8.7.1.2) is a joint that carries and whose faces part.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 
@@ -15,7 +15,7 @@ import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.frames import along_path, pushdown_frames
-from assessment.results.schema import LocalLoss, PushdownPath, QualityRow
+from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, H
 from mechanics.procedures import PATH, Pushdown, Pushover, settled, whole_movement
@@ -118,11 +118,38 @@ def local_loss(
     forces: Array,
     falls: bool,
 ) -> LocalLoss | None:
-    """Return the first loss along a path: a drawn joint that carries, and whose faces overlap no longer.
+    """Return the first loss along a path: a joint that carries, whose faces overlap no longer, or a tie that breaks.
 
     `displacement` (k,) m of the points `states`, between which the loss is interpolated, or that of the last one if the
     structure `falls` as the faces part; `forces` (j, 3), kN, kNm, by which joints carry. None if there is no loss.
     """
+    parted = _parted(model, states, displacement, forces, falls)
+    lost = [*_broken(model, states, displacement), *([parted] if parted else [])]
+    return min(lost, key=lambda each: each.displacement_m, default=None)
+
+
+def _broken(
+    model: mechanics.Assembly, states: Sequence[mechanics.State], displacement: Array
+) -> Iterator[LocalLoss]:
+    """Yield the ties that break along a path."""
+    none = np.zeros(len(model.ties))
+    longer = np.array([none if state.lengthened is None else state.lengthened for state in states])
+    for tie, blocks, yielded in zip(model.ties, model.tie_blocks.tolist(), longer.T, strict=True):
+        if yielded[-1] > tie.longest:
+            far = float(np.interp(tie.longest, yielded, displacement))
+            yield LocalLoss(
+                displacement_m=far, joint=None, blocks=blocks, overlap_m=None, tie=tie.name, longest_m=tie.longest
+            )  # fmt: skip
+
+
+def _parted(
+    model: mechanics.Assembly,
+    states: Sequence[mechanics.State],
+    displacement: Array,
+    forces: Array,
+    falls: bool,
+) -> LocalLoss | None:
+    """Return the first joint that carries and whose faces come to overlap no longer."""
     drawn = model.contacts
     overlap = np.array([2.0 * drawn.places(state.positions)[:, H] for state in states])
     bears = (forces[: len(drawn), 0] > BEARS * model.weight) & (overlap[0] > 0.0)
@@ -149,11 +176,20 @@ def _loss(model: mechanics.Assembly, joint: int, displacement: float, overlap: A
 
 def loss_sentence(loss: LocalLoss) -> Message:
     """Return the text of a local loss for messages."""
+    return message(
+        "{lost} at d = {displacement:.4g} m", lost=what_is_lost(loss), displacement=loss.displacement_m
+    )
+
+
+def what_is_lost(loss: LocalLoss) -> Message:
+    """Return what a local loss is of."""
+    if loss.tie is not None:
+        return message('the tie "{tie}" breaks, for it has yielded by {longest:.3g} m,', tie=loss.tie,
+                       longest=known(loss.longest_m))  # fmt: skip
     first, second = loss.blocks
     return message(
-        "the faces of blocks {first} and {second} slide off each other at d = {displacement:.4g} m",
-        first=first, second=second, displacement=loss.displacement_m,
-    )  # fmt: skip
+        "the faces of blocks {first} and {second} slide off each other", first=first, second=second
+    )
 
 
 BACK = 1e-6  # of a block's size: supports nearer to where they were are there again

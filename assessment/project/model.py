@@ -99,7 +99,8 @@ def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Asse
             text = "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
             raise ProjectError(f"{key}.to_m: {text}")
         bar = (each.yield_force_kN, each.stiffness_kN_m, each.pretension_kN)
-        ties.append(Tie(each.name, each.from_m, each.to_m, *bar))
+        most = each.ultimate_elongation
+        ties.append(Tie(each.name, each.from_m, each.to_m, *bar, ultimate_elongation=most))
     return model.tied(ties)
 
 

@@ -58,7 +58,8 @@ def along_path(
 ) -> list[TieTension] | None:
     """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie.
 
-    With `rigid` joints it is known where it is determined, and not at rest.
+    With `rigid` joints it is known where it is determined, and not at rest. With elastic ones the greatest is no less
+    than the pretension, under which the tie is set.
     """
     model, carried = path.model, carried_along(path)
     if not model.ties:
@@ -73,6 +74,8 @@ def along_path(
             moved[path.formed] = path.mechanism
         pulled[~determined(model, moved)] = np.nan
     greatest = np.fmax.reduce(pulled, axis=0)
+    if not rigid:
+        greatest = np.maximum(greatest, [tie.pretension for tie in model.ties])
     begun, ended = (path.states[at].lengthened for at in (0, -1))
     longer = (0.0 if ended is None else ended) - (np.zeros(len(model.ties)) if begun is None else begun)
     found = []
@@ -116,15 +119,17 @@ def while_shaken(
         return None
     longer = np.zeros(len(model.ties)) if final.lengthened is None else final.lengthened
     if rigid:
-        none = {"greatest_kN": None, "time_s": None}
-        lengthened = zip(model.ties, longer > NOTICED * model.size, strict=True)
-        return [ShakenTie(tie=tie.name, yields=bool(more), **none) for tie, more in lengthened]
-    pulled = np.array([tensions(model, each) for each in forces])
-    at, greatest = pulled.argmax(axis=0), pulled.max(axis=0)
-    yields = yielding(model, greatest) | (longer > NOTICED * model.size)
-    rows = zip(model.ties, greatest.tolist(), time[at].tolist(), yields.tolist(), strict=True)
+        none = [None] * len(model.ties)
+        yields, greatest, when = longer > NOTICED * model.size, none, none
+    else:
+        pulled = np.array([tensions(model, each) for each in forces])
+        most = pulled.max(axis=0)
+        yields = yielding(model, most) | (longer > NOTICED * model.size)
+        greatest, when = most.tolist(), time[pulled.argmax(axis=0)].tolist()
+    rows = zip(model.ties, greatest, when, yields.tolist(), longer.tolist(), strict=True)
     return [
-        ShakenTie(tie=tie.name, greatest_kN=most, time_s=when, yields=full) for tie, most, when, full in rows
+        ShakenTie(tie=tie.name, greatest_kN=most, time_s=at, yields=full, lengthening_m=more)
+        for tie, most, at, full, more in rows
     ]
 
 

@@ -87,6 +87,7 @@ def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
             name=tie.name, start_m=list(tie.from_m), end_m=list(tie.to_m),
             blocks=[a.block_at(tie.from_m), a.block_at(tie.to_m)], yield_force_kN=finite(tie.yield_force_kN),
             stiffness_kN_m=tie.stiffness_kN_m, pretension_kN=tie.pretension_kN,
+            ultimate_elongation=finite(tie.ultimate_elongation),
             states=[name for name, (there, _) in ties.items() if tie in there or name in later], set_in=later,
         ))  # fmt: skip
     return found.replace(ties=drawn) if drawn else found

@@ -141,8 +141,9 @@ def _signed_area(v: Array) -> float:
 class Tie:
     """A straight tie between two points (x, z) m as drawn, each in or on a block: it pulls, and never pushes.
 
-    `yield_force` (kN): it lengthens under that without bearing more; `stiffness` (kN/m) of the whole tie, None: rigid;
-    `pretension` (kN): its tension at its `length` (m), None: that as drawn. Stiffness and pretension count in analyses
+    `yield_force` (kN): it lengthens under that without bearing more, until it breaks at a share `ultimate_elongation`
+    of its length: a motion has collapsed then; `stiffness` (kN/m) of the whole tie, None: rigid; `pretension` (kN): its
+    tension at its `length` (m), None: that as drawn. Stiffness and pretension count in analyses
     with elastic joints; with rigid joints the tie is inextensible up to its yield force: a self-stress does not change
     what a rigid structure bears. Raises ArgumentError naming the argument.
     """
@@ -154,12 +155,16 @@ class Tie:
     stiffness: float | None = None
     pretension: float = 0.0
     length: float | None = None
+    ultimate_elongation: float = float("inf")
 
     def __post_init__(self) -> None:
         require(isinstance(self.name, str) and bool(self.name), "name", self.name, "the name of the tie")
         for key in ("start", "end"):
             object.__setattr__(self, key, point_of(key, getattr(self, key)))
         require_positive(self, "(]", yield_force="positive, in kN (inf: it does not yield)")
+        require_positive(
+            self, "(]", ultimate_elongation="positive, a share of the length (inf: it does not break)"
+        )
         require_positive(self, stiffness="positive, in kN/m, or None")
         fits = is_between(self.pretension, 0.0, self.yield_force, "[)")
         require(fits, "pretension", self.pretension, "from zero to less than yield_force, in kN")
@@ -179,6 +184,11 @@ class Tie:
         """The length (m) at which it has its pretension: the one given, or that as drawn."""
         assert self.length is not None
         return self.length
+
+    @property
+    def longest(self) -> float:
+        """The length (m) by which it has yielded as it breaks."""
+        return self.ultimate_elongation * self.taut_length
 
 
 @dataclass(frozen=True, eq=False)

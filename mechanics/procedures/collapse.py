@@ -83,6 +83,18 @@ def collapse(
     return message("block {block} is out of reach of all its contacts", block=int(alone[0]))
 
 
+def broken_tie(model: Assembly, lengthened: Array) -> Message | None:
+    """Return which of the ties has broken that have yielded by so much (t,), m; None where none has."""
+    for tie, more in zip(model.ties, lengthened, strict=True):
+        if more > tie.longest:
+            return message(
+                "tie {tie} breaks: it has yielded by more than {longest:.3g} m",
+                tie=tie.name,
+                longest=tie.longest,
+            )
+    return None
+
+
 def _in_reach(size: Array, contacts: Contacts, x: Array) -> Mask:
     """Return which blocks (b,) still have a contact: neither its gap nor its slide exceeds the smaller block's size."""
     places = contacts.places(x)

@@ -13,7 +13,7 @@ from mechanics.kernels.dynamics.motion import TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.pictures import draw_curve, film
-from mechanics.procedures.collapse import ControlPoint, collapse, far, passing_through
+from mechanics.procedures.collapse import ControlPoint, broken_tie, collapse, far, passing_through
 from mechanics.procedures.energy import Energy, may_fall
 from mechanics.procedures.model_check import departure_in_motion
 from mechanics.procedures.motion_start import (
@@ -167,7 +167,8 @@ def time_history(
 
     The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its
     size and still falls, or is out of reach of all its contacts; or the control point moves outward past its `ultimate`
-    displacement (m). Raises ArgumentError for an argument out of its range, ConvergenceError if a step is not solved.
+    displacement (m); or a tie breaks. Raises ArgumentError for an argument out of its range, ConvergenceError if a step
+    is not solved.
     """
     # thirteen arguments: the public function of the package, called with keywords
     Assembly.check(model)
@@ -189,6 +190,7 @@ def time_history(
         marched = system.march(motion, base[done : done + tolerances.chunk + 1], time_step, ahead)
         _check_motion(system, marched, done, time_step, tolerances.checked)
         part, reason = _until_collapse(system, marched, begun, point)
+        reason = reason or broken_tie(model, _lengthened(system, motion))
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
@@ -262,10 +264,7 @@ def _history(
     forces = np.concatenate([parts[0].forces[:1, :drawn], *(part.forces[1:, :drawn] for part in parts)])
     energy = Energy.of(model, x, v, energies)
     sliding_error = _sliding_error(model, energy, float(energies[-1, TURNED]), integrator, tolerances)
-    lengthened = None
-    if model.ties:
-        lengthened = motion.longer[system.system.ties] + system.system.stretched
-    final = State(x[-1], v[-1], lengthened=lengthened)
+    final = State(x[-1], v[-1], lengthened=_lengthened(system, motion) if model.ties else None)
     if not system.system.rigid:
         final = with_springs(system.contacts, final, drawn, motion.shear)
     if not reason:  # at collapse the last steps are left out of the record
@@ -298,6 +297,12 @@ def _history(
         skipped=int(system.counts[7]),
         model=model,
     )
+
+
+def _lengthened(system: DynamicSystem, motion: Motion) -> Array:
+    """Return by how much the ties (t,) have yielded, m."""
+    longer: Array = motion.longer[system.system.ties] + system.system.stretched
+    return longer
 
 
 def _sliding_error(

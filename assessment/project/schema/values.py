@@ -117,6 +117,7 @@ Period = Annotated[float, Field(ge=1e-6, le=10)]  # s, of a structure
 BlockNumber = Annotated[int, Field(ge=0, le=10**9)]
 Strength = Annotated[float, Field(ge=1, allow_inf_nan=True)]  # kN/m²; inf: no limit
 Yield = Annotated[float, Field(ge=1e-3, allow_inf_nan=True)]  # kN; inf: no limit
+Elongation = Annotated[float, Field(ge=1e-6, allow_inf_nan=True)]  # of a length; inf: no limit
 Tension = Annotated[float, Field(ge=0, le=1e6)]  # kN
 BarStiffness = Annotated[float, Field(ge=1e-3, le=1e9)]  # kN/m
 Segments = Annotated[int, Field(ge=1, le=64)]

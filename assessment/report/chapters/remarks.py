@@ -197,10 +197,13 @@ def displacement_limits(results: Results, words: Words) -> Sentences:
         lost = []
         for name, direction, rigid in hand_check.mechanisms(results):
             if loss := rigid.local_loss:  # a joint that bears: the local limit of its direction
+                at = {"state": name, "direction": direction, "limit": loss.displacement_m}
+                if loss.tie is not None:
+                    lost.append(words("text.broken_tie_at", tie=loss.tie, longest=loss.longest_m, **at))
+                    continue
                 first, second = loss.blocks
-                place = {"first": first, "second": second, "state": name, "direction": direction}
-                lengths = {"overlap": loss.overlap_m, "limit": loss.displacement_m}
-                lost.append(words("text.local_loss_at", **place, **lengths))
+                blocks = {"first": first, "second": second, "overlap": loss.overlap_m}
+                lost.append(words("text.local_loss_at", **blocks, **at))
         if lost:
             yield words("text.local_loss", where=Markup("; ").join(lost))
     if any(ELASTIC_END in (check.governing or "") for _, check in checks):

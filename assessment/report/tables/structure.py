@@ -104,9 +104,12 @@ def pushover_curves(results: Results) -> Curves:
         yield tuple(where.values()), (push.curve.displacement_m, push.curve.multiplier)
 
 
-@table("ties", "tie from_x_m from_z_m to_x_m to_z_m yield_force_kN stiffness_kN_m pretension_kN states")
+@table(
+    "ties",
+    "tie from_x_m from_z_m to_x_m to_z_m yield_force_kN stiffness_kN_m pretension_kN ultimate_elongation states",
+)
 def ties(results: Results) -> Found:
-    """List the ties as drawn; null: no yield force, or rigid."""
+    """List the ties as drawn; null: no yield force, rigid, or no ultimate elongation."""
     for tie in results.model.ties or ():
         ends = zip(("from_x_m", "from_z_m", "to_x_m", "to_z_m"), (*tie.start_m, *tie.end_m), strict=True)
         yield {"tie": tie.name, "states": "; ".join(tie.states), **dict(ends)}, tie
@@ -132,7 +135,7 @@ def tie_strength(results: Results) -> dict[str, float | None]:
     return {tie.name: tie.yield_force_kN for tie in results.model.ties or ()}
 
 
-@table("shaken_ties", "tie state record greatest_kN time_of_greatest_s yields")
+@table("shaken_ties", "tie state record greatest_kN time_of_greatest_s yields lengthening_m")
 def shaken_ties(results: Results) -> Found:
     """List the greatest tension of every tie in every motion.
 
@@ -145,6 +148,7 @@ def shaken_ties(results: Results) -> Found:
                 limit = tie_strength(results)[each.tie] if each.yields else None
                 between = limit is not None and each.greatest_kN is not None and each.greatest_kN < AT * limit
                 row: Row = {"tie": each.tie, "state": name, "record": entry.record, "yields": each.yields}
+                row["lengthening_m"] = each.lengthening_m
                 row["greatest_kN"] = limit if between else each.greatest_kN
                 yield row | ({} if between else {"time_of_greatest_s": each.time_s})
 

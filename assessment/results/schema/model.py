@@ -19,6 +19,12 @@ class DrawnTie(Part):
     )
     stiffness_kN_m: float | None = key("of the whole tie; null: rigid", "Rigidezza|Stiffness", null="none")
     pretension_kN: float = key("tension when it is set", "Pretensione|Pretension")
+    ultimate_elongation: float | None = key(
+        "share of its length by which it yields before it breaks; null: it does not break",
+        "Allungamento ultimo|Ultimate elongation",
+        shown="%",
+        null="none",
+    )
     states: list[str] = key("states in which it is there", "Stati|States")
     set_in: list[str] = key("of these, strengthened ones in which it is set after the movement")
 

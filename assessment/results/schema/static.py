@@ -26,6 +26,7 @@ class TiePull(Part):
         null="none",
     )
     yields: bool = key("whether it reaches the yield force", "Snervata|Yields")
+    lengthening_m: float = key("by how much it yields", "Allungamento|Lengthening", shown="mm")
 
 
 class TieTension(TiePull):
@@ -39,7 +40,6 @@ class TieTension(TiePull):
         "A α_0, α_u|At α_0, α_u",
         null="none",
     )
-    lengthening_m: float = key("by how much it yields along the path", "Allungamento|Lengthening", shown="mm")
 
 
 class Pictured(Part):
@@ -62,12 +62,14 @@ class Frames(Pictured):
 
 
 class LocalLoss(Part):
-    """`local_loss`: the first joint of a path that bears and whose faces come to slide off each other."""
+    """`local_loss`: the first joint that bears and whose faces come to slide off each other, or tie that breaks."""
 
     displacement_m: float = key("of the control point along the push, or of the movement of a support")
-    joint: int = key("number of the joint", "Giunto|Joint")
-    blocks: list[int] = key("numbers of its two blocks")
-    overlap_m: float = key("how far its faces overlap where the path starts")
+    joint: int | None = key("number of the joint; null: a tie breaks", "Giunto|Joint")
+    blocks: list[int] = key("numbers of its two blocks, or of those that the tie joins")
+    overlap_m: float | None = key("how far its faces overlap where the path starts; null: a tie breaks")
+    tie: str | None = optional("name of the tie that breaks")
+    longest_m: float | None = optional("by how much it has yielded then")
 
 
 class StaticPath(Part):
@@ -92,7 +94,7 @@ class PushdownPath(StaticPath):
     )
     ultimate_movement_m_range: list[float | None] | None = optional("of an ensemble; null: none in some")
     run: Run | None = optional("which run it is; missing: not told")
-    local_loss: LocalLoss | None = optional("the first joint that is lost; null: none")
+    local_loss: LocalLoss | None = optional("the first joint or tie that is lost; null: none")
     applied_movement_m: float = key("largest component of the movement that the settlement asks for")
     configuration: Configuration = key("after the whole movement, or where the structure falls")
     ultimate_configuration: Configuration | None = key("just before collapse; null: not reached")
@@ -186,7 +188,9 @@ class RigidPush(Push):
         "mechanism formed; null: Γ* is not defined"
     )
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
-    local_loss: LocalLoss | None = optional("the first joint lost: limit of SLV and SLC where none is given")
+    local_loss: LocalLoss | None = optional(
+        "the first joint or tie lost: limit of SLV and SLC where none is given"
+    )
     mechanism: Mechanism = key("the mechanism at its activation")
     onset: Mechanism | None = optional(
         "the mechanism that `alpha_onset` sets in motion, of which the linear checks are; missing: the same"

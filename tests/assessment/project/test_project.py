@@ -103,6 +103,7 @@ def test_every_number_has_bounds():
     look(json_schema(), "")
     assert unbounded == {
         "friction", "tangential_stiffness_kN_m3", "compressive_strength_kN_m2", "yield_force_kN",
+            "ultimate_elongation",
     }  # fmt: skip
 
 

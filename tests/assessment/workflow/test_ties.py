@@ -11,9 +11,10 @@ from assessment.results.frames import tie_ends
 from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results
 from assessment.workflow.stages import run as analyse
-from mechanics import UnstableError
+from mechanics import Material, Tie, UnstableError, time_history
 from mechanics.messages import message
 from tests.support.block_project import ASSESSMENT, HAZARD, PUSHED, TURNED, block, write_block
+from tests.support.structures import built
 from tests.support.tied_project import (
     ASSOCIATIVE,
     HEIGHT,
@@ -72,6 +73,34 @@ def test_a_tie_that_yields_adds_its_work_to_that_of_the_weight(drawn):
     assert (chain.tie, chain.rest_kN, chain.yields) == ("chain", None, True)
     assert chain.peak_kN == pytest.approx(5.0, rel=1e-6) and chain.greatest_kN == pytest.approx(5.0, rel=1e-6)
     assert states["original"].pushover["+x"].rigid.ties is None
+
+
+def test_the_capacity_ends_where_a_tie_breaks(tmp_path):
+    """Turned by θ about the toe, the tie ends at (4 sin θ − a cos θ, 4 cos θ + a sin θ) from it, a = 0.59 m."""
+    text = block() + BOTH + SLV + tie(ultimate_elongation="0.005")
+    found = results_of(tmp_path / "block", text.replace("increment_m = 0.2", "increment_m = 0.02"))
+    rigid, capacity = (getattr(found.states["original"], of)["+x"] for of in ("pushover", "capacity"))
+    loss = rigid.rigid.local_loss
+    angle = np.linspace(0.0, 0.1, 10001)
+    end = np.stack([4.0 * np.sin(angle) - ARM * np.cos(angle), 4.0 * np.cos(angle) + ARM * np.sin(angle)])
+    length = np.hypot(*(end - np.array([[-ARM], [-0.1]])))
+    breaks = np.interp(4.1 * 1.005, length, angle)
+    assert loss.displacement_m == pytest.approx(HEIGHT * np.sin(breaks), rel=1e-3)
+    assert (loss.tie, loss.joint, loss.longest_m) == ("chain", None, pytest.approx(4.1 * 0.005))
+    assert any('the tie "chain" breaks' in str(text) for text in found.quality.warnings)
+    limit = np.interp(loss.displacement_m, rigid.rigid.curve.displacement_m, rigid.rigid.d_star_m)
+    assert capacity.SLV.d_star_m == pytest.approx(limit) and limit < 0.4 * capacity.d_0_star_m
+
+
+def test_a_motion_in_which_a_tie_breaks_has_collapsed():
+    """One pulse of 0.9 g, from which the block comes back if its tie yields by 13 mm of 1.9 m and holds."""
+    time, stone = 0.005 * np.arange(401), Material(18.0, 0.7)
+    pulse = -0.9 * np.sin(2.0 * np.pi * time / 0.4) * (time < 0.4)
+    for most, falls in ((0.01, False), (0.002, True)):
+        chain = Tie("chain", (-0.29, -0.1), (-0.29, 1.8), yield_force=8.0, ultimate_elongation=most)
+        model = built(stone, (-0.3, 0.0, 0.3, 2.0), base=(-1.0, -0.5, 1.0, 0.0)).tied([chain])
+        motion = time_history(model, pulse, 0.005)
+        assert motion.collapsed is falls and ("tie chain breaks" in motion.collapse_reason) is falls
 
 
 def test_the_hand_check_and_the_balance_count_the_tie(drawn):
