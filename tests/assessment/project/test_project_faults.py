@@ -21,6 +21,7 @@ BEFORE_REPORT = "[report]"
 MECHANISM = '[[mechanism]]\nname = "pier"\nabout_m = [0, 0]\n'
 
 
+CAMPAIGN = '[campaign]\nrecords = "records/b.csv"\n'
 FLOOR = "[assessment.floor]\nheight_m = 7.0\nbuilding_height_m = 10.0\nstoreys = 3\nperiod_s = 0.4\n"
 
 
@@ -108,6 +109,12 @@ normal_stiffness_kN_m3 = 1.2e5 |  | material.normal_stiffness_kN_m3 | add it, in
 longitude = 13.40 |  | assessment.site.longitude | latitude and longitude go together
 latitude = 42.35 |  | assessment.site.latitude | go together
 spectrum = "ntc" | spectrum = "record"\nmethod = "nearest" | assessment.method | "demand-shape" or "grid"
+vertical_load_kN = 9.1 | psi_2 = 0.3 | layers.ROOF.psi_2 | there is no variable load
+vertical_load_kN = 9.1 | variable_load_kN = 2 | layers.ROOF.variable_load_kN | add use_category
+vertical_load_kN = 9.1 | variable_load_kN = 2\nuse_category = "I" | layers.ROOF.use_category | add psi_2
+vertical_load_kN = 9.1 | variable_load_kN = 2\nuse_category = "A"\npsi_2 = 0.5 | layers.ROOF.psi_2 | "A" has 0.3
+model = "trilinear" | knowledge = {geometry = 0.05} | assessment.knowledge | construction, mechanical, ground missing
+["+x", "-x"] | ["+x", "+x"] | pushover.directions | an entry appears twice
 """.splitlines()
 
 # old text, new text, key, what the message must hold
@@ -123,10 +130,22 @@ WRONG = [
     ),
     ("= 1.2e5", f"= 0x{'f' * 5000}", "material.normal_stiffness_kN_m3", "some 6021 digits"),
     ("[layers.ROOF]", '[layers."ROOF\\n"]', 'layers."ROOF\\n"', "control characters"),
+    (
+        'model = "trilinear"', "knowledge = {geometry = 0.04, construction = 0, mechanical = 0, ground = 0}",
+        "assessment.knowledge.geometry", "0.04 is none of 0.05, 0",
+    ),
+    (BEFORE_REPORT, '[campaign]\nrecords = ["generate:7", "records/b.csv"]\n', "campaign.records", "stands alone"),
+    (BEFORE_REPORT, CAMPAIGN + "period_s = 0.5\n", "campaign.period_s", "the PGA has no period"),
+    (BEFORE_REPORT, CAMPAIGN + "levels_g = [0.1]\n", "campaign.levels_g", "finds its own levels"),
     (BEFORE_REPORT, MECHANISM, "mechanism[1]", "no block is chosen"),
     (
         BEFORE_REPORT, MECHANISM + "region_m = [[0, 0], [1, 1]]\n", "mechanism[1].region_m",
         "write one flat list: [x1, z1, x2, z2, …]",
+    ),
+    (BEFORE_REPORT, MECHANISM + "region_m = [0, 0]\n", "mechanism[1].region_m", "no corners"),
+    (
+        BEFORE_REPORT, f"{MECHANISM}blocks = [1]\n{MECHANISM}blocks = [2]\nstate = \"right support 20 mm\"\n",
+        "mechanism[2].state", "macro-blocks in another state",
     ),
     (BEFORE_REPORT, MECHANISM + "blocks = [1]\nrotation = 0\n", "mechanism[1].rotation", "does not move"),
     (BEFORE_REPORT, MECHANISM + 'blocks = [1]\nstate = "settled"\n', "mechanism[1].state", '"original"'),
@@ -138,6 +157,11 @@ WRONG = [
         "first mode alone",
     ),
     (BEFORE_REPORT, FLOOR.replace("7.0", "12.0"), "assessment.floor.height_m", "above building_height_m"),
+    (
+        BEFORE_REPORT, FLOOR.replace("10.0", "41.0").replace("period_s = 0.4\n", ""), "assessment.floor.period_s",
+        "holds up to a building_height_m of 40",
+    ),
+    ('spectrum = "ntc"', f'spectrum = "record"\n{FLOOR}', "assessment.floor", "taken as that of the ground"),
     (
         BEFORE_REPORT, FLOOR + "higher_periods_s = [0.1]\n", "assessment.floor.higher_participations",
         "one γ_k",
@@ -204,6 +228,17 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
             MINIMAL + '[layers.R]\nsupport = "right"\n' + SETTLEMENT + "steps = 2\n",
             "settlements[1].steps",
             "add [pushover]",
+        ),
+        (MINIMAL + "[sensitivity]\nfriction = [0.8, 1.2]\n", "sensitivity", "there is no capacity to vary"),
+        (
+            MINIMAL + entry("pier", "lean", PIER, 1.0),
+            "measurement",
+            "nothing uses the measurements; add [identification]",
+        ),
+        (
+            CONTRACT.replace("[assessment.site]\n" + SITE, "[unused]\n").partition("[unused]")[0],
+            "assessment.site",
+            "add [assessment.site]",
         ),
         (CONTRACT + "[sensitivity]\n", "sensitivity", "write low and high factors of friction, stiffness"),
         (

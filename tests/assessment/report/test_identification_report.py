@@ -1,7 +1,9 @@
 """An identification in results, report, drawing, tables and on the terminal: the arch with a support that moved out."""
 
+import re
 import tomllib
 
+import numpy as np
 import pytest
 
 from assessment.project.model import build_model
@@ -9,7 +11,9 @@ from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.report.chapters.remarks import ready_lines
 from assessment.report.document import tables
+from assessment.report.figures.deformed import MEASURED, draw_identification
 from assessment.report.language import words_of
+from assessment.report.terminal import _identified
 from assessment.results.summary import fits
 from assessment.studies import identification
 from assessment.workflow.run import select
@@ -105,6 +109,31 @@ def test_a_movement_fits_unless_nothing_is_left_and_the_measurements_are_missed(
     """χ² 83.6 with as many unknowns as measurements was offered as a settlement to paste."""
     best = explained(results).identification.hypotheses[0]
     assert fits(best.replace(degrees_of_freedom=left, chi_squared=square, probability=None)) == fit
+
+
+def test_the_drawing_marks_the_measurements_where_the_magnified_movement_takes_them(results):
+    [axes] = draw_identification(results, words_of(results)).axes
+    [marks] = [line.get_xydata() for line in axes.lines if line.get_marker() == MEASURED["marker"]]
+    found = results.identification
+    sites, configuration = found.sites, found.hypotheses[found.best].configuration
+    [times] = {float(found) for found in re.findall(r"([\d.]+)", axes.get_title())}
+    for site, mark in zip(sites, marks, strict=True):
+        x, z, turn = configuration[site.block]
+        arm = np.subtract(site.point_m, results.geometry.blocks[site.block].centroid_m)
+        c, s = np.cos(turn), np.sin(turn)
+        moved = [x + (c - 1.0) * arm[0] - s * arm[1], z + s * arm[0] + (c - 1.0) * arm[1]]
+        assert mark - site.point_m == pytest.approx(times * np.array(moved), abs=1e-9)
+    assert {text.get_text() for text in axes.texts} >= {"1", "2"}
+    assert marks[0, 0] - sites[0].point_m[0] == pytest.approx(times * 0.01, rel=1e-3), (
+        "the springing moved out"
+    )
+
+
+def test_the_terminal_has_the_movement_with_its_error_and_that_it_is_not_to_be_used(results):
+    best, unfit, *lines = _identified(results)
+    assert best == "best movement: destro: x 10 ± 0.2 mm (χ² 25, 1 degrees of freedom)"
+    assert unfit == "  # does not fit the measurements: not to be used"
+    assert [*_identified(explained(results))][1:] == lines and "  displacement_m = [0.01, 0.0]" in lines
 
 
 def test_the_tables_have_every_hypothesis(results):
