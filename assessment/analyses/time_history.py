@@ -248,6 +248,7 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
     last, drawn = response.last, model.initial.positions
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
+    gone = np.hypot(*np.moveaxis(response.positions - response.positions[0], -1, 0)[:2]).max(axis=-1)
     rigid = setting.table.contacts == "rigid"
     kept_frames = snapshots(model, times, moved, response.positions, response.forces, peak)
     if rigid and model.ties:
@@ -257,6 +258,8 @@ def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: R
         sustained_displacement_m=float(abs(moved[peak])),
         time_of_peak_s=motion.start + float(response.time[peak]),
         residual_displacement_m=None if last.collapsed else float(moved[-1]),
+        farthest_m=float(gone.max()),
+        farthest_left_m=None if last.collapsed else float(gone[-1]),
         collapsed=last.collapsed,
         time_of_collapse_s=motion.start + float(response.time[-1]) if last.collapsed else None,
         free_motion_from_s=motion.start + motion.record.duration if len(response.parts) > 1 else None,

@@ -12,8 +12,8 @@ from assessment.results.schema import dynamic as parts
 from assessment.results.table import Row, Table, cells, reduction
 
 VERTICAL = "vertical_record vertical_pga_g"
-HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m residual_displacement_m collapsed
-time_of_collapse_s"""
+HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m residual_displacement_m farthest_m
+farthest_left_m collapsed time_of_collapse_s"""
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
 MOVED = "settlement share movement_m"
@@ -28,8 +28,9 @@ OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are 
 def histories(results: Results) -> Found:
     """List what every time history came to."""
     for state, entry in _histories(results):
-        unasked = {None: "", True: "residual_displacement_m", False: "time_of_collapse_s"}[entry.collapsed]
-        yield {"state": state} | cells(entry, [key for key in HISTORY.split() if key != unasked])
+        at_end = ("residual_displacement_m", "farthest_left_m")
+        unasked = {None: (), True: at_end, False: ("time_of_collapse_s",)}[entry.collapsed]
+        yield {"state": state} | cells(entry, [key for key in HISTORY.split() if key not in unasked])
 
 
 @table(

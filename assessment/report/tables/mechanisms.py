@@ -70,7 +70,7 @@ def mechanism_name(results: Results, state: str, direction: Direction, words: Wo
         name = words.plain("mechanism.sliding")
     elif turning == 1:
         name = words.plain("mechanism.overturning")
-    elif found.hinges <= COUNTED:
+    elif 1 < found.hinges <= COUNTED:
         name = words.plain("mechanism.hinges", count=words.plain(f"mechanism.n{found.hinges}"))
     else:
         name = words.plain("mechanism.parts", count=turning)

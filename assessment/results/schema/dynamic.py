@@ -107,6 +107,12 @@ class History(OfBaseMotion, Peaks):
     collapsed: bool | None = key("whether it ends in collapse; null: not computed", "Collasso|Collapse")
     sustained_displacement_m: float | None = optional("largest one from which the structure came back")
     time_of_peak_s: float | None = optional("when that is")
+    farthest_m: float | None = optional(
+        "largest displacement of the centroid of any block", "Picco, ogni blocco|Peak, any block", shown="mm"
+    )
+    farthest_left_m: float | None = optional(
+        "the same at the end; null: a collapse", "Alla fine, ogni blocco|At the end, any block", shown="mm"
+    )
     free_motion_from_s: float | None = optional("end of the record, where motion goes on; null: it does not")
     curve: Course | None = optional("displacement in time")
     snapshots: Snapshots | None = optional("some of its configurations")
