@@ -101,6 +101,12 @@ def _assessed(
     virtual_work = math.inf if by_work is None else by_work
     if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
         raise CapacityError(other_mechanism(virtual_work, alpha))
+    loss, way = rigid.local_loss, np.array(rigid.curve.displacement_m[: rigid.peak + 1])
+    if loss is not None and abs(way).max() > loss.displacement_m:
+        raise CapacityError(message(
+            "α0 = {alpha:.4g} is reached after {lost}: the curve up to there alone counts",
+            alpha=rigid.alpha_0, lost=loss_sentence(loss),
+        ))  # fmt: skip
     asked = project.pushover is not None and "elastic" in project.pushover.contacts
     if elastic is None and assessment.model != "none" and asked:
         missing = message(
@@ -118,7 +124,7 @@ def _assessed(
     capacity, checks, method = own.capacity, own.checks, own.method
     said = dict.fromkeys(note for check in checks.values() for note in check.notes)
     notes = cast("list[Message]", [*said])  # what is not read from a file is none but messages
-    given, loss = assessment.local_displacement_limit_m, rigid.local_loss
+    given = assessment.local_displacement_limit_m
     if loss is not None and given is not None and given > loss.displacement_m:
         beyond = message("local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
                          given=given, reason=loss_sentence(loss))  # fmt: skip

@@ -44,7 +44,7 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
         static.RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
         # if equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
         d_0_m=float(path.displacement[-1]) if path.reached_zero or path.lost else None,
-        local_loss=paths.local_loss(model, path.states, path.displacement, path.forces, path.lost),
+        local_loss=paths.local_loss(model, path.states, path.displacement, frames.normal_forces(path), path.lost),
         curve=_curve(path), d_star_m=_way_of_blocks(path, mechanism), mechanism=mechanism,
         virtual_work_alpha=finite(by_work), mechanism_configuration=paths.configuration(model, at),
         final_configuration=paths.configuration(model, path.states[-1]),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
-from assessment.results.frames import along_path, pushdown_frames
+from assessment.results.frames import along_path, normal_forces, pushdown_frames
 from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, H
@@ -115,15 +115,15 @@ def local_loss(
     model: mechanics.Assembly,
     states: Sequence[mechanics.State],
     displacement: Array,
-    forces: Array,
+    normal: Array,
     falls: bool,
 ) -> LocalLoss | None:
     """Return the first loss along a path: a joint that carries, whose faces overlap no longer, or a tie that breaks.
 
     `displacement` (k,) m of the points `states`, between which the loss is interpolated, or that of the last one if the
-    structure `falls` as the faces part; `forces` (j, 3), kN, kNm, by which joints carry. None if there is no loss.
+    structure `falls` as the faces part; `normal` (k, j), kN, by which joints carry. None if there is no loss.
     """
-    parted = _parted(model, states, displacement, forces, falls)
+    parted = _parted(model, states, displacement, normal, falls)
     lost = [*_broken(model, states, displacement), *([parted] if parted else [])]
     return min(lost, key=lambda each: each.displacement_m, default=None)
 
@@ -146,15 +146,15 @@ def _parted(
     model: mechanics.Assembly,
     states: Sequence[mechanics.State],
     displacement: Array,
-    forces: Array,
+    normal: Array,
     falls: bool,
 ) -> LocalLoss | None:
-    """Return the first joint that carries and whose faces come to overlap no longer."""
-    drawn = model.contacts
-    overlap = np.array([2.0 * drawn.places(state.positions)[:, H] for state in states])
-    bears = (forces[: len(drawn), 0] > BEARS * model.weight) & (overlap[0] > 0.0)
-    gone = (overlap <= 0.0) & bears
+    """Return the first joint that carries at first or up to there, and comes to overlap no longer."""
+    overlap = np.array([2.0 * model.contacts.places(state.positions)[:, H] for state in states])
+    carries = normal > BEARS * model.weight
+    gone = (overlap <= 0.0) & (overlap[0] > 0.0) & (carries[0] | np.vstack([carries[:1], carries[:-1]]))
     if not gone.any():
+        bears = carries[0] & (overlap[0] > 0.0)
         left = np.where(bears, overlap[-1] / np.where(bears, overlap[0], 1.0), np.inf)
         joint = int(np.argmin(left))
         return _loss(model, joint, displacement[-1], overlap) if falls and left[joint] < PARTING else None
@@ -278,7 +278,7 @@ def _pushdown_path(
 ) -> PushdownPath:
     """Return reactions, configurations and the movement at collapse; `whole` (m): the movement that was asked for."""
     model, falls = path.model, path.ultimate is not None
-    lost = local_loss(model, path.states, path.movement, path.steps[0].forces, falls) if path.steps else None
+    lost = local_loss(model, path.states, path.movement, normal_forces(path), falls) if path.steps else None
     along = None
     if control:  # displacements (k, 2) of the control point from the beginning of the path, m
         point, block = control.point_m, model.block_at(control.point_m)

@@ -53,6 +53,13 @@ def carried_along(path: mechanics.Pushdown | mechanics.Pushover) -> list[Carried
     return found
 
 
+def normal_forces(path: mechanics.Pushdown | mechanics.Pushover) -> Array:
+    """Return N (k, j), kN, of the drawn joints; before the first step that of the mechanism, or of that step."""
+    first = (path if isinstance(path, mechanics.Pushover) else path.steps[0]).forces
+    found = [first if each is None else each.forces for each in carried_along(path)]
+    return np.array([forces[: len(path.model.contacts), 0] for forces in found])
+
+
 def along_path(
     path: mechanics.Pushdown | mechanics.Pushover, peak: int, rigid: bool
 ) -> list[TieTension] | None:

@@ -15,6 +15,7 @@ from assessment.project.model import build_model, state_models
 from assessment.project.project import load_project
 from assessment.report.chapters.remarks import displacement_limits
 from assessment.report.language import Words
+from assessment.results.frames import normal_forces
 from assessment.results.schema.part import plain
 from assessment.results.schema.static import LocalLoss
 from assessment.runtime.errors import ProjectError
@@ -23,7 +24,7 @@ from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, pushdown, pushover
 from tests.support.block_project import ASSESSMENT, PROJECT, write_block
 from tests.support.results_example import results_example
-from tests.support.structures import block_on_base, rectangle
+from tests.support.structures import block_on_base, built, rectangle
 from tests.support.typed import typed
 from tests.support.wording import in_italian
 
@@ -42,13 +43,13 @@ def test_a_block_slides_past_an_edge():
     ways = np.array([0.0, 0.1, 0.2, 0.3, 0.45, 0.5])
     positions = [model.initial.positions + np.array([[0, 0, 0], [way, 0, 0]]) for way in ways]
     states = [replace(model.initial, positions=each) for each in positions]
-    forces = np.array([[1.44, 0.0, 0.0]])
-    loss = local_loss(model, states, ways, forces, falls=False)
+    normal = np.full((len(ways), 1), 1.44)
+    loss = local_loss(model, states, ways, normal, falls=False)
     assert loss.displacement_m == pytest.approx(0.4)
     assert (loss.joint, loss.blocks, loss.overlap_m) == (0, [0, 1], pytest.approx(0.4))
-    assert local_loss(model, states[:4], ways[:4], forces, falls=True) is None
+    assert local_loss(model, states[:4], ways[:4], normal[:4], falls=True) is None
     # a joint that bears nothing loses nothing
-    assert local_loss(model, states, ways, 0.0 * forces, falls=True) is None
+    assert local_loss(model, states, ways, 0.0 * normal, falls=True) is None
     assert "perdere l’appoggio a d = 0,4 m" in in_italian(loss_sentence(loss))
 
 
@@ -56,7 +57,7 @@ def test_a_hinge_that_turns_loses_nothing():
     model = block_on_base(0.6, 4.2)
     path = pushover(model, (0.6, 4.2), increment=0.05)
     assert path.reached_zero
-    assert local_loss(model, path.states, path.displacement, path.forces, path.lost) is None
+    assert local_loss(model, path.states, path.displacement, normal_forces(path), path.lost) is None
 
 
 def test_the_loss_is_the_limit_unless_the_project_gives_one():
@@ -91,6 +92,30 @@ def test_the_check_is_made_with_it(tmp_path):
     farther = project.model_copy(update={"assessment": table})
     told = assess(farther, model.assembly, lost, demands)["+x"].warnings
     assert any("write no more than that" in warning for warning in told)
+
+
+def test_no_capacity_is_taken_from_behind_a_loss(tmp_path):
+    """The block's curve turned round, with its peak at the end."""
+    project = load_project(write_block(tmp_path / "block", PROJECT + ASSESSMENT))
+    model = build_model(project)
+    pushed = run(project, model, jobs=1).results.states["original"].pushover["+x"]
+    rising = pushed.rigid.curve.replace(multiplier=pushed.rigid.curve.multiplier[::-1])
+    loss = LocalLoss(displacement_m=0.1, joint=0, blocks=[0, 1], overlap_m=0.6)
+    lost = {"+x": pushed.replace(rigid=pushed.rigid.replace(curve=rising, local_loss=loss))}
+    [why] = assess(project, model.assembly, lost, demand_spectra(project))["+x"].failures
+    assert "is reached after the faces of blocks 0 and 1 slide off each other at d = 0.1 m" in why
+
+
+def test_a_lintel_that_drops_between_its_piers_is_lost():
+    """It slides 0.5 m off the pier that has sunk, drops and is wedged between both, where α rises to twice."""
+    stone = Material(18.0, 0.65)
+    piers = {"left": (0.0, 0.0, 0.5, 1.0), "right": (2.0, 0.0, 2.5, 1.0)}
+    model = built(stone, (0.0, 1.0, 2.5, 1.5), **piers)
+    settled = pushdown(model, "right", (0.0, -0.05), increment=0.005).final
+    path = pushover(model, direction="-x", increment=0.02, state=settled)
+    loss = local_loss(model, path.states, path.displacement, normal_forces(path), path.lost)
+    assert loss.displacement_m == pytest.approx(0.494, rel=0.02)
+    assert loss.displacement_m < path.displacement[: path.peak].max() + 1e-3
 
 
 ELASTIC_END = "structure with elastic contacts loses equilibrium"
@@ -186,10 +211,10 @@ def test_a_pier_that_moves_away_unseats_the_beam():
     model = Assembly(blocks)
     path = pushdown(model, "right", (0.002, 0.0), increment=0.002, to_collapse=True, sliding="coulomb")
     assert path.ultimate == pytest.approx(0.05, rel=0.02)
-    loss = local_loss(model, path.states, path.movement, path.steps[0].forces, falls=True)
+    loss = local_loss(model, path.states, path.movement, normal_forces(path), falls=True)
     assert loss.displacement_m == path.movement[-1] == pytest.approx(0.05, rel=0.02)
     assert 4 in loss.blocks
-    assert local_loss(model, path.states, path.movement, path.steps[0].forces, falls=False) is None
+    assert local_loss(model, path.states, path.movement, normal_forces(path), falls=False) is None
 
 
 def movement(name: str, support: str, x: float, z: float, *more: str) -> str:
