@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -153,6 +154,7 @@ def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProg
     return _standing(model, state, LIMIT.closed)
 
 
+@lru_cache(maxsize=4)  # every path of a model begins with it as drawn
 def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedProgram:
     """Return the program over the joints closed within a tolerance; raise UnstableError where it cannot stand."""
     closed = closed_program(model, state, tolerance=tolerance)

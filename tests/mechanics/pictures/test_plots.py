@@ -85,3 +85,19 @@ def test_results_print_a_line(model, moved):
         assert len(repr(found)) < 160 and repr(found).startswith(f"{type(found).__name__}(")
     assert repr(model) == "Assembly(4 blocks, 1 of them supports)"
     assert repr(limit_analysis(model, sliding="coulomb")) == "Limit(+x, α = 0.2, coulomb friction)"
+
+
+def test_tables_of_a_model_a_mechanism_and_a_path(model, moved):
+    """Weights of 10.8 kN; the stack turns about its toe, (0.3, 0); the base bears what stands on it, its lean aside."""
+    blocks = model.to_frame()
+    assert blocks.weight_kN.to_numpy() == pytest.approx(10.8)
+    assert blocks.support.notna().tolist() == [True, False, False, False]
+    mechanism = limit_analysis(model).to_frame().to_numpy()[1:]
+    assert mechanism / mechanism[:, 2:] == pytest.approx(
+        np.array([[-0.5, -0.3, 1], [-1.5, -0.3, 1], [-2.5, -0.3, 1]])
+    )
+    path = moved.to_frame()
+    assert path.reaction_z_kN.to_numpy() == pytest.approx(
+        32.4
+    ) and path.reaction_x_kN.to_numpy() == pytest.approx(0.0)
+    assert path.movement_m.iloc[-1] == pytest.approx(0.02 * np.hypot(1.0, 0.15))
