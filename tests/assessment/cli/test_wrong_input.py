@@ -9,6 +9,7 @@ import pytest
 from assessment.cli.main import main
 from tests.support.block_project import ASSESSMENT, PROJECT, contents, edit, run, write_block
 from tests.support.dxf import drawing, outline
+from tests.support.structures import rectangle
 
 pytestmark = pytest.mark.usefixtures("quick")
 
@@ -20,14 +21,7 @@ WRONG = {
         "fricton = 0.7",
         'material.fricton: unknown key; did you mean "friction"',
     ),
-    "missing file": ("geometry.dxf", "geometri.dxf", 'geometry.drawing: no file "geometri.dxf"'),
-    "no drawing of another kind": (
-        "geometry.dxf",
-        "drawing.dwg",
-        "project folder; put it there or correct the name",
-    ),
     "a folder": ('"geometry.dxf"', '"."', 'geometry.drawing: "." is a folder; name a file'),
-    "no stiffness": ("normal_stiffness_kN_m3 = 1e6\n", "", "material.normal_stiffness_kN_m3: missing"),
     "control outside": (
         "[0.3, 4.2]",
         "[0.3, 5.2]",
@@ -50,8 +44,6 @@ def test_wrong_input_is_said_in_one_message_and_nothing_is_touched(project, caps
     (project / "output" / "results.json").write_text("earlier", encoding="utf-8")
     before = contents(project / "output")
     old, new, message = WRONG[what]
-    if what == "no stiffness":
-        edit(project, 'contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]')
     edit(project, old, new)
     assert main([verb, str(project)]) == 2
     out, err = capsys.readouterr()
@@ -173,10 +165,6 @@ unit_weight_kN_m3 = 18.0
 [layers.BASE]
 support = "base"
 """
-
-
-def rectangle(x0, z0, x1, z1):
-    return [(x0, z0), (x1, z0), (x1, z1), (x0, z1)]
 
 
 def checked(folder, capsys, document, text=WALL):

@@ -79,7 +79,7 @@ support = "right"\n[layers.ROOF] | support = "a\tb"\n[layers.ROOF] | layers.BASE
 # files
 "geometry.dxf" | "geometri.dxf" | geometry.drawing | did you mean "geometry.dxf"?
 "records/aqv_ns.acc" | "records/aqv_n.acc" | history[1].record | mean "records/aqv_ns.acc"?
-"records/aqv_up.acc" | "nowhere/a.acc" | history[1].vertical_record | no file "nowhere/a.acc"
+"records/aqv_up.acc" | "nowhere/a.acc" | history[1].vertical_record | folder; put it there or correct the name
 ["records/*.acc"] | ["generate:7"] | incremental.records[1] | no file "generate:7"
 ["records/*.acc"] | ["records/b.csv", "records/*.AT2"] | incremental.records[2] | no file "records/*.AT2"
 "allegato_b.txt" | "allegato.txt" | assessment.site.grid | did you mean "allegato_b.txt"?

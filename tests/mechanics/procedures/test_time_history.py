@@ -245,6 +245,19 @@ def test_control_point_past_its_ultimate_and_coming_back_is_no_collapse() -> Non
         assert bool(collapse(model, model.contacts, model.initial.positions, x, v, point)) is outward
 
 
+@pytest.mark.parametrize(("speed", "falls"), [(-0.1, True), (0.1, False)])
+def test_a_block_that_has_fallen_by_more_than_its_size_and_still_falls_has_collapsed(
+    speed: float, falls: bool
+) -> None:
+    """One thrown up again from as far below may come back."""
+    model = block_on_base(0.2, 1.0)
+    x, v = model.initial.positions.copy(), np.zeros((2, 3))
+    x[1, 1] -= 1.1 * model.block_size[1]
+    v[1, 1] = speed
+    reason = collapse(model, model.contacts, model.initial.positions, x, v, None)
+    assert ("has fallen" in (reason or "")) is falls
+
+
 def test_a_step_that_cannot_be_solved_is_no_collapse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dynamic_system, "march", lambda *_: (3, 2, 0))
     with pytest.raises(ConvergenceError, match="not solved, 3 steps on"):
