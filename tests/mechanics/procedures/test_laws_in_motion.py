@@ -119,7 +119,7 @@ def test_elastic_joints_turn_back_where_they_do_at_shorter_steps():
     ("integrator", "least", "most"), [("implicit-euler", 0.5, 1.5), ("second-order", 0.1, 1.0)]
 )
 def test_steps_too_long_for_slides_are_told_with_the_error(integrator: Integrator, least: float, most: float):
-    """Where no step is halved: of implicit Euler about that of its motion, else the root of what is unsure, the least."""
+    """No step is halved. By implicit Euler about that of the motion, else the root of what is unsure: the least."""
     fine = slid(shaken_block(1e7, 0.0003125))
     coarse = shaken_block(1e7, 0.01, integrator, HistoryTolerances(closing=Halving(0, np.inf)))
     assert [note for note in coarse.notes if "steps are long" in note]
