@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
+from mechanics.messages import message
 from mechanics.model.block import Tie
 from mechanics.procedures.mirror import Mirror
 from mechanics.program import certify
@@ -51,6 +52,11 @@ def test_every_step_of_the_image_is_an_equilibrium(behaviour):
         assert max(found.equilibrium, found.cone) < 1e-6
         np.testing.assert_allclose(step.places, model.contacts.places(step.state.positions), atol=1e-12)
     assert len(image.steps) > 4
+
+
+def test_a_message_names_the_image_of_its_block_and_the_other_direction():
+    falls = message("{direction}: {reason}", direction="+x", reason=message("block {block} falls", block=0))
+    assert Mirror.of(arch_on_piers(voussoirs=23), "rigid")._mirrored(falls) == "-x: block 22 falls"
 
 
 def test_ties_are_mirrored_and_one_that_has_no_image_breaks_the_symmetry():
