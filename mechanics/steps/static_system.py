@@ -40,10 +40,6 @@ class StaticSystem:
     seen: Array | None = None
     reach: float = np.inf
 
-    def __getstate__(self) -> dict[str, object]:
-        """Pickle the system without its cached layouts, which are computed again."""
-        return {name: value for name, value in self.__dict__.items() if name not in {"layout", "law", "dof"}}
-
     def around(self, positions: Array, way: float) -> StaticSystem:
         """Return the system with the contacts of all configurations within a `way` (m) of positions (b, 3)."""
         model = self.model

@@ -28,7 +28,7 @@ LINES = {
     "mechanics/procedures": 3499,
     "mechanics/records": 996,
     "mechanics/solvers": 969,
-    "mechanics/steps": 1771,
+    "mechanics/steps": 1769,
 }
 
 
