@@ -7,6 +7,7 @@ import pytest
 
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
 from mechanics.procedures.collapse import ControlPoint, collapse
+from mechanics.procedures.energy import Energy
 from mechanics.procedures.motion_start import Integrator
 from mechanics.steps import dynamic_system
 from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle, semicircular_arch
@@ -243,6 +244,22 @@ def test_control_point_past_its_ultimate_and_coming_back_is_no_collapse() -> Non
         v = np.zeros((2, 3))
         v[1, 2] = -0.1 if outward else 0.1
         assert bool(collapse(model, model.contacts, model.initial.positions, x, v, point)) is outward
+
+
+@pytest.mark.parametrize(("beyond", "lost"), [(0.9, False), (1.1, True)])
+def test_a_block_is_out_of_reach_farther_from_its_face_than_its_size(beyond: float, lost: bool) -> None:
+    model = on_base(Material(18.0, 0.6), (-1.0, -0.2, 1.0), (0.0, 0.0, 0.2, 0.2))
+    x = model.initial.positions + np.array([[0.0, 0.0, 0.0], [1.0 + beyond * model.block_size[1], 0.0, 0.0]])
+    reason = collapse(model, model.contacts, model.initial.positions, x, np.zeros((2, 3)), None)
+    assert ("out of reach" in (reason or "")) is lost
+
+
+def test_the_balance_of_a_motion_by_hand() -> None:
+    """Of 9 kNm put in 3 and 1 are kinetic and elastic, 2, 1, 0.5 and 1 taken; 0.5 is missing. The turnover is 9."""
+    ends = (3.0, 0.0, 1.0, 9.0, 2.0, 1.0, 0.5, 1.0)
+    energy = Energy(*(np.array([0.0, end]) for end in ends))
+    assert energy.residual.tolist() == [0.0, 0.5] and energy.turnover == 9.0
+    assert (energy.imbalance, energy.integrator_share) == pytest.approx((0.5 / 9.0, 1.0 / 9.0))
 
 
 @pytest.mark.parametrize(("speed", "falls"), [(-0.1, True), (0.1, False)])
