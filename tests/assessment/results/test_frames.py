@@ -125,6 +125,18 @@ def test_a_block_slides_off_its_base_and_its_joint_shortens_with_it():
     assert found.pressure[0] == pytest.approx(model.weight / 0.4)
 
 
+@pytest.mark.parametrize(
+    ("share", "condition"), [(0.34, "whole"), (0.66, "whole"), (0.33, "partial"), (0.67, "partial")]
+)
+def test_a_joint_presses_as_a_whole_while_the_resultant_is_in_its_middle_third(share, condition):
+    model = block_on_base(0.6, 4.2)
+    force, still = np.array([[model.weight, 0.0]]), np.zeros((2, 3))
+    at = Situation("", None, "rigid", 0.0, still, force, np.array([share]), [])
+    found = joint_states(plain_results(model), at)
+    assert found.condition == [condition]
+    assert found.contact[0] == pytest.approx(0.6 if condition == "whole" else 0.99 * 0.6)
+
+
 def test_opening_at_both_ends_of_a_block_turned_about_its_toe():
     model = block_on_base(0.6, 4.2)
     tilted = model.rotated(1 if model.blocks[0].support else 0, (0.6, 0.0), -0.05)
