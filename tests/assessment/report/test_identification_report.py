@@ -14,6 +14,7 @@ from assessment.report.document import tables
 from assessment.report.figures.deformed import MEASURED, draw_identification
 from assessment.report.language import words_of
 from assessment.report.terminal import _identified
+from assessment.results.joint_states import outlines
 from assessment.results.summary import fits
 from assessment.studies import identification
 from assessment.workflow.run import select
@@ -123,6 +124,11 @@ def test_the_drawing_marks_the_measurements_where_the_magnified_movement_takes_t
         c, s = np.cos(turn), np.sin(turn)
         moved = [x + (c - 1.0) * arm[0] - s * arm[1], z + s * arm[0] + (c - 1.0) * arm[1]]
         assert mark - site.point_m == pytest.approx(times * np.array(moved), abs=1e-9)
+    drawn = np.vstack([each.get_path().vertices for each in axes.get_children() if hasattr(each, "get_path")])
+    corners = outlines(results).moved(np.array(configuration), times).points
+    assert max(abs(drawn - corner).sum(axis=1).min() for corner in corners) < 1e-9, (
+        "the blocks are magnified as much"
+    )
     assert {text.get_text() for text in axes.texts} >= {"1", "2"}
     assert marks[0, 0] - sites[0].point_m[0] == pytest.approx(times * 0.01, rel=1e-3), (
         "the springing moved out"
