@@ -102,7 +102,7 @@ def _assessed(
     if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
         raise CapacityError(other_mechanism(virtual_work, alpha))
     loss, way = rigid.local_loss, np.array(rigid.curve.displacement_m[: rigid.peak + 1])
-    if loss is not None and abs(way).max() > loss.displacement_m:
+    if loss is not None and abs(way).max() >= loss.displacement_m:
         raise CapacityError(message(
             "α0 = {alpha:.4g} is reached after {lost}: the curve up to there alone counts",
             alpha=rigid.alpha_0, lost=loss_sentence(loss),

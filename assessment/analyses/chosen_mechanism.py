@@ -163,6 +163,12 @@ def evaluate(
     control = followed(positions, delta, given, 1.0 if direction == "+x" else -1.0)
     if given is None or (given.block, given.point) != (control.block, control.point):
         method = replace(method, local_limits={})  # the local loss is a displacement of another point
+    for tie, longer in kinematics.works(model, positions, delta)[2]:
+        far = tie.longest / longer * abs(control.delta_x)  # where its lengthening goes on as it begins
+        if far < method.local_limits.get("SLV", np.inf):
+            breaks = message('the tie "{tie}", which has yielded by {longest:.3g} m, breaks', tie=tie.name,
+                             longest=tie.longest)  # fmt: skip
+            method = replace(method, local_limits=dict.fromkeys(("SLV", "SLC"), far), local_reason=breaks)
 
     met = Met(model)
     sliding = met.numbers(motion.contacts, motion.slides)[motion.sliding].tolist()

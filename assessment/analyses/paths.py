@@ -184,7 +184,7 @@ def loss_sentence(loss: LocalLoss) -> Message:
 def what_is_lost(loss: LocalLoss) -> Message:
     """Return what a local loss is of."""
     if loss.tie is not None:
-        return message('the tie "{tie}" breaks, for it has yielded by {longest:.3g} m,', tie=loss.tie,
+        return message('the tie "{tie}", which has yielded by {longest:.3g} m, breaks', tie=loss.tie,
                        longest=known(loss.longest_m))  # fmt: skip
     first, second = loss.blocks
     return message(

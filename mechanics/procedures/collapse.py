@@ -9,9 +9,11 @@ import shapely
 
 from mechanics.kernels.dynamics.motion import GONE
 from mechanics.kernels.joint import H, U
+from mechanics.kernels.law import BED, STRENGTH
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly
 from mechanics.model.contacts import Contacts
+from mechanics.steps.static_system import StaticSystem
 from mechanics.types import Array, Mask
 
 TURNED = 1.0  # rad from the drawing: a block that has turned so far does not come back
@@ -83,12 +85,21 @@ def collapse(
     return message("block {block} is out of reach of all its contacts", block=int(alone[0]))
 
 
-def broken_tie(model: Assembly, lengthened: Array) -> Message | None:
-    """Return which of the ties has broken that have yielded by so much (t,), m; None where none has."""
-    for tie, more in zip(model.ties, lengthened, strict=True):
-        if more > tie.longest:
-            return message(
-                "tie {tie} breaks: it has yielded by more than {longest:.3g} m",
+def broken_tie(system: StaticSystem, x: Array) -> tuple[int, Message] | None:
+    """Return the first of positions x (k, b, 3) at which a tie has yielded by more than it can, and which one."""
+    ties = system.model.ties
+    yields = np.array([tie.yield_force < np.inf for tie in ties])
+    longest = np.where(yields, [tie.longest for tie in ties], np.inf)
+    if not np.isfinite(longest).any():
+        return None
+    own, law = system.contacts.take(np.arange(len(system.contacts))[system.ties]), system.law[system.ties]
+    elastic = np.where(yields, law[:, STRENGTH], 0.0) / law[:, BED] - system.stretched
+    for k, at in enumerate(x):
+        broken = np.flatnonzero(-own.places(at)[:, U] - elastic > longest)
+        if broken.size:
+            tie = ties[broken[0]]
+            return k, message(
+                "the tie {tie} breaks: it has yielded by more than {longest:.3g} m",
                 tie=tie.name,
                 longest=tie.longest,
             )

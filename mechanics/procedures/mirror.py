@@ -68,8 +68,10 @@ class Mirror:
         )
         if shapes is None or joint is None:
             return None
-        held = np.zeros((len(contacts), 2))
-        held[contacts.ties] = [(tie.taut_length, tie.pretension) for tie in model.ties] or 0.0
+        held = np.zeros((len(contacts), 3))
+        held[contacts.ties] = [
+            (tie.taut_length, tie.pretension, 1.0 / tie.ultimate_elongation) for tie in model.ties
+        ] or 0.0
         alike = [contacts.friction, contacts.strength, held]
         alike += [contacts.bed, contacts.shear] if behaviour == "elastic" else []
         if not (

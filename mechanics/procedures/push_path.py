@@ -404,6 +404,9 @@ class PushPath:
 
     def _has_flow(self, point: int) -> bool:
         """Whether limit analysis in the state of a point, of joints that cannot be crushed, has its multiplier."""
+        step, least = self.points[point].step, LIMIT.closed * self.model.size
+        if self.model.crushes and step.penetration > least:  # what is crushed is no closed joint there
+            return True
         limit = self.limit_at(point, self.model.uncrushed)
         if limit is None:
             return True

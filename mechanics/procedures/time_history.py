@@ -190,7 +190,8 @@ def time_history(
         marched = system.march(motion, base[done : done + tolerances.chunk + 1], time_step, ahead)
         _check_motion(system, marched, done, time_step, tolerances.checked)
         part, reason = _until_collapse(system, marched, begun, point)
-        reason = reason or broken_tie(model, _lengthened(system, motion))
+        if broken := broken_tie(system.system, part.x):
+            part, reason = part.until(max(broken[0], 1)), broken[1]
         parts.append(part)
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
@@ -264,7 +265,11 @@ def _history(
     forces = np.concatenate([parts[0].forces[:1, :drawn], *(part.forces[1:, :drawn] for part in parts)])
     energy = Energy.of(model, x, v, energies)
     sliding_error = _sliding_error(model, energy, float(energies[-1, TURNED]), integrator, tolerances)
-    final = State(x[-1], v[-1], lengthened=_lengthened(system, motion) if model.ties else None)
+    lengthened = None
+    if model.ties:  # one that breaks does so within a chunk of steps
+        yielded = motion.longer[system.system.ties] + system.system.stretched
+        lengthened = np.minimum(yielded, [tie.longest for tie in model.ties])
+    final = State(x[-1], v[-1], lengthened=lengthened)
     if not system.system.rigid:
         final = with_springs(system.contacts, final, drawn, motion.shear)
     if not reason:  # at collapse the last steps are left out of the record
@@ -297,12 +302,6 @@ def _history(
         skipped=int(system.counts[7]),
         model=model,
     )
-
-
-def _lengthened(system: DynamicSystem, motion: Motion) -> Array:
-    """Return by how much the ties (t,) have yielded, m."""
-    longer: Array = motion.longer[system.system.ties] + system.system.stretched
-    return longer
 
 
 def _sliding_error(

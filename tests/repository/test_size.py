@@ -11,7 +11,7 @@ from tests import ROOT
 LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 189,
-    "assessment/analyses": 4347,
+    "assessment/analyses": 4353,
     "assessment/app": 1299,
     "assessment/benchmark": 1132,
     "assessment/cli": 630,
@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3584,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3499,
+    "mechanics/procedures": 3514,
     "mechanics/records": 996,
     "mechanics/solvers": 969,
     "mechanics/steps": 1769,

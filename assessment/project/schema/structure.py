@@ -20,7 +20,7 @@ MOST_INCREMENTS = 100_000
 LEAST_MOVEMENT = 1e-7
 """Movements below it, m and rad, are slips of the unit, and no longer told from rounding."""
 SHORTEST_TIE = 1e-6  # m
-LEAST_ELONGATION = 0.025  # (A_gt)k of B450A: the least of a steel of NTC 2018, §11.3.2.2
+ELONGATION = 0.025  # (A_gt)k of B450A: the least of a steel of NTC 2018, §11.3.2.2
 
 
 class GeometryTable(ProjectTable):
@@ -256,7 +256,7 @@ class TieTable(ProjectTable):
     pretension_kN: kinds.Tension = entry("tension, kN, when it is set; counts in elastic analyses only", 0.0)
     ultimate_elongation: kinds.Elongation = entry(
         "share of its length by which it yields before it breaks: the capacity ends there; inf: it does not break",
-        LEAST_ELONGATION,
+        ELONGATION,
     )
     states: Annotated[kinds.Names | None, NameOf("state")] = absent(
         "states in which it is there; default every state, from the beginning"

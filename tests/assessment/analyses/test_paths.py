@@ -95,7 +95,7 @@ def test_the_check_is_made_with_it(tmp_path):
 
 
 def test_no_capacity_is_taken_from_behind_a_loss(tmp_path):
-    """The block's curve turned round, with its peak at the end."""
+    """The block's curve turned round, with its peak at the end; and its own, with a tie that has broken before."""
     project = load_project(write_block(tmp_path / "block", PROJECT + ASSESSMENT))
     model = build_model(project)
     pushed = run(project, model, jobs=1).results.states["original"].pushover["+x"]
@@ -104,6 +104,12 @@ def test_no_capacity_is_taken_from_behind_a_loss(tmp_path):
     lost = {"+x": pushed.replace(rigid=pushed.rigid.replace(curve=rising, local_loss=loss))}
     [why] = assess(project, model.assembly, lost, demand_spectra(project))["+x"].failures
     assert "is reached after the faces of blocks 0 and 1 slide off each other at d = 0.1 m" in why
+    broken = LocalLoss(
+        displacement_m=0.0, joint=None, blocks=[0, 1], overlap_m=None, tie="chain", longest_m=0.1
+    )
+    lost = {"+x": pushed.replace(rigid=pushed.rigid.replace(local_loss=broken))}
+    [why] = assess(project, model.assembly, lost, demand_spectra(project))["+x"].failures
+    assert 'after the tie "chain", which has yielded by 0.1 m, breaks at d = 0 m' in why
 
 
 def test_a_lintel_that_drops_between_its_piers_is_lost():

@@ -1,5 +1,7 @@
 """Ties and strengthened states in a run: closed forms of one block, pushed and shaken."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -87,7 +89,10 @@ def test_the_capacity_ends_where_a_tie_breaks(tmp_path):
     breaks = np.interp(4.1 * 1.005, length, angle)
     assert loss.displacement_m == pytest.approx(HEIGHT * np.sin(breaks), rel=1e-3)
     assert (loss.tie, loss.joint, loss.longest_m) == ("chain", None, pytest.approx(4.1 * 0.005))
-    assert any('the tie "chain" breaks' in str(text) for text in found.quality.warnings)
+    assert any(
+        'the tie "chain", which has yielded by 0.0205 m, breaks' in str(text)
+        for text in found.quality.warnings
+    )
     limit = np.interp(loss.displacement_m, rigid.rigid.curve.displacement_m, rigid.rigid.d_star_m)
     assert capacity.SLV.d_star_m == pytest.approx(limit) and limit < 0.4 * capacity.d_0_star_m
 
@@ -100,7 +105,11 @@ def test_a_motion_in_which_a_tie_breaks_has_collapsed():
         chain = Tie("chain", (-0.29, -0.1), (-0.29, 1.8), yield_force=8.0, ultimate_elongation=most)
         model = built(stone, (-0.3, 0.0, 0.3, 2.0), base=(-1.0, -0.5, 1.0, 0.0)).tied([chain])
         motion = time_history(model, pulse, 0.005)
-        assert motion.collapsed is falls and ("tie chain breaks" in motion.collapse_reason) is falls
+        assert motion.collapsed is falls and ("the tie chain breaks" in motion.collapse_reason) is falls
+    longest = np.hypot(*(model.tie_ends(motion.final)[0][1] - model.tie_ends(motion.final)[0][0])) - 1.9
+    assert chain.longest < longest < 1.6 * chain.longest  # where it breaks, not at the end of the pulse
+    still = time_history(model.tied([replace(chain, length=1.8)]), 0.0 * pulse, 0.005)
+    assert still.collapsed and still.time_of_collapse == 0.005  # broken before
 
 
 def test_the_hand_check_and_the_balance_count_the_tie(drawn):
@@ -196,6 +205,15 @@ def test_a_chosen_mechanism_has_the_work_of_the_tie(tmp_path):
     # the curve of the finite motion begins with the same work, the tie's included
     assert (
         given.a_0_star_g == pytest.approx(given.alpha_0 / given.e_star / 1.35, rel=1e-9) and given.d_0_m > 0.0
+    )
+    short = results_of(
+        tmp_path / "breaks", text + tie(states='["strengthened"]', ultimate_elongation="0.005")
+    )
+    [given] = short.mechanisms
+    pushed, limit = short.states["strengthened"].pushover["+x"].rigid, given.SLV.d_star_m
+    assert given.SLV.governing == "local limit"
+    assert limit == pytest.approx(
+        np.interp(pushed.local_loss.displacement_m, pushed.curve.displacement_m, pushed.d_star_m), rel=0.03
     )
     held = results_of(tmp_path / "held", text + tie(states='["strengthened"]', yield_force_kN=""))
     [given] = held.mechanisms

@@ -87,6 +87,12 @@ def test_a_diagonal_has_the_middle_the_length_and_the_blocks_of_its_image_and_is
     assert limit_analysis(tied, "+x").alpha > 1.3 * limit_analysis(tied, "-x").alpha
     level = portal.tied([Tie("chain", (-1.7, 2.2), (1.7, 2.2), 20.0)])
     assert Mirror.of(level, "rigid") is not None
+    for most, alike in ((0.01, True), (0.02, False)):  # one of two images breaks before the other
+        one, two = (
+            Tie(name, (x, -0.2), (x, 2.2), 20.0, ultimate_elongation=share)
+            for name, x, share in (("left", -1.7, 0.01), ("right", 1.7, most))
+        )
+        assert (Mirror.of(portal.tied([one, two]), "rigid") is not None) is alike
 
 
 def test_outlines_and_masses_have_to_be_each_others_image():
