@@ -215,6 +215,7 @@ def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]
     """Return the number of the run with the least index ζ_E at SLV and SLC, or ratio where neither was checked.
 
     Without any, that with the least α0 (where no run has rigid joints α_u); of several that agree in it, the least d_0.
+    A rigid curve without d_0 may have been cut short: it does not govern where another has one.
     """
     ratios = [each.value.capacity.ratios if each.value else {} for each in checked]
     least = [min((indices(each) or each).values(), default=inf) for each in ratios]
@@ -225,6 +226,8 @@ def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]
     if not any(rigid):
         alpha = [each.elastic.alpha_u if each.elastic else inf for each in runs]
     d_0 = [inf if each is None or each.d_0_m is None else each.d_0_m for each in rigid]
+    if min(d_0) < inf:
+        alpha = [inf if far == inf else each for each, far in zip(alpha, d_0, strict=True)]
     agreeing = [k for k, each in enumerate(alpha) if each <= min(alpha) * (1.0 + ENSEMBLE.agree)]
     return min(agreeing, key=lambda k: d_0[k])
 

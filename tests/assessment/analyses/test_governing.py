@@ -186,6 +186,14 @@ def test_without_checks_the_least_alpha_governs_and_of_those_that_agree_in_it_th
     assert (pushed.run.member, pushed.rigid.alpha_0, pushed.rigid.d_0_m) == (1, 0.10002, 0.4)
 
 
+def test_a_curve_that_is_cut_short_does_not_govern():
+    """The settled triumphal arch was told α0 0.039, of a curve whose blocks did not come to rest after 0.6 mm."""
+    runs = runs_of(curve(0.05, None), curve(0.11, 0.5), curve(0.10, 0.4))
+    pushed = governing(runs).pushover["+x"]
+    assert (pushed.run.member, pushed.rigid.alpha_0) == (3, 0.10) and pushed.rigid.alpha_0_range[0] < 0.05
+    assert governing(runs_of(curve(0.05, None), curve(0.1, None))).pushover["+x"].rigid.alpha_0 == 0.05
+
+
 def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
     """The least of each quantity by itself would be figures of different runs in one table."""
     runs = runs_of(curve(0.10, 0.5), curve(0.12, 0.4), curve(0.11, 0.6), ultimate=(0.3, 0.2, 0.25))
