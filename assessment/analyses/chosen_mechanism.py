@@ -14,6 +14,7 @@ from assessment.analyses import kinematics
 from assessment.analyses.capacity import checks_of, curve_of, method_of
 from assessment.analyses.demand import Demands, confidence_source
 from assessment.analyses.found import as_part
+from assessment.analyses.paths import broken_tie
 from assessment.ntc.capacity_curve import capacity_curve, mass_share
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
 from assessment.ntc.spectrum import Spectrum
@@ -166,9 +167,8 @@ def evaluate(
     for tie, longer in kinematics.works(model, positions, delta)[2]:
         far = tie.longest / longer * abs(control.delta_x)  # where its lengthening goes on as it begins
         if far < method.local_limits.get("SLV", np.inf):
-            breaks = message('the tie "{tie}", which has yielded by {longest:.3g} m, breaks', tie=tie.name,
-                             longest=tie.longest)  # fmt: skip
-            method = replace(method, local_limits=dict.fromkeys(("SLV", "SLC"), far), local_reason=breaks)
+            limits, breaks = dict.fromkeys(("SLV", "SLC"), far), broken_tie(tie.name, tie.longest)
+            method = replace(method, local_limits=limits, local_reason=breaks)
 
     met = Met(model)
     sliding = met.numbers(motion.contacts, motion.slides)[motion.sliding].tolist()

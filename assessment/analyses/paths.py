@@ -181,11 +181,15 @@ def loss_sentence(loss: LocalLoss) -> Message:
     )
 
 
+def broken_tie(tie: str, longest: float) -> Message:
+    """Return that a tie of that name breaks, having yielded by so much, m."""
+    return message('the tie "{tie}", which has yielded by {longest:.3g} m, breaks', tie=tie, longest=longest)
+
+
 def what_is_lost(loss: LocalLoss) -> Message:
     """Return what a local loss is of."""
     if loss.tie is not None:
-        return message('the tie "{tie}", which has yielded by {longest:.3g} m, breaks', tie=loss.tie,
-                       longest=known(loss.longest_m))  # fmt: skip
+        return broken_tie(loss.tie, known(loss.longest_m))
     first, second = loss.blocks
     return message(
         "the faces of blocks {first} and {second} slide off each other", first=first, second=second

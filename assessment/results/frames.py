@@ -54,7 +54,7 @@ def carried_along(path: mechanics.Pushdown | mechanics.Pushover) -> list[Carried
 
 
 def normal_forces(path: mechanics.Pushdown | mechanics.Pushover) -> Array:
-    """Return N (k, j), kN, of the drawn joints; before the first step that of the mechanism, or of that step."""
+    """Return N (k, j), kN, of the drawn joints at each point; if not known, of mechanism or first step."""
     first = (path if isinstance(path, mechanics.Pushover) else path.steps[0]).forces
     found = [first if each is None else each.forces for each in carried_along(path)]
     return np.array([forces[: len(path.model.contacts), 0] for forces in found])

@@ -403,9 +403,9 @@ class PushPath:
         return True
 
     def _has_flow(self, point: int) -> bool:
-        """Whether limit analysis in the state of a point, of joints that cannot be crushed, has its multiplier."""
+        """Whether the multiplier of a point is that of limit analysis in its state, without crushing."""
         step, least = self.points[point].step, LIMIT.closed * self.model.size
-        if self.model.crushes and step.penetration > least:  # what is crushed is no closed joint there
+        if self.model.crushes and step.penetration > least:  # without crushing such a joint is not closed
             return True
         limit = self.limit_at(point, self.model.uncrushed)
         if limit is None:

@@ -11,7 +11,7 @@ from tests import ROOT
 LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 189,
-    "assessment/analyses": 4356,
+    "assessment/analyses": 4360,
     "assessment/app": 1299,
     "assessment/benchmark": 1132,
     "assessment/cli": 630,
