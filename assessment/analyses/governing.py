@@ -49,35 +49,31 @@ class EnsembleTolerances:
 ENSEMBLE = EnsembleTolerances()
 
 
-def members(
-    requests: Sequence[Request],
-    found: Sequence[StateResult],
-    workers: Workers,
-    tolerances: EnsembleTolerances = ENSEMBLE,
-) -> Members:
+def members(requests: Sequence[Request], found: Sequence[StateResult], workers: Workers) -> Members:
     """Return the further members of the ensembles of states that scatter, results under every behaviour by state."""
     own = {(result.state, result.behaviour): result for result in found}
     suspected = {result.state for result in found if result.scatters}
     together = [request for request in requests if request.project.scatter > 1 and request.state in suspected]
-    first = _follow(together, (0,), workers, tolerances)
+    first = _follow(together, (0,), workers)
     scattering = {
         state
         for state, ((*results,),) in first.items()
-        if any(apart(own[state, result.behaviour], result, tolerances.agree) for result in results)
+        if any(apart(own[state, result.behaviour], result) for result in results)
     }
     together = [request for request in together if request.state in scattering]
     rest = range(1, together[0].project.scatter - 1) if together else ()
-    others = _follow(together, rest, workers, tolerances)
+    others = _follow(together, rest, workers)
     return {state: first[state] + others.get(state, []) for state in first if state in scattering}
 
 
-def apart(one: StateResult, other: StateResult, agree: float = ENSEMBLE.agree) -> bool:
-    """Whether two members differ in a quantity of their paths, by more than a relative `agree`."""
+def apart(one: StateResult, other: StateResult) -> bool:
+    """Whether two members differ in a quantity of their paths."""
     values, others = dict(quantities(one)), dict(quantities(other))
     if values.keys() != others.keys():
         return True
     return any(
-        (a is None) != (b is None) or (a is not None and b is not None and abs(a - b) > agree * abs(a))
+        (a is None) != (b is None)
+        or (a is not None and b is not None and abs(a - b) > ENSEMBLE.agree * abs(a))
         for a, b in ((values[key], others[key]) for key in values)
     )
 
@@ -92,15 +88,13 @@ def quantities(result: StateResult) -> Iterator[tuple[tuple[str, str], float | N
                 yield (direction, name), value
 
 
-def _follow(
-    requests: Sequence[Request], numbers: Sequence[int], workers: Workers, tolerances: EnsembleTolerances
-) -> Members:
+def _follow(requests: Sequence[Request], numbers: Sequence[int], workers: Workers) -> Members:
     """Return the results of requests as members of those numbers, computed side by side."""
     if not requests or not numbers:
         return {}
-    factors = np.geomspace(*tolerances.increments, max(requests[0].project.scatter - 1, 2))
+    factors = np.geomspace(*ENSEMBLE.increments, max(requests[0].project.scatter - 1, 2))
     shaken = {  # a state and its strengthening settle as one
-        (model, number): shaken_corners(model, number, tolerances.noise)
+        (model, number): shaken_corners(model, number)
         for model in dict.fromkeys(request.model.settling for request in requests)
         for number in numbers
     }
@@ -124,15 +118,15 @@ def _follow(
     return found
 
 
-def shaken_corners(model: Assembly, seed: int, noise: float = ENSEMBLE.noise) -> Assembly:
-    """Return the assembly with corners of movable blocks moved by `noise` of the block at random; its joints stay."""
+def shaken_corners(model: Assembly, seed: int) -> Assembly:
+    """Return the assembly with corners of movable blocks moved at random by their `noise`; its joints stay."""
     drawn, still = _faces(model), set[int]()
     while True:
         random, blocks = np.random.default_rng(seed), []
         for number, block in enumerate(model.blocks):
             if block.support is None:
                 corners, size = block.polygon, np.ptp(block.polygon, axis=0).max()
-                moved = corners + noise * size * random.uniform(-1.0, 1.0, corners.shape)
+                moved = corners + ENSEMBLE.noise * size * random.uniform(-1.0, 1.0, corners.shape)
                 block = block if number in still else replace(block, vertices=moved)  # noqa: PLW2901
             blocks.append(block)
         found = replace(model, blocks=blocks)

@@ -9,15 +9,14 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from assessment.analyses.capacity import assess, capacities
 from assessment.analyses.demand import Demands
 from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order, refined
-from assessment.analyses.states import StateResult, curves
+from assessment.analyses.states import StateResult
 from assessment.project.model import StateModel
 from assessment.project.project import Project
-from assessment.results.schema import Capacity, ConvergenceRow
+from assessment.results.schema import ConvergenceRow
 from assessment.results.table import cells
-from assessment.studies.variants import capacities_of
+from assessment.studies.variants import of_stages
 from mechanics.messages import Message, headed, linked, message
 from mechanics.model import Direction
 
@@ -30,7 +29,6 @@ ERRORS = {
     "alpha_u": "alpha_u_error",
     "a_g_g": "a_g_error_g",
 }
-QUANTITIES = tuple(ERRORS)
 
 
 def estimated_error(values: Sequence[float | None]) -> float | None:
@@ -220,20 +218,13 @@ def measure(
     models: Mapping[str, StateModel],
     demands: Demands,
     stages: Sequence[StateResult],
-    quantities: Collection[str] = QUANTITIES,
 ) -> dict[str, dict[Direction, Measured]]:
     """Return the quantities that have to converge (α, d_0 in m, a_g in g), by state and direction."""
     found: dict[str, dict[Direction, Measured]] = {}
     for state in dict.fromkeys(stage.state for stage in stages):
         own = [stage for stage in stages if stage.state == state]
-        pushovers = curves(own)
-        checked: Mapping[Direction, Capacity] = {}
-        if project.assessment:
-            checked = capacities(assess(project, models[state].assembly, pushovers, demands))
-        found[state] = {
-            direction: cells(each, quantities)
-            for direction, each in capacities_of(project, own, pushovers, checked).items()
-        }
+        ways, _ = of_stages(project, models[state].assembly, own, demands)
+        found[state] = {direction: cells(each, ERRORS) for direction, each in ways.items()}
     return found
 
 

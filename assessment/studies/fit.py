@@ -20,6 +20,7 @@ from mechanics.types import Array, Mask
 
 COMPONENTS = ("x", "z", "rotation")
 WORDS: dict[str, str] = {"x": "x", "z": "z", "rotation": message("rotation")}
+PART = 0.1  # of a direction that is not determined: an unknown with more of it has no error
 TOGETHER = 3  # unknowns that a direction of the search moves at once; where there are more, pairs
 
 
@@ -305,23 +306,23 @@ class Sureness:
     open: Array
 
 
-def sureness(fit: Fit, measured: float, part: float = 0.1) -> Sureness:
+def sureness(fit: Fit, measured: float) -> Sureness:
     """Return standard errors from (JᵀJ)⁻¹, and the directions that the measurements leave open.
 
     A direction is open where its standard error is longer than the whole movement and than the largest `measured`
-    displacement (m); unknowns with more than a `part` in one have no error. Of several slopes the largest error holds.
+    displacement (m); unknowns with more than PART in one have no error. Of several slopes the largest error holds.
     """
     flat = np.array([slopes[0] for slopes in fit.slopes]).T
-    found, open_ = _sureness(fit, flat, measured, part)
+    found, open_ = _sureness(fit, flat, measured)
     for k, slopes in enumerate(fit.slopes):
         for slope in slopes[1:]:
             jacobian = flat.copy()
             jacobian[:, k] = slope
-            found = np.maximum(found, _sureness(fit, jacobian, measured, part)[0])
+            found = np.maximum(found, _sureness(fit, jacobian, measured)[0])
     return Sureness(found, open_)
 
 
-def _sureness(fit: Fit, jacobian: Array, measured: float, part: float) -> tuple[Array, Array]:
+def _sureness(fit: Fit, jacobian: Array, measured: float) -> tuple[Array, Array]:
     """Return standard errors (n,), m, and open directions (d, n) of derivatives (m, n), 1/m."""
     _, s, right = np.linalg.svd(jacobian, full_matrices=True)
     n = len(fit.u)
@@ -329,5 +330,5 @@ def _sureness(fit: Fit, jacobian: Array, measured: float, part: float) -> tuple[
     longest = max(float(np.linalg.norm(fit.u)), measured)
     open_ = s * longest < 1.0
     variance = np.sum((right[~open_] / s[~open_, None]) ** 2, axis=0)
-    touched = (abs(right[open_]) > part).any(axis=0) if open_.any() else np.zeros(n, dtype=bool)
+    touched = (abs(right[open_]) > PART).any(axis=0) if open_.any() else np.zeros(n, dtype=bool)
     return np.where(touched, np.inf, np.sqrt(variance)), right[open_]

@@ -22,6 +22,7 @@ from assessment.project.schema import ORIGINAL, ProjectTable, SettlementTable
 from assessment.results.schema import Capacity, Pushovers, StateResults, known, studies
 from assessment.results.table import compared, reduction
 from assessment.runtime.tasks import Workers
+from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 from mechanics.model import Direction
 from mechanics.procedures import whole_movement
@@ -82,19 +83,25 @@ def analyse(
     results = iter(analyse_states(requests, statics.workers, name))
     for first, *others in variants:
         stages = [next(results) for _ in (first, *others)]
-        pushovers, checked = curves(stages), dict[Direction, Capacity]()
         study.take(first.what, stages)
-        if first.project.assessment:
-            found = assess(first.project, first.model.assembly, pushovers, statics.demands)
-            checked = capacities(found)
-            title = message("{what}: {state}", what=first.what, state=first.state)
-            study.warnings += [headed(title, note) for note in told(found)]
-        yield capacities_of(first.project, stages, pushovers, checked)
+        found, notes = of_stages(first.project, first.model.assembly, stages, statics.demands)
+        title = message("{what}: {state}", what=first.what, state=first.state)
+        study.warnings += [headed(title, note) for note in notes]
+        yield found
 
 
 def directions(project: Project) -> tuple[Direction, ...]:
     """Return the directions of the pushover."""
     return project.pushover.directions if project.pushover else ()
+
+
+def of_stages(
+    project: Project, model: Assembly, stages: Collection[StateResult], demands: Demands
+) -> tuple[dict[Direction, studies.Capacities], list[Message]]:
+    """Return the capacity of one state, `model`, from the results under every behaviour, and what to know of it."""
+    pushovers = curves(stages)
+    assessed = assess(project, model, pushovers, demands) if project.assessment else {}
+    return capacities_of(project, stages, pushovers, capacities(assessed)), told(assessed)
 
 
 def capacities_of(

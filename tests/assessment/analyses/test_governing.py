@@ -57,15 +57,15 @@ def test_one_member_is_enough_where_it_finds_the_same(request_of):
         assert workers.computed == computed + 1
 
 
-def test_where_a_member_differs_all_are_run(request_of):
-    strict = EnsembleTolerances(agree=0.0)
+def test_where_a_member_differs_all_are_run(request_of, monkeypatch):
+    monkeypatch.setattr(ensemble, "ENSEMBLE", EnsembleTolerances(agree=0.0))
     with Workers() as workers:
         found = analyse_states([request_of], workers)
         found[0].scatters = True
-        (others,) = members([request_of], found, workers, strict).values()
+        (others,) = members([request_of], found, workers).values()
         assert len(others) == request_of.project.scatter - 1
         alone = replace(request_of, project=request_of.project.model_copy(update={"scatter": 1}))
-        assert members([alone], found, workers, strict) == {}
+        assert members([alone], found, workers) == {}
     alphas = {member[0].pushover["+x"].rigid.alpha_0 for member in others}
     assert len(alphas) == len(others), "each member has corners of its own"
     assert max(alphas) - min(alphas) < 1e-5
