@@ -9,7 +9,7 @@ and in the rows of the later blocks that they reach, is stored as one dense pane
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -67,7 +67,8 @@ class Elimination:
         blocks = (int(dof.max(initial=-1)) + 1) // 3 if centres is None else len(centres)
         pairs = dof[:, [0, 3]] // 3
         linked = np.unique(np.sort(pairs[(pairs >= 0).all(axis=1)], axis=1), axis=0)
-        order, found = narrowest_order(linked, blocks, centres), NO_FRONTS
+        of_centres = None if centres is None else centres.tobytes()
+        order, found = narrowest_order(linked.tobytes(), blocks, of_centres), NO_FRONTS
         width = 3 * half_band(linked, order) + 3
         in_band = 0.5 * 3 * blocks * width**2
         if centres is not None and in_band >= storage.worth_while:
@@ -110,15 +111,18 @@ class Elimination:
         return packed(self.pattern)
 
 
-def narrowest_order(linked: Index, blocks: int, centres: Array | None) -> Index:
-    """Return the order of the blocks (b,) with the narrowest band for linked pairs (l, 2).
+@lru_cache(maxsize=32)  # paths and motions of a model meet the same pairs again and again
+def narrowest_order(of_pairs: bytes, blocks: int, of_centres: bytes | None) -> Index:
+    """Return the order of the blocks (b,) with the narrowest band for linked pairs (l, 2); both arrays as bytes.
 
     Reverse Cuthill–McKee is compared with sweeps of the plane in several directions: a sweep meets the courses of a
     wall one by one, and its band is narrower by a quarter to a third.
     """
+    linked = np.frombuffer(of_pairs, dtype=np.intp).reshape(-1, 2)
     graph = sparse.coo_matrix((np.ones(len(linked)), (linked[:, 0], linked[:, 1])), shape=(blocks, blocks))
     orders = [reverse_cuthill_mckee(sparse.csr_matrix(graph + graph.T), symmetric_mode=True).astype(np.intp)]
-    if centres is not None:
+    if of_centres is not None:
+        centres = np.frombuffer(of_centres).reshape(-1, 2)
         for angle in np.pi * np.arange(SWEEPS) / SWEEPS + TILT:
             orders += [np.argsort(centres @ (np.cos(angle), np.sin(angle)), kind="stable")]
     return min(orders, key=lambda order: half_band(linked, order))

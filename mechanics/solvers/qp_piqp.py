@@ -17,7 +17,7 @@ from scipy import sparse
 
 from mechanics.errors import ArgumentError
 from mechanics.kernels.joint import PHI, H, U, V
-from mechanics.kernels.law import BED, DILATION, FRICTION, SEGMENTS, SHEAR, SLID, STEEPEST, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, SEGMENTS, SHEAR, SLID, STEEPEST
 from mechanics.model.contacts import rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.types import Array, Index
@@ -26,11 +26,6 @@ ITERATIONS = 60  # of a program
 POINTS = 32  # segments in place of an exact bed
 
 Answer = tuple[Array, float, Array]
-
-
-def suits(program: Program) -> bool:
-    """Whether the program is quadratic: no joint crushes, and what slides lifts in full."""
-    return bool(np.isinf(program.law[:, STRENGTH]).all() and (program.law[:, DILATION] == 1.0).all())
 
 
 def solve(program: Program, tolerance: float, most_iterations: int = ITERATIONS) -> Answer | None:

@@ -162,8 +162,7 @@ def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedP
     allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / closed.program.weight
     for _ in range(LIMIT.repeats):
         acceleration, forces = least_acceleration(closed.program, closed.layout)
-        again = None if acceleration <= allowed else closed.hinged(forces[:, 0])
-        if again is None:
+        if acceleration <= allowed or (again := closed.hinged(forces[:, 0])) is None:
             break
         closed = again
     if acceleration > allowed:
@@ -205,6 +204,7 @@ def unpressed(model: Assembly) -> Index:
     return np.flatnonzero(model.movable)[fallen]
 
 
+@lru_cache(maxsize=4)  # as `_standing`
 def rest(system: StaticSystem, state: State) -> Equilibrium:
     """Return the equilibrium under gravity into which a state settles: gaps closed, elastic joints compressed.
 

@@ -6,7 +6,7 @@ And values of contacts (forces, gaps, springs), transferred to other sets of con
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -171,6 +171,7 @@ def check_sliding(sliding: Sliding) -> None:
     )
 
 
+@lru_cache(maxsize=4)  # with what it knows of its joints: paths of a model begin with them as drawn
 def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
     """Return the system of an assembly with its joints as drawn; ArgumentError for an unknown behaviour or sliding."""
     model.check_behaviour(behaviour)
@@ -192,8 +193,7 @@ def moved_over(values: Array, before: Contacts, now: Contacts) -> Array:
     found = np.zeros((len(now), values.shape[1]))
     place = {tuple(e): k for k, e in enumerate(before.edges.tolist())}
     for k, e in enumerate(now.edges.tolist()):
-        old = place.get(tuple(e))
-        if old is not None:
+        if (old := place.get(tuple(e))) is not None:
             found[k] = values[old]
     return found
 
