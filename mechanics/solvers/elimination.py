@@ -85,7 +85,7 @@ class Elimination:
 
     def take(self, index: Index) -> Elimination:
         """Return the same order for the joints `index` (k,)."""
-        return replace(self, row=self.row[index])
+        return _taken(self, index.tobytes())
 
     def triangle(self) -> Array:
         """Return new work space (n,) for one triangle of a matrix."""
@@ -109,6 +109,11 @@ class Elimination:
     def packed(self) -> Index:
         """The pattern in one array, for compiled iterations."""
         return packed(self.pattern)
+
+
+@lru_cache(maxsize=16)  # the joints of a program are mostly those of the one before
+def _taken(layout: Elimination, index: bytes) -> Elimination:
+    return replace(layout, row=layout.row[np.frombuffer(index, dtype=np.intp)])
 
 
 @lru_cache(maxsize=32)  # paths and motions of a model meet the same pairs again and again

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-import scipy
 
 from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, inertia, iterate
 from mechanics.kernels.interior.joints import keep_within_strength
@@ -26,43 +20,6 @@ ROUGH = 1e-3  # residual of a solution by the associative law near which another
 # distance from the bounds, per weight and step, at which a program begins near an earlier solution
 APART = 0.3
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Limit the OpenBLAS of NumPy's and SciPy's wheels to one thread; no effect with another BLAS.
-
-    A band of a hundred rows is factored in half a millisecond, an inner product of ten thousand numbers takes a
-    hundredth of that: threads that wait for each other make them ten times as long, a hundred times where other
-    programs want the processor too.
-    """
-    before = [(give, ask()) for ask, give in _libraries()]
-    for give, _ in before:
-        give(1)
-    try:
-        yield
-    finally:
-        for give, threads in before:
-            give(threads)
-
-
-@cache
-def _libraries() -> tuple[tuple[Any, Any], ...]:
-    """Yield for each library its number of threads and the function that sets it."""
-    found = []
-    for package, suffix in ((np, "64_"), (scipy, "")):
-        folder = Path(str(package.__file__)).parent
-        for path in (
-            *folder.parent.glob(f"{folder.name}.libs/*openblas*"),
-            *folder.glob(".dylibs/*openblas*"),
-        ):
-            library = ctypes.CDLL(str(path))
-            if hasattr(library, f"scipy_openblas_set_num_threads{suffix}"):
-                ask, give = (
-                    getattr(library, f"scipy_openblas_{verb}_num_threads{suffix}") for verb in ("get", "set")
-                )
-                found.append((ask, give))
-    return tuple(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +104,6 @@ def near_lifting(program: Program, layout: Elimination) -> Iterate:
     return run(lifting, layout, cold(lifting), ROUGH)[0].warm(program)
 
 
-@one_thread()
 def run(
     program: Program, layout: Elimination, start: Iterate, accepted: float
 ) -> tuple[Iterate, IterationEnd]:
@@ -186,7 +142,6 @@ def frozen(program: Program) -> Program:
     return replace(program, curved=None)
 
 
-@one_thread()
 def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     """Whether the equilibrium of a `solution` is stable: K + M̄ − G is positive where the lateral load does no work.
 

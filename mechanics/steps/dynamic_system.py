@@ -29,7 +29,6 @@ from mechanics.model.assembly import Assembly, MotionMemory, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
-from mechanics.solvers.interior import one_thread
 from mechanics.steps.static_system import StaticSystem, moved_over, spring_forces
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
@@ -258,7 +257,6 @@ class DynamicSystem:
             if (e, f) in known:
                 motion.joints[k] = known[e, f]
 
-    @one_thread()
     def march(
         self, motion: Motion, base: Array, step: float, ahead: tuple[float, float] | None = None
     ) -> Recorded:

@@ -27,8 +27,8 @@ LINES = {
     "mechanics/model": 2992,
     "mechanics/procedures": 3514,
     "mechanics/records": 996,
-    "mechanics/solvers": 969,
-    "mechanics/steps": 1769,
+    "mechanics/solvers": 929,
+    "mechanics/steps": 1767,
 }
 
 

@@ -1,11 +1,9 @@
 """The program: its certificate, its solvers against each other, and what it says where there is no solution."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
@@ -17,7 +15,6 @@ from mechanics.kernels.law import BED, FRICTION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.model.contacts import rows
 from mechanics.program import Program, Solution, bed_gaps, certify
 from mechanics.solvers import interior, least_acceleration, lp_highs, qp_piqp, solve
-from mechanics.solvers.interior import _libraries, one_thread
 from mechanics.steps.equilibrium import closed_program, rest
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.static_step import StepProblem
@@ -411,22 +408,3 @@ def test_a_raised_force_of_an_elastic_end_does_not_change_what_its_gap_misses():
     assert begun.gaps[0, 0] > 2.0 * near.gaps[0, 0]
     # the other end yields less: its gap is the least
     assert begun.gaps[0, 1] == pytest.approx(1e-3 * program.step)
-
-
-def test_one_thread_within_and_as_many_as_before_afterwards() -> None:
-    """Of the BLAS that each of the two wheels brings."""
-    wheels = [path.parent for path in (Path(np.__file__).parent, Path(scipy.__file__).parent)]
-    names = ("numpy", "scipy")
-    assert len(_libraries()) == sum(
-        any(wheel.glob(f"{name}.libs/*openblas*")) for wheel, name in zip(wheels, names, strict=True)
-    )
-    before = [ask() for ask, _ in _libraries()]
-    try:
-        for _, give in _libraries():
-            give(2)
-        with one_thread():
-            assert all(ask() == 1 for ask, _ in _libraries())
-        assert all(ask() == 2 for ask, _ in _libraries())
-    finally:
-        for (_, give), threads in zip(_libraries(), before, strict=True):
-            give(threads)
