@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from mechanics.kernels.linalg.pattern import NO_FRONTS, NONE, OVERHANG, Fronts, Pattern, packed
+from mechanics.kernels.linalg.pattern import NO_FRONTS, NONE, OVERHANG, Fronts, Pattern
 from mechanics.types import Array, Index, Mask
 
 PADDING = 13  # places of a band beyond its width, for tiles that reach over its edge
@@ -104,11 +104,6 @@ class Elimination:
             between, stride = low * self.places + high - low, np.full(len(low), self.places - 1)
         between = np.where(low >= 0, between, -1)
         return Pattern(own, step, between, stride, self.places, *envelope(self.row, size), self.fronts)
-
-    @cached_property
-    def packed(self) -> Index:
-        """The pattern in one array, for compiled iterations."""
-        return packed(self.pattern)
 
 
 @lru_cache(maxsize=16)  # the joints of a program are mostly those of the one before

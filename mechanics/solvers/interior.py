@@ -115,7 +115,7 @@ def run(
         layout.row, p.places, p.law, p.load[order], none if p.lateral is None else p.lateral[order], p.work,
         none if p.mass is None else p.mass[order], np.zeros((0, CURVED)) if p.curved is None else p.curved, x,
         start.alpha, forces, gaps, (p.weight, p.size, p.step, accepted, accepted), (MOST_ITERATIONS, IDLE),
-        layout.work_space, layout.packed, np.arange(len(layout.row)),
+        layout.work_space, layout.pattern, np.arange(len(layout.row)),
     )  # fmt: skip
     good = max(force, product) <= accepted and abs(alpha) < LARGEST_MULTIPLIER
     outcome = IterationEnd(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
@@ -159,6 +159,6 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     negative, lateral_work = inertia(
         layout.row, p.places, p.law, p.curved, np.zeros(0) if p.lateral is None else p.lateral[order],
         np.zeros(len(p.load)), solution.forces, solution.gaps.copy(), p.step, STIFFEST * p.step / p.weight,
-        held, layout.work_space, layout.packed, np.arange(len(layout.row)),
+        held, layout.work_space, layout.pattern, np.arange(len(layout.row)),
     )  # fmt: skip
     return negative == 0 or (negative == 1 and lateral_work < 0.0)

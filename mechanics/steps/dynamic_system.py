@@ -324,7 +324,7 @@ class DynamicSystem:
             base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
             (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin, model.radius,
             motion.halved, begun, found.x, found.v, found.forces, found.energy, self.counts, self.layout.work_space,
-            self.layout.packed,
+            self.layout.pattern,
         )  # fmt: skip
         return gone, reason
 

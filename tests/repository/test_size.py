@@ -23,11 +23,11 @@ LINES = {
     "assessment/studies": 2263,
     "assessment/workflow": 917,
     "mechanics": 935,
-    "mechanics/kernels": 3584,
+    "mechanics/kernels": 3546,
     "mechanics/model": 2992,
     "mechanics/procedures": 3514,
     "mechanics/records": 996,
-    "mechanics/solvers": 929,
+    "mechanics/solvers": 924,
     "mechanics/steps": 1767,
 }
 

@@ -35,7 +35,7 @@ def march(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, dead: Array,
     base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
     sizes: Any, halving: Any, margin: float, radius: Array, halved: int, begun: Array, xs: Array, vs: Array, fs: Array,
-    es: Array, counts: Any, stored_matrix: Array, packed: Any,
+    es: Array, counts: Any, stored_matrix: Array, pattern: Any,
 ) -> tuple[int, int, int]:  # fmt: skip
     """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
 
@@ -82,7 +82,7 @@ def march(
                 counts[3] += start > NEAR
                 found, done, taken, turned, held, force, errors, lift = attempt(
                     a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
-                    restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, packed,
+                    restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, pattern,
                     start,
                 )  # fmt: skip
                 counts[0] += 1

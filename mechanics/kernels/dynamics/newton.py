@@ -27,7 +27,6 @@ from mechanics.kernels.law import (  # isort: skip
     DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, bed_forces, lift, most_shear,
 )  # fmt: skip
 from mechanics.kernels.linalg.factors import lu, solve, substitute
-from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
 from mechanics.types import Array
 
@@ -180,14 +179,13 @@ def _end(joints: Any, x: Array, known: Array, f: Array, y: Array) -> None:
 @compiled
 def newton(
     row: Any, places: Array, law: Array, load: Array, mass: Array, begun: Array, x: Array, f: Array, y: Array,
-    scale: Any, stored: Array, packed: Any, which: Any,
+    scale: Any, stored: Array, pattern: Any, which: Any,
 ) -> tuple[int, float, float]:  # fmt: skip
     """Iterate from displacements `begun` (m,); x (m,), f (j, 3) and y (j, 4), as in `iterate`, change if it converges.
 
     `scale`: weight, size and step, and what is accepted of unbalanced forces per weight. Returns the number of
     iterations, the unbalanced force per weight, infinite where it has not converged, and the gaps missed, per step.
     """
-    pattern = unpacked(packed)
     weight, size, step, accepted = scale
     joints, known = StepJoints(row, places, law, which), np.empty((len(row), KNOWN))
     moved, residual, least = begun.copy(), np.empty(len(x)), STICKING * step / weight

@@ -110,13 +110,13 @@ def _begin_central(
 @compiled
 def _interior_point(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
-    stored_matrix: Array, packed: Any, chosen: Any,
+    stored_matrix: Array, pattern: Any, chosen: Any,
 ) -> tuple[int, float, float, float]:  # fmt: skip
     """`iterate` without lateral load and curvature; returns iterations and residuals of forces, gaps and products."""
     skew = len(laws) > 0 and laws[0, DILATION] < 1.0
     done, _, force, gap, product = iterate(
         rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, CURVED)), dx, 0.0, f, y, scale,
-        LIMITS_COULOMB if skew else LIMITS, stored_matrix, packed, chosen,
+        LIMITS_COULOMB if skew else LIMITS, stored_matrix, pattern, chosen,
     )  # fmt: skip
     return abs(done), force, gap, product
 
@@ -124,7 +124,7 @@ def _interior_point(
 @compiled
 def _take_lift_back(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
-    stored_matrix: Array, packed: Any, chosen: Any, known: bool,
+    stored_matrix: Array, pattern: Any, chosen: Any, known: bool,
 ) -> tuple[bool, int, float, float, float]:  # fmt: skip
     """Solve a program of Coulomb's law by convex ones: slips lift, and the lift of the slips before is no gap.
 
@@ -144,7 +144,7 @@ def _take_lift_back(
         places[:, U] = at[:, U] + taken
         _begin_near(laws, weight, span, CENTRAL_RIGID, f, y)
         more, force, _, product = _interior_point(
-            rows, places, convex, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
+            rows, places, convex, load, mass, dx, f, y, scale, stored_matrix, pattern, chosen
         )
         done += more
         solved = force <= accepted and product <= closed
@@ -181,7 +181,7 @@ def _without_dashpots(rows: Any, at: Array, laws: Array, dx: Array) -> tuple[Arr
 @compiled
 def solve(
     rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, begins: int,
-    elastic: bool, stops: float, stored_matrix: Array, packed: Any, chosen: Any, near: Array, speed: Array, h: float,
+    elastic: bool, stops: float, stored_matrix: Array, pattern: Any, chosen: Any, near: Array, speed: Array, h: float,
     moves: bool,
 ) -> tuple[bool, int, float, float, float]:  # fmt: skip
     """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step of length h.
@@ -197,7 +197,7 @@ def solve(
     done, central, gap = 0, True, 0.0
     if elastic and begins == NEAR:
         done, force, gap = newton(
-            rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, packed, chosen
+            rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, pattern, chosen
         )
         if force <= accepted:
             return True, done, force, 0.0, 0.0
@@ -215,13 +215,13 @@ def solve(
             wanted = (weight, size, span, ROUGHLY, ROUGHLY) if n == 0 else scale
             places, linear = _without_dashpots(rows, at, laws, dx) if dashpots else (at, laws)
             more, force, gap, product = _interior_point(
-                rows, places, linear, load, mass, dx, f, y, wanted, stored_matrix, packed, chosen
+                rows, places, linear, load, mass, dx, f, y, wanted, stored_matrix, pattern, chosen
             )
             done += more
             if not max(force, product) <= ROUGHLY:
                 return False, done, force, product, 0.0
             more, force, gap = newton(
-                rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, packed, chosen
+                rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, pattern, chosen
             )
             done += more
             if force <= accepted:
@@ -229,7 +229,7 @@ def solve(
     skew = not elastic and len(laws) > 0 and laws[0, DILATION] < 1.0
     if not elastic and begins == NEAR:
         more, force, gap, product = _interior_point(
-            rows, at, laws, load, mass, dx, f, y, (weight, size, span, CENTRAL_FORCE, CENTRAL), stored_matrix, packed,
+            rows, at, laws, load, mass, dx, f, y, (weight, size, span, CENTRAL_FORCE, CENTRAL), stored_matrix, pattern,
             chosen,
         )  # fmt: skip
         done += more
@@ -239,13 +239,13 @@ def solve(
             near[:, :3], near[:, 3:], speed[:] = f, y / h, dx / h
     if central or not skew:
         more, force, gap, product = _interior_point(
-            rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen
+            rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, pattern, chosen
         )
         done += more
         stalled = skew and moves and force <= STALLED_FORCE and product <= STALLED
         if stalled or not skew or (force <= accepted and product <= closed):
             return stalled or (force <= accepted and product <= closed), done, force, product, 0.0
     solved, more, force, product, lifts = _take_lift_back(
-        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, packed, chosen, central and gap <= RIGHT
+        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, pattern, chosen, central and gap <= RIGHT
     )
     return solved, done + more, force, product, lifts

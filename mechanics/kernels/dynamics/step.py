@@ -36,7 +36,7 @@ STILL = 1e-3  # of its speed before: a slide that has come to rest
 def attempt(
     a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
     blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
-    resultants: Array, stored_matrix: Array, packed: Any, begins: int,
+    resultants: Array, stored_matrix: Array, pattern: Any, begins: int,
 ) -> tuple[bool, int, float, float, float, float, float, float]:  # fmt: skip
     """A step of length h from the state of blocks (4, b, 3), joints (j, JOINT) and energy, changed in place if solved.
 
@@ -90,7 +90,7 @@ def attempt(
         solved, more, force, product, lifts = solve(
             row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed),
             begins, elastic,
-            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, packed, chosen, near, central, h,
+            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, pattern, chosen, near, central, h,
             errors > 0.0,
         )  # fmt: skip
         done += more

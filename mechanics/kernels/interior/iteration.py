@@ -40,7 +40,6 @@ from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, H, U
 from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.kernels.linalg.factors import cholesky, lu, substitute
-from mechanics.kernels.linalg.pattern import unpacked
 from mechanics.types import Array
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
@@ -224,18 +223,17 @@ def _refine(
 @compiled
 def iterate(
     row: Any, places: Array, law: Array, load: Array, lateral: Array, work: float, mass: Array, curved: Array,
-    x: Array, alpha: float, f: Array, y: Array, scale: Any, limits: Any, stored: Array, packed: Any, which: Any,
+    x: Array, alpha: float, f: Array, y: Array, scale: Any, limits: Any, stored: Array, pattern: Any, which: Any,
 ) -> tuple[int, float, float, float, float]:  # fmt: skip
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
     `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, CURVED) may be empty;
     `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, 1/WIDE times as much,
     per step; and of products per weight and step. `limits`: most iterations, and most without progress. `stored`: room
-    for two triangles; `which` (j,): their places among the joints of the pattern, that of `packed`. Returns the number
+    for two triangles; `which` (j,): their places among the joints of the pattern. Returns the number
     of iterations, negative if no iteration leads on (with curvature: if equilibrium is not stable), α, and the
     residuals of forces, gaps and products, scaled likewise.
     """
-    pattern = unpacked(packed)
     weight, size, step, accepted, closed = scale
     most, idle = limits
     count, c, unit = len(x), len(row), step / weight
@@ -327,7 +325,7 @@ def iterate(
 @compiled
 def inertia(
     row: Any, places: Array, law: Array, curved: Array, lateral: Array, x: Array, f: Array, y: Array,
-    step: float, least: float, held: Array, stored: Array, packed: Any, which: Any,
+    step: float, least: float, held: Array, stored: Array, pattern: Any, which: Any,
 ) -> tuple[int, float]:  # fmt: skip
     """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
 
@@ -336,7 +334,6 @@ def inertia(
     Arrays as in `iterate`; `step` (m) of the program; `least` (m/kN): compliance that bounds the stiffness; `held`
     (m,): stiffness added to the diagonal.
     """
-    pattern = unpacked(packed)
     law = law.copy()
     _bound_shear(places, law, f, step)
     joints = ProgramJoints(row, places, law, curved, which)

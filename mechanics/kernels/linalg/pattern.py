@@ -1,16 +1,13 @@
-"""Where the numbers of a matrix stand; as compiled loops take it, in one array."""
+"""Where the numbers of a matrix stand."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from mechanics.kernels.jit import compiler
 from mechanics.types import Index
 
-compiled = compiler()
-LISTS, NUMBERS = 15, 3
 OVERHANG = 7  # rows of zeros below a panel, for tiles that reach over its edge
 NONE: Index = np.zeros(0, np.intp)
 
@@ -81,33 +78,3 @@ class Pattern(NamedTuple):
     first: Index
     last: Index
     fronts: Fronts
-
-
-def packed(pattern: Pattern) -> Index:
-    """The lists of a pattern in one: handed to a compiled function they take 2.8 microseconds of a call, one takes 0.2.
-
-    First where the lists begin, counted from the first one, then three numbers, and the lists.
-    """
-    *most, fronts = pattern
-    lists = [np.ravel(part) for part in (*most, *fronts) if isinstance(part, np.ndarray)]
-    begins = np.cumsum([0, *(len(part) for part in lists)])
-    numbers = [pattern.places, fronts.size, fronts.largest]
-    return np.concatenate([begins, numbers, *lists]).astype(np.intp)
-
-
-@compiled
-def unpacked(pattern: Any) -> Any:
-    """The pattern that elimination.packed has packed."""
-    begins, places = pattern[: LISTS + 1], pattern[LISTS + 1]
-    size, largest = pattern[LISTS + 2], pattern[LISTS + 3]
-    lists = pattern[LISTS + 1 + NUMBERS :]
-    fronts = Fronts(
-        lists[begins[6] : begins[7]], lists[begins[7] : begins[8]], lists[begins[8] : begins[9]],
-        lists[begins[9] : begins[10]], lists[begins[10] : begins[11]], lists[begins[11] : begins[12]],
-        lists[begins[12] : begins[13]].reshape(-1, 4), lists[begins[13] : begins[14]],
-        lists[begins[14] : begins[15]], size, largest,
-    )  # fmt: skip
-    return Pattern(
-        lists[begins[0] : begins[1]], lists[begins[1] : begins[2]], lists[begins[2] : begins[3]],
-        lists[begins[3] : begins[4]], places, lists[begins[4] : begins[5]], lists[begins[5] : begins[6]], fronts,
-    )  # fmt: skip

@@ -89,7 +89,7 @@ def test_where_it_converges_it_finds_the_solution_of_the_interior_point(model, b
     x, f, y = solution.displacement[order], iterate.forces.copy(), iterate.gaps.copy()
     _, force, _ = loops.newton(
         layout.row, program.places, law, program.load[order], program.mass[order], x, x, f, y,
-        (program.weight, program.size, program.step, 1e-7), layout.work_space, layout.packed, np.arange(count),
+        (program.weight, program.size, program.step, 1e-7), layout.work_space, layout.pattern, np.arange(count),
     )  # fmt: skip
     assert force <= 1e-7
     moved = x[layout.back]
