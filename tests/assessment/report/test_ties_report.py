@@ -34,14 +34,9 @@ TEXT = (
 
 
 @pytest.fixture(scope="module")
-def outcome(tmp_path_factory):
+def results(tmp_path_factory):
     project = load_project(write_block(tmp_path_factory.mktemp("ties") / "block", TEXT))
-    return run(project, build_model(project), jobs=1)
-
-
-@pytest.fixture(scope="module")
-def results(outcome):
-    return outcome.results
+    return run(project, build_model(project), jobs=1).results
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from assessment.workflow import stages as workflow
 from mechanics import ConvergenceError, pushover
 from mechanics.messages import message
 from mechanics.procedures.push_path import PushoverTolerances
-from tests.support.block_project import ASSESSMENT, PROJECT, contents, edit, read_results, run
+from tests.support.block_project import ASSESSMENT, PROJECT, TURNED, contents, edit, read_results, run
 from tests.support.structures import rectangle
 
 pytestmark = pytest.mark.usefixtures("quick")
@@ -181,11 +181,7 @@ def test_what_a_path_had_reached_is_kept_where_no_solver_goes_on(project, monkey
         return step(*arguments)
 
     monkeypatch.setattr(procedure, "reach", fails_later)
-    edit(
-        project,
-        '[[settlements]]\nname = "base turned"\nsupport = "base"\nrotation_rad = -0.02\nincrement_rad = 0.01\n',
-        "",
-    )
+    edit(project, TURNED, "")
     run(project)
     rigid = read_results(project / "output")["states"]["original"]["pushover"]["+x"]["rigid"]
     assert len(rigid["curve"]["multiplier"]) == 3

