@@ -23,7 +23,7 @@ LINES = {
     "assessment/studies": 2263,
     "assessment/workflow": 917,
     "mechanics": 935,
-    "mechanics/kernels": 3546,
+    "mechanics/kernels": 3508,
     "mechanics/model": 2992,
     "mechanics/procedures": 3514,
     "mechanics/records": 996,

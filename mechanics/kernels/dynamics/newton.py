@@ -26,7 +26,7 @@ from mechanics.kernels.joint import PHI, H, U, V
 from mechanics.kernels.law import (  # isort: skip
     DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, bed_forces, lift, most_shear,
 )  # fmt: skip
-from mechanics.kernels.linalg.factors import lu, solve, substitute
+from mechanics.kernels.linalg.factors import cholesky, lu, substitute
 from mechanics.kernels.matrix import diagonal, motion, push, stiffen
 from mechanics.types import Array
 
@@ -204,12 +204,10 @@ def newton(
         if iteration == MOST or unsettled or not force < np.inf:
             break
         _assemble(joints, known, mass, residual, lower, upper, skew, pattern)
-        if skew:
-            if lu(lower, upper, pattern) < 0:
-                break
-            substitute(lower, upper, pattern, residual)
-        elif not solve(lower, pattern, residual):
+        found = lu(lower, upper, pattern) >= 0 if skew else cholesky(lower, pattern)
+        if not found:
             break
+        substitute(lower, upper if skew else lower, pattern, residual)
         _follow(joints, known, residual)
         moved += residual
     return iteration, np.inf, gap

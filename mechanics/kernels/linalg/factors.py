@@ -20,7 +20,7 @@ from mechanics.types import Array
 @looped
 def cholesky(matrix: Array, pattern: Any) -> bool:
     """The factor L of LLᵀ in place of a positive definite matrix; False if it is none."""
-    return bool(_factor(matrix, matrix, pattern, False, matrix[:0]) == 0)
+    return bool(_factor(matrix, matrix, pattern, False) == 0)
 
 
 @looped
@@ -29,24 +29,7 @@ def lu(lower: Array, upper: Array, pattern: Any) -> int:
 
     The negative pivots of a symmetric matrix are as many as its negative eigenvalues (Sylvester).
     """
-    return int(_factor(lower, upper, pattern, True, lower[:0]))
-
-
-@looped
-def solve(matrix: Array, pattern: Any, x: Array) -> bool:
-    """Cholesky's factor in place of the matrix, and of b (m,) the solution of LLᵀx = b; False if there is no factor.
-
-    Each front is substituted into as soon as it is eliminated, while it is in fast memory.
-    """
-    fronts = pattern.fronts
-    if _factor(matrix, matrix, pattern, False, x) != 0:
-        return False
-    if len(fronts.first) == 0:
-        _forward(matrix, pattern.places - 1, len(x), pattern.last, x)
-        _backward(matrix, pattern.places - 1, len(x), pattern.last, x)
-    else:
-        _backward_through(matrix, fronts, x)
-    return True
+    return int(_factor(lower, upper, pattern, True))
 
 
 @looped
@@ -64,22 +47,34 @@ def substitute(lower: Array, upper: Array, pattern: Any, x: Array) -> None:
 
 @compiled
 def _through(lower: Array, upper: Array, fronts: Any, x: Array) -> None:
-    seen, last = _room(fronts)
+    """Substitute front by front, forward and backward, in the part of x that each of them reaches."""
+    tallest = fronts.height.max()
+    seen, last = np.empty(tallest), np.empty(tallest, np.intp)
     for k in range(len(fronts.base)):
-        _forward_through(lower, fronts, k, x, seen, last)
-    _backward_through(upper, fronts, x)
+        first, own = _see(fronts, k, x, seen, last)
+        _forward(lower[fronts.base[k] :], fronts.height[k], own, last, seen)
+        x[first : first + own] = seen[:own]
+        at = own
+        for i in range(fronts.start[k], fronts.start[k + 1]):
+            row = fronts.below[i]
+            x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
+            at += 3
+    for k in range(len(fronts.base) - 1, -1, -1):
+        first, own = _see(fronts, k, x, seen, last)
+        _backward(upper[fronts.base[k] :], fronts.height[k], own, last, seen)
+        x[first : first + own] = seen[:own]
 
 
 @looped
-def _factor(lower: Array, upper: Array, pattern: Any, two: bool, x: Array) -> int:
-    """Factors of a matrix, of `two` triangles or of one, and x (m,), if any, substituted forward in the fronts.
+def _factor(lower: Array, upper: Array, pattern: Any, two: bool) -> int:
+    """Factors of a matrix, of `two` triangles or of one.
 
     Returns the number of negative pivots, −1 where one vanishes, or where one of one triangle is negative.
     """
     fronts = pattern.fronts
     if len(fronts.first) == 0:
         return int(_band(lower, upper, pattern.places, pattern.first, pattern.last, two))
-    return int(_fronts(lower, upper, fronts, two, x))
+    return int(_fronts(lower, upper, fronts, two))
 
 
 @compiled
@@ -187,11 +182,10 @@ def _first(reached: Any, i: int, end: int) -> int:
 
 
 @compiled
-def _fronts(lower: Array, upper: Array, fronts: Any, two: bool, x: Array) -> int:
-    """Front by front: its own columns, what later fronts lose by them (supernodal, right-looking), and x, if any."""
+def _fronts(lower: Array, upper: Array, fronts: Any, two: bool) -> int:
+    """Front by front: its own columns, and what later fronts lose by them (supernodal, right-looking)."""
     tiles, inverse = np.empty((2, COLUMNS, ROWS)), np.empty((2, COLUMNS))
     update = np.empty(fronts.largest)
-    seen, last = _room(fronts)
     negative = 0
     for k in range(len(fronts.base)):
         base, height, own = fronts.base[k], fronts.height[k], fronts.first[k + 1] - fronts.first[k]
@@ -204,8 +198,6 @@ def _fronts(lower: Array, upper: Array, fronts: Any, two: bool, x: Array) -> int
         if two:
             _update(upper, lower, base, height, own, update)
             _take_off(upper, fronts, k, update, height - own)
-        if len(x) > 0:
-            _forward_through(lower, fronts, k, x, seen, last)
     return negative
 
 
@@ -262,34 +254,6 @@ def _take_off(panels: Array, fronts: Any, k: int, update: Array, tall: int) -> N
                     q[e] -= v[e]
                     r[e] -= w[e]
                 i += beside // 3
-
-
-@compiled
-def _room(fronts: Any) -> tuple[Array, Any]:
-    """Work space for the part of x that a front uses, and for the last rows of its columns."""
-    tallest = fronts.height.max()
-    return np.empty(tallest), np.empty(tallest, np.intp)
-
-
-@compiled
-def _forward_through(panels: Array, fronts: Any, k: int, x: Array, seen: Array, last: Any) -> None:
-    first, own = _see(fronts, k, x, seen, last)
-    _forward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
-    x[first : first + own] = seen[:own]
-    at = own
-    for i in range(fronts.start[k], fronts.start[k + 1]):
-        row = fronts.below[i]
-        x[row], x[row + 1], x[row + 2] = seen[at], seen[at + 1], seen[at + 2]
-        at += 3
-
-
-@compiled
-def _backward_through(panels: Array, fronts: Any, x: Array) -> None:
-    seen, last = _room(fronts)
-    for k in range(len(fronts.base) - 1, -1, -1):
-        first, own = _see(fronts, k, x, seen, last)
-        _backward(panels[fronts.base[k] :], fronts.height[k], own, last, seen)
-        x[first : first + own] = seen[:own]
 
 
 @compiled
