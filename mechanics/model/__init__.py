@@ -2,7 +2,7 @@
 
 from mechanics.kernels.joint import NX, NZ, H, V
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
-from mechanics.model.block import Block, Material, Tie, default_tolerance
+from mechanics.model.block import Block, Material, Tie, connected, default_tolerance
 from mechanics.model.contacts import (
     Contacts,
     FaceLines,
@@ -13,7 +13,7 @@ from mechanics.model.contacts import (
     relative_motion,
 )
 from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
-from mechanics.model.layout import NEAR, connected, survey_layout
+from mechanics.model.layout import NEAR, survey_layout
 from mechanics.model.polylines import PlacedOutline
 from mechanics.model.repair import Repair, repair_drawing
 

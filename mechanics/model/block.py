@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import array_of, is_between, is_number, is_whole, point_of, require, require_positive
 from mechanics.types import GRAVITY, Array, Index
@@ -275,6 +277,12 @@ def find_joints(blocks: Sequence[Block], tolerance: float) -> Joints:
     a, b, edges = owner[first], owner[second], np.stack([first, second], axis=1)
     order = np.flatnonzero(keep)[np.lexsort((b[keep], a[keep]))]
     return Joints(a[order], b[order], ends[order], room_a[order], room_b[order], edges[order], gap[order])
+
+
+def connected(pairs: Index, count: int) -> Index:
+    """Return the part (count,) to which each of so many things belongs that are linked by pairs (p, 2)."""
+    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
 
 
 def ring_edges(rings: Sequence[Array]) -> tuple[Array, Array, Index]:

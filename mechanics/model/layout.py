@@ -10,12 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import Fault, FaultyDrawingError, listed
 from mechanics.messages import Message, message
-from mechanics.model.block import Block, Joints, Polygons, find_joints, polygons_of, ring_edges
+from mechanics.model.block import Block, Joints, Polygons, connected, find_joints, polygons_of, ring_edges
 from mechanics.model.dxf import can_change
 from mechanics.model.polylines import SAGITTA
 from mechanics.types import Array, Index, Mask
@@ -153,12 +151,6 @@ def _joints(blocks: Sequence[Block], kept: Index, tolerance: float) -> Joints:
     """Return the joints between the blocks `kept` (k,), with their numbers among all blocks."""
     joints = find_joints([blocks[i] for i in kept], tolerance)
     return replace(joints, a=kept[joints.a], b=kept[joints.b])
-
-
-def connected(pairs: Index, count: int) -> Index:
-    """Return the part (count,) to which each of so many things belongs that are linked by pairs (p, 2)."""
-    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
 
 
 def _bodies(pairs: Index, fixed: Mask) -> tuple[Index, Mask]:

@@ -7,8 +7,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError, array_of, is_number, require
 from mechanics.kernels.joint import H
@@ -17,6 +15,7 @@ from mechanics.kernels.linalg.factors import cholesky, substitute
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
+from mechanics.model.block import connected
 from mechanics.model.contacts import end_gaps
 from mechanics.solvers.elimination import Elimination
 from mechanics.steps.dynamic_system import DynamicSystem, Halving, Motion
@@ -252,9 +251,7 @@ def first_frequency(model: Assembly) -> float:
 
 def _some_are_loose(model: Assembly) -> bool:
     """Whether some block is connected to no support by joints (a frequency of rounding alone might hide it)."""
-    joints, count = model.joints, len(model.blocks)
-    links = sparse.coo_matrix((np.ones(len(joints.a)), (joints.a, joints.b)), shape=(count, count))
-    _, part = connected_components(links, directed=False)
+    part = connected(model.joints.blocks, len(model.blocks))
     return not np.isin(part, part[~model.movable]).all()
 
 
