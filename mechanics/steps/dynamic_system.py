@@ -29,7 +29,7 @@ from mechanics.model.assembly import Assembly, MotionMemory, State
 from mechanics.model.contacts import Contacts, end_gaps
 from mechanics.program import end_forces
 from mechanics.solvers.elimination import Elimination
-from mechanics.steps.static_system import StaticSystem, moved_over, spring_forces
+from mechanics.steps.static_system import StaticSystem, moved_over, places_among, spring_forces
 from mechanics.steps.tolerances import STEP
 from mechanics.types import Array, Index
 
@@ -252,10 +252,8 @@ class DynamicSystem:
         motion.halved = memory.halved
         if not self.system.rigid:
             motion.joints[:, SUNK] = _deep(places)
-        known = {(int(e), int(f)): row for e, f, *row in memory.joints}
-        for k, (e, f) in enumerate(self.contacts.edges.tolist()):
-            if (e, f) in known:
-                motion.joints[k] = known[e, f]
+        known = places_among(self.contacts.edges, memory.joints[:, :2])
+        motion.joints[known >= 0] = memory.joints[known[known >= 0], 2:]
 
     def march(
         self, motion: Motion, base: Array, step: float, ahead: tuple[float, float] | None = None

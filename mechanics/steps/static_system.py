@@ -56,9 +56,8 @@ class StaticSystem:
 
     def met_inside(self, before: StaticSystem, positions: Array) -> bool:
         """Whether faces that are no contact of the system `before` penetrate at positions (b, 3)."""
-        known = set(map(tuple, before.contacts.edges.tolist()))
-        new = np.array([tuple(e) not in known for e in self.contacts.edges.tolist()], dtype=bool)
-        places = self.contacts.take(np.flatnonzero(new)).places(positions)
+        new = np.flatnonzero(places_among(self.contacts.edges, before.contacts.edges) < 0)
+        places = self.contacts.take(new).places(positions)
         inside = end_gaps(places).min(axis=1) < -STEP.inside * self.model.size
         return bool((inside & (places[:, H] > 0.0)).any())
 
@@ -186,15 +185,19 @@ def spread(values: Array, index: Index, count: int) -> Array:
     return out
 
 
+def places_among(edges: Index, others: Array | Index) -> Index:
+    """Return the place (k,) of each pair of edges (k, 2), which is one contact, among others (n, 2); −1: at none."""
+    place = {tuple(pair): k for k, pair in enumerate(others.tolist())}
+    return np.array([place.get(tuple(pair), -1) for pair in edges.tolist()], dtype=np.intp)
+
+
 def moved_over(values: Array, before: Contacts, now: Contacts) -> Array:
     """Return the values of the contacts `now` from those (j, k) of the contacts `before`, 0 for new contacts."""
     if before is now:
         return values
     found = np.zeros((len(now), values.shape[1]))
-    place = {tuple(e): k for k, e in enumerate(before.edges.tolist())}
-    for k, e in enumerate(now.edges.tolist()):
-        if (old := place.get(tuple(e))) is not None:
-            found[k] = values[old]
+    old = places_among(now.edges, before.edges)
+    found[old >= 0] = values[old[old >= 0]]
     return found
 
 
@@ -219,12 +222,11 @@ def over_all(found: Iterate, index: Index, count: int) -> Iterate:
 def spring_forces(contacts: Contacts, state: State) -> Array:
     """Return the tangential forces (j,) kN in the springs of contacts in a state."""
     forces = np.zeros(len(contacts))
+    if state.met is not None:
+        met = places_among(contacts.edges, state.met[:, :2])
+        forces = np.where(met >= 0, state.met[met, 2], 0.0)
     if state.shear is not None:
         forces[: len(state.shear)] = state.shear
-    if state.met is not None:
-        known = {(int(e), int(f)): t for e, f, t in state.met}
-        for k in range(0 if state.shear is None else len(state.shear), len(contacts)):
-            forces[k] = known.get((int(contacts.edges[k, 0]), int(contacts.edges[k, 1])), 0.0)
     return forces
 
 
@@ -241,8 +243,7 @@ def carried(contacts: Contacts, state: State) -> Mask:
     if state.carrying is not None:
         found[: len(state.carrying)] = state.carrying
     if state.carrying is not None and state.met is not None:
-        known = {(int(e), int(f)) for e, f, _ in state.met}
-        found |= np.array([tuple(pair) in known for pair in contacts.edges.tolist()], dtype=bool)
+        found |= places_among(contacts.edges, state.met[:, :2]) >= 0
     return found
 
 

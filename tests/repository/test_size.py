@@ -25,10 +25,10 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3508,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3514,
+    "mechanics/procedures": 3511,
     "mechanics/records": 996,
     "mechanics/solvers": 924,
-    "mechanics/steps": 1767,
+    "mechanics/steps": 1766,
 }
 
 
