@@ -10,10 +10,11 @@ import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnstableError
 from mechanics.messages import Message, message
-from mechanics.model.assembly import Assembly, Direction, State
+from mechanics.model.assembly import Assembly, Behaviour, Direction, State
+from mechanics.procedures.held_load import HeldLoad, borne_peak
 from mechanics.procedures.limit_analysis import Limit, limit_in
-from mechanics.procedures.path_start import START, PathStart, elastic_start, mechanism_start
-from mechanics.procedures.peaks import behind_closing, closes, may_peak, stands_until
+from mechanics.procedures.path_start import PathStart, elastic_start, mechanism_start
+from mechanics.procedures.peaks import behind_closing, closes, may_peak
 from mechanics.procedures.step_control import PATH, reach
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
@@ -200,7 +201,8 @@ class PushPath:
             self._append(*nearest)
         self.end = None
         zero = self.alpha <= self.tolerances.zero * self.largest
-        held = None if zero and self._overturns() else self._held_again(step)
+        spent, behind = zero and self._overturns(), self.far - self.push.increment
+        held = None if spent else self._rest(0.0, step.state, behind)
         if held is not None and self._go_on_from(held):
             return
         self.reached, self.lost = zero, not zero
@@ -281,16 +283,13 @@ class PushPath:
         What falls without it may be a loose block, which lets elastic joints go back; in a settled state a hinge of the
         settlement may close.
         """
-        return self.drawn and self.takes_part_by(self.far)
+        return self.drawn and self.takes_part(-1, self.far)
 
-    def takes_part_by(self, displacement: float) -> bool:
-        """Return whether the control point takes part in what has moved if that is its displacement (m)."""
-        moved = float(abs(self.last.positions - self.points[0].step.state.positions)[:, :2].max())
+    def takes_part(self, point: int, displacement: float) -> bool:
+        """Return whether the control point takes part in what has moved at a point if that is its displacement (m)."""
+        one, two = (self.points[k].step.state.positions for k in (0, point))
+        moved = float(abs(two - one)[:, :2].max())
         return displacement >= self.tolerances.still * moved
-
-    def _held_again(self, beyond: Equilibrium) -> Equilibrium | None:
-        """Return the rest under gravity near an equilibrium beyond α = 0; None if there is none or it lies far back."""
-        return self._rest(0.0, beyond.state, self.far - self.push.increment)
 
     def _snap_through(self) -> None:
         """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
@@ -366,21 +365,28 @@ class PushPath:
         risen = 0.5 * RISE * (1.0 + largest / max(self.first.limit, largest))
         return risen + (1.0 - risen) * min(down, 1.0)
 
-    def locate_peak(self) -> None:
-        """Add the points just behind joints that close, in the steps in which α may be largest."""
-        best = self.largest
+    def locate_peak(self, last: int) -> bool:
+        """Add the points just behind joints that close, in the steps up to the `last` point in which α may be largest.
+
+        Return whether there are any. The open joints of elastic blocks close without a jump.
+        """
+        alpha = self.multiplier[: last + 1]
+        best = float(alpha.max())
         tolerance = self.tolerances.closing * best
         added: dict[int, Equilibrium] = {}
-        for most, point in may_peak(self.multiplier, self.displacement, self.tolerances.flat * best):
+        steps = may_peak(alpha, self.displacement[: last + 1], self.tolerances.flat * best)
+        for most, point in steps if self.system.rigid else ():
             before, end = self.points[point - 1].step, self.points[point].step
             if self.points[point].jumped or most < best or not closes(before.state, end):
                 continue
-            part = tolerance / max(most - end.alpha, tolerance)
+            # what α falls by behind the joint may be hidden by the next one that closes
+            part = min(tolerance / max(most - end.alpha, tolerance), PATH.shortest(1.0))
             step = behind_closing(self.lateral, before, end, part)
-            if step is not None and step.alpha > best:
+            if step is not None and step.alpha > best + tolerance:
                 added[point], best = step, step.alpha
         for point in sorted(added, reverse=True):
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
+        return bool(added)
 
     def drop_other_flow(self, last: int) -> bool:
         """Drop the points of another flow about the peak of the points up to `last`; return whether there are any.
@@ -427,28 +433,34 @@ class PushPath:
                 )
         return self.limits[step, model]
 
-    @property
-    def is_hidden_by_rounding(self) -> bool:
-        """Whether an elastic curve ends as it rises, and joints are compressed by hardly more than rounding."""
-        return self.model.rounding > START.resolved and self.alpha >= self.largest
+    def peak_that_counts(self) -> int:
+        """Return the point of α_0, the largest multiplier that, held, does not fell the structure.
 
-    def peak_that_counts(self) -> tuple[int, int]:
-        """Return the point of α_0, the largest multiplier that, held, does not fell the structure, and the last such.
-
-        What exceeds it behind the trough of such a fall is reached by a push that is taken back alone: the curve has
-        it, α_0 does not count it. It ends at α = 0. Before, points of other flows are dropped.
+        What exceeds it behind a trough is reached by a push that is taken back alone: the curve has it, α_0 does not
+        count it. Where α vanishes in that trough the curve ends, if the control point has moved: without it hinges of a
+        settlement close. Before, points of other flows are dropped.
         """
-        flat, zero, other = self.tolerances.flat, self.tolerances.zero, True
+        behaviour: Behaviour = "rigid" if self.system.rigid else "elastic"
+        begun = self.points[0].step.state
+        load = HeldLoad(self.model, self.push.direction, behaviour, self.system.sliding, begun)
+        self.locate_peak(len(self.points) - 1)
+        while self.drop_other_flow(len(self.points) - 1):
+            pass
+        other = True
         while other:
-            moves = np.diff([point.step.state.positions for point in self.points], axis=0)
-            jumps, alpha = np.array([point.jumped for point in self.points[1:]]), self.multiplier
-            last, held = stands_until(self.model, self.lateral, alpha, moves, jumps, flat, zero)
-            other = self.drop_other_flow(last)
-        if last < len(alpha) - 1 and alpha[last] <= zero * alpha.max():
+            alpha, jumps = self.multiplier, np.array([point.jumped for point in self.points])
+            flat = self.tolerances.flat * float(alpha.max())
+            peak = borne_peak(alpha, jumps, flat, load)
+            above = np.flatnonzero(alpha[peak:] > alpha[peak] + flat)
+            last = peak + int(above[0]) - 1 if above.size else len(alpha) - 1
+            other = last < len(alpha) - 1 and (self.drop_other_flow(last) or self.locate_peak(last))
+        spent = [k for k in range(peak, last + 1) if alpha[k] <= self.tolerances.zero * alpha.max()]
+        if spent and spent[0] < len(alpha) - 1 and self.takes_part(spent[0], self.displacement[spent[0]]):
+            last = spent[0]
             self.reached, self.lost = True, False
-            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=held)
+            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=alpha[peak])
             self.points = self.points[: last + 1]
-        return peak_of(alpha[: last + 1]), last
+        return peak_of(alpha[: last + 1])
 
 
 def peak_of(multiplier: Array) -> int:

@@ -24,7 +24,7 @@ from mechanics.model.contacts import Contacts
 from mechanics.pictures import draw_curve, film
 from mechanics.procedures.limit_analysis import farthest_corner, limit_analysis
 from mechanics.procedures.model_check import check_path
-from mechanics.procedures.path_start import no_way_from_rest
+from mechanics.procedures.path_start import START, no_way_from_rest
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushoverTolerances, PushPath
 from mechanics.procedures.step_control import Bisection, follow
 from mechanics.program import Certificate
@@ -169,8 +169,6 @@ def _followed(push: PushInput, system: StaticSystem, state: State | None) -> Pus
     """Return a curve followed to its end."""
     curve = PushPath(push, system, state)
     follow(curve, Bisection(push.increment, curve.first.share * push.increment))
-    if curve.system.rigid:
-        curve.locate_peak()
     return curve
 
 
@@ -194,19 +192,21 @@ def _result(curve: PushPath) -> Pushover:
     alone = len(curve.points) == 1
     if alone and curve.endless:
         raise NoEquilibriumError(curve.end)
-    if not curve.system.rigid and curve.drawn and (alone or curve.is_hidden_by_rounding):
+    # it ends as it rises, and joints are compressed by hardly more than rounding
+    hidden = curve.model.rounding > START.resolved and curve.alpha >= curve.largest
+    if not curve.system.rigid and curve.drawn and (alone or hidden):
         raise no_way_from_rest(curve.model, curve.end)
-    if alone or not curve.takes_part_by(max(curve.displacement)):
+    if alone or not curve.takes_part(-1, max(curve.displacement)):
         raise ControlError(message(
             "control = {point} takes no part in the mechanism along {direction}, "
             "or the increment is too large: {reason}",
             point=str(tuple(curve.push.control.tolist())), direction=curve.push.direction, reason=curve.end,
         ))  # fmt: skip
-    peak, last = curve.peak_that_counts()
+    peak = curve.peak_that_counts()
     equilibria = [point.step for point in curve.points]
     steps = equilibria[1:] if curve.system.rigid else equilibria
     check_path(steps)
-    formed, mechanism = _mechanism(curve, peak, last)
+    formed, mechanism = _mechanism(curve, peak)
     return Pushover(
         curve.push.control, curve.block, curve.displacement, curve.multiplier,
         tuple(step.state for step in equilibria), tuple(steps), tuple(step.certificate for step in equilibria),
@@ -217,9 +217,9 @@ def _result(curve: PushPath) -> Pushover:
     )  # fmt: skip
 
 
-def _mechanism(curve: PushPath, peak: int, last: int) -> tuple[int, Array]:
-    """Return the point, `last` at most, at which the mechanism of a peak forms, and its displacements (b, 3)."""
-    for point in range(peak, last + 1):
+def _mechanism(curve: PushPath, peak: int) -> tuple[int, Array]:
+    """Return the point at which the mechanism of a peak forms, and its displacements (b, 3)."""
+    for point in range(peak, len(curve.points)):
         mechanism = _mechanism_at(curve, point)
         if _takes_part(curve, point, mechanism):
             return point, mechanism

@@ -10,7 +10,7 @@ from typing import Self
 
 import numpy as np
 
-from mechanics import Assembly
+from mechanics import Assembly, State
 from mechanics.kernels.jit import compiler
 from mechanics.types import GRAVITY, Array, Index
 
@@ -222,15 +222,17 @@ def march(
                 path[k, b, r] = x[b, r]
 
 
-def motion(model: Assembly, loads: Array, step: float) -> Array:
-    """Return the positions (k, b, 3), m and rad, of a model that starts as drawn and at rest, after every step.
+def motion(model: Assembly, loads: Array, step: float, start: State | None = None) -> Array:
+    """Return the positions (k, b, 3), m and rad, of a model that starts at rest, after every step.
 
-    `loads` (k,): horizontal body force of each step as a share of the weight; `step` in s.
+    `start`: where, None: as drawn; `loads` (k,): horizontal body force of each step as a share of the weight.
+    `step` in s.
     """
     of, path = Bodies.of(model), np.empty((len(loads), len(model.blocks), 3))
     contacts, moves = 2 * len(of.pairs), of.mass[:, 0] > 0.0
+    moved = 0.0 if start is None else start.positions - model.initial.positions
     march(
-        x=of.drawn.copy(), v=np.zeros_like(of.drawn),
+        x=of.drawn + moved, v=np.zeros_like(of.drawn),
         inverse=np.divide(1.0, of.mass, out=np.zeros_like(of.mass), where=of.mass > 0.0), arms=of.arms,
         blocks=of.owner[of.pairs], pairs=of.pairs, friction=of.friction, size=of.size,
         added=step * GRAVITY * np.column_stack([loads, np.full(len(loads), -1.0)]), step=step,

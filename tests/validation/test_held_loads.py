@@ -1,4 +1,4 @@
-"""A settled state whose multiplier falls and rises again: a block that leans on a wall, and loads that are held.
+"""A settled state whose multiplier falls and rises again: what it bears of a load that grows and is held.
 
 A block b × h leans on a wall at a distance g at φ = arcsin(g/h), past its balance β = arctan(b/h). Pushed off the wall
 it turns about one corner: α = tan(φ − β) at first, and 0 at the balance, where it falls back on its foot. There a push
@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
+from mechanics.procedures.held_load import borne_peak
+from tests.support.contact_dynamics import motion
+from tests.support.drawn_projects import drawn, tables
 from tests.support.leaning_block import GAP, B, H, leaning
 from tests.support.structures import rectangle
 
@@ -79,3 +82,73 @@ def test_what_is_pushed_beyond_the_trough_comes_back_when_it_is_let_go(portal):
     far = int(np.searchsorted(curve.displacement, 0.9 * curve.displacement[-1]))
     motion = time_history(model, np.zeros(400), 0.005, contacts="rigid", state=curve.states[far])
     assert not motion.collapsed
+
+
+STONES = (
+    ((0.0, 0.0), (0.457, 0.0), (0.489, 0.522), (0.0, 0.708)),
+    ((0.457, 0.0), (0.881, 0.0), (1.025, 0.466), (0.642, 0.619), (0.489, 0.522)),
+    ((0.881, 0.0), (1.487, 0.0), (1.443, 0.401), (1.105, 0.5), (1.025, 0.466)),
+    ((1.487, 0.0), (2.0, 0.0), (2.0, 0.532), (1.696, 0.607), (1.443, 0.401)),
+    ((0.0, 0.708), (0.489, 0.522), (0.642, 0.619), (0.688, 1.039), (0.545, 1.125), (0.0, 0.925)),
+    ((0.642, 0.619), (1.025, 0.466), (1.105, 0.5), (1.154, 0.969), (0.95, 1.116), (0.688, 1.039)),
+    ((1.105, 0.5), (1.443, 0.401), (1.696, 0.607), (1.563, 1.034), (1.154, 0.969)),
+    ((1.696, 0.607), (2.0, 0.532), (2.0, 1.199), (1.569, 1.045), (1.563, 1.034)),
+    ((0.0, 0.925), (0.545, 1.125), (0.422, 1.6), (0.0, 1.6)),
+    ((0.545, 1.125), (0.688, 1.039), (0.95, 1.116), (1.071, 1.6), (0.422, 1.6)),
+    ((0.95, 1.116), (1.154, 0.969), (1.563, 1.034), (1.569, 1.045), (1.438, 1.6), (1.071, 1.6)),
+    ((1.569, 1.045), (2.0, 1.199), (2.0, 1.6), (1.438, 1.6)),
+)
+
+
+def wall_of_polygons():
+    """A wall of twelve stones on two bases, the right one moved: its curve goes on to 0.342 beyond the first peak."""
+    stone = Material(20.0, 0.8)
+    bases = ((-0.4, 1.15, "left"), (1.15, 2.4, "right"))
+    blocks = [Block(rectangle(a, -0.3, b, 0.0), 1.0, stone, support=name) for a, b, name in bases]
+    model = Assembly([*blocks, *(Block(ring, 1.0, stone) for ring in STONES)])
+    state = pushdown(model, "right", (0.0262, -0.0123), increment=0.001).final
+    return pushover(model, (2.0, 1.6), "+x", increment=0.008, state=state)
+
+
+def buttressed_arch():
+    """The arch of the example, its right pier moved, pushed to the left: 0.105 beyond where α vanishes."""
+    model, table = drawn("buttressed_arch"), tables("buttressed_arch")["settlements"][0]
+    state = pushdown(model, table["support"], table["displacement_m"], increment=table["increment_m"]).final
+    return pushover(model, direction="-x", increment=5e-4, state=state)
+
+
+@pytest.mark.parametrize("pushed", [wall_of_polygons, buttressed_arch])
+def test_contact_dynamics_stands_under_what_a_curve_with_a_trough_has_and_falls_above(pushed):
+    """They had 0.342 and 0.105, of equilibria behind the trough that no growing load reaches."""
+    curve = pushed()
+    grown = np.clip(np.arange(0.0, 8.0, 1e-3) / 6.0, 0.0, 1.0)
+    for share, falls in ((0.95, False), (1.08, True)):
+        load = share * curve.alpha_0 * (grown if curve.direction == "+x" else -grown)
+        moved = motion(curve.model, load, 1e-3, curve.states[0])[-1] - curve.states[0].positions
+        assert (abs(moved[:, :2]).max() > curve.model.size) is np.bool_(falls)
+
+
+class Threshold:
+    """A structure that bears a given multiplier, held; `asked`: how often it was loaded."""
+
+    def __init__(self, most: float) -> None:
+        self.most, self.asked = most, 0
+
+    def bears(self, alpha: float) -> bool:
+        self.asked += 1
+        return alpha <= self.most
+
+
+@pytest.mark.parametrize(
+    ("most", "peak"), [(9.0, 7), (0.95 * 0.7, 6), (0.95 * 0.69, 5), (0.95 * 0.59, 4), (0.0, 1)]
+)
+def test_the_peak_is_the_largest_of_those_that_are_borne(most, peak):
+    alpha = np.array([0.4, 0.5, 0.3, 0.45, 0.51, 0.6, 0.7, 0.8, 0.1])
+    assert borne_peak(alpha, np.zeros(9, dtype=bool), 1e-3, Threshold(most)) == peak
+
+
+def test_a_curve_that_rises_and_falls_needs_no_motion_but_one_that_jumps_does():
+    alpha, jumps, load = np.array([0.4, 0.5, 0.6, 0.3]), np.zeros(4, dtype=bool), Threshold(0.0)
+    assert borne_peak(alpha, jumps, 1e-3, load) == 2 and not load.asked
+    jumps[2] = True
+    assert borne_peak(alpha, jumps, 1e-3, load) == 1 and load.asked

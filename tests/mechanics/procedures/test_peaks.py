@@ -7,7 +7,6 @@ import pytest
 
 from mechanics import Assembly, Material, limit_analysis, pushdown, pushover
 from mechanics.procedures.limit_analysis import limit_in
-from mechanics.procedures.peaks import stands_until
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
 from mechanics.steps.static_system import static_system
 from tests.stress.corpus import assemblies
@@ -94,16 +93,6 @@ def test_a_peak_of_another_flow_goes_with_its_flow_whatever_lies_beyond_the_fall
     assert path.multiplier.tolist() == kept
     assert [alpha for _, alpha in path.dropped] == [alpha for alpha in told if alpha not in kept]
     assert not path.drop_other_flow(last=1)
-
-
-@pytest.mark.parametrize(("rise", "last", "held"), [(0.56, 2, 0.56), (0.54, 1, 0.5)])
-def test_a_load_held_at_a_peak_is_taken_up_by_what_exceeds_it_or_fells_the_structure(rise, last, held):
-    """Down to 0.4 and up by as much way, under 0.5: (0.5 − 0.45) + (0.5 − rise) is left, times weight and way."""
-    model = block_on_base()
-    moves = np.zeros((2, len(model.blocks), 3))
-    moves[:, 1, 0] = 0.01
-    alpha, jumps = np.array([0.5, 0.4, rise]), np.zeros(2, dtype=bool)
-    assert stands_until(model, model.lateral_load("+x"), alpha, moves, jumps, 1e-3, 1e-6) == (last, held)
 
 
 def test_points_beside_a_peak_of_another_flow_are_their_own():
