@@ -23,7 +23,7 @@ LINES = {
     "assessment/studies": 2263,
     "assessment/workflow": 917,
     "mechanics": 935,
-    "mechanics/kernels": 3508,
+    "mechanics/kernels": 3509,
     "mechanics/model": 2992,
     "mechanics/procedures": 3587,
     "mechanics/records": 996,

@@ -79,9 +79,10 @@ def semicircular_arch(
     friction: float = 1e3,
     stiffness: float = 1e5,
     segments: int | None = None,
+    strength: float = float("inf"),
 ) -> Assembly:
     """A semicircle of centre-line radius 1 m on two supports, joints radial."""
-    stone = Material(20.0, friction, stiffness)
+    stone = Material(20.0, friction, stiffness, compressive_strength=strength)
     radii = np.array([1.0 - 0.5 * thickness, 1.0 + 0.5 * thickness])
     angles = np.linspace(0.0, np.pi, voussoirs + 1)
     corner = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)], axis=2)

@@ -10,7 +10,7 @@ Where nothing slides (μ infinite) a joint sticks as long as it presses, and is 
 
 A joint that finds itself beyond its bound changes from one to the other (a primal-dual active set). Near a solution
 this takes two to four iterations. Nothing guarantees that it converges: where it does not, or where many joints change,
-the interior point solves it.
+the interior point solves it. That has no forces of faces that are crushed all over: where faces can be, Newton goes on.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 
 from mechanics.kernels.interior.joints import unbalanced
 from mechanics.kernels.jit import compiled, looped
-from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.joint import PHI, TIED, H, U, V
 
 from mechanics.kernels.law import (  # isort: skip
     DILATION, FRICTION, LEFT, SHEAR, SLID, STRENGTH, bed_forces, lift, most_shear,
@@ -191,6 +191,7 @@ def newton(
     moved, residual, least = begun.copy(), np.empty(len(x)), STICKING * step / weight
     skew, half = len(law) > 0 and (law[:, DILATION] < 1.0).any(), len(stored) // 2
     lower, upper = stored[:half], stored[half:]
+    crushes = ((law[:, STRENGTH] < np.inf) & (places[:, TIED] == 0.0)).any()
     _begin(law, f, y, step / weight, known)
     for iteration in range(MOST + 1):
         residual[:] = load - mass * moved
@@ -200,7 +201,7 @@ def newton(
             _end(joints, moved, known, f, y)
             x[:] = moved
             return iteration, force, gap
-        unsettled = iteration > 0 and changed > FEW + MANY * len(row)
+        unsettled = iteration > 0 and changed > FEW + MANY * len(row) and not crushes
         if iteration == MOST or unsettled or not force < np.inf:
             break
         _assemble(joints, known, mass, residual, lower, upper, skew, pattern)
