@@ -148,11 +148,10 @@ def incremental(
     found = scan(model, shaken, setting, model.starting(state), Scatter(1, AGREE), reach)
     if found.reason is not None:
         raise ConvergenceError(found.reason)
-    points = [each for each in found.points if each.collapsed is not None]
-    peaks = [np.nan if each.peak_displacement_m is None else each.peak_displacement_m for each in points]
-    fallen = np.array([each.collapsed for each in points], dtype=bool)
-    levels = np.array([each.pga_g for each in points])
-    return IncrementalCurve(record.name, levels, np.where(fallen, np.nan, peaks), fallen)
+    # of a collapse there is no peak, NaN
+    peaks = np.array([each.peak_displacement_m for each in found.points], dtype=float)
+    fallen = np.array([each.collapsed for each in found.points])
+    return IncrementalCurve(record.name, np.array([each.pga_g for each in found.points]), peaks, fallen)
 
 
 def fragility(curves: Iterable[IncrementalCurve]) -> Dispersion | None:

@@ -22,6 +22,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+import numpy as np
+
 from assessment.analyses.fragility import observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.time_history import Setting, respond, thinned
@@ -89,31 +91,28 @@ def scan(
     """Run the levels of a record from a state at rest.
 
     `near` (g): where collapse is expected, None: not known. `curves`: numbers of the motions of a level whose curves
-    are kept. Whether a level that cannot be completed collapses is not known; of stripes it ends the scan.
+    are kept. A motion that cannot be completed counts as a collapse: most of these fall.
     """
     levels = _Motions(model, motion, setting, start, scatter, reach, curves)
     found = Scan(time_step=motion.record.time_step, stripes=bool(reach.stripes))
     began = time.perf_counter()
-    try:
-        if reach.stripes:
-            for pga in reach.stripes:
-                levels.peak(pga)
-        else:
-            also = [abs(factor) * motion.pga for name, factor in reach.histories if name == motion.name]
-            scan_levels(levels.peak, motion.pga, reach, near, also)
-    except ConvergenceError as error:
-        found.reason = error.message
+    if reach.stripes:
+        for pga in reach.stripes:
+            levels.peak(pga)
+    else:
+        also = [abs(factor) * motion.pga for name, factor in reach.histories if name == motion.name]
+        scan_levels(levels.peak, motion.pga, reach, near, also)
     found.points = [levels.points[pga] for pga in sorted(levels.points)]
     if levels.refused and len(levels.refused) == len(found.points):
         found.reason = next(iter(levels.refused.values()))
-    found.failures = [found.reason] if found.reason else []
+        found.failures = [found.reason]
     every = levels.counts["motions"]
     for alike in levels.notes.values():
         found.notes.append(
             message("{count} of {all} motions: {text}", count=len(alike), all=every, text=alike[0])
         )
     if levels.refused and found.reason is None:
-        text = message("whether it collapses at {levels:.3g} g is not known and counts as neither: {reason}",
+        text = message("whether it collapses at {levels:.3g} g is not known and counts as a collapse: {reason}",
                        levels=list(levels.refused), reason=next(iter(levels.refused.values())))  # fmt: skip
         found.notes.append(text)
     if every:
@@ -123,7 +122,7 @@ def scan(
 
 
 def scan_levels(
-    peak: Callable[[float], float | None],
+    peak: Callable[[float], float],
     pga: float,
     reach: Reach,
     near: float | None = None,
@@ -131,19 +130,18 @@ def scan_levels(
 ) -> None:
     """Ask for the `peak` displacement (m) at levels (g) near the lowest collapse; `pga` (g): of the record.
 
-    The peak of a collapse is ∞; None: not known. `also` (g): levels that are run, and around which collapse is looked
+    The peak of a collapse is ∞. `also` (g): levels that are run, and around which collapse is looked
     for as well.
     """
     lattice = _Lattice(peak, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands
-    place, stride, fell = lattice.nearest(near or pga), 1, None
-    while (now := lattice.falls(place)) in (fell, None) or fell is None:
-        fell = fell if now is None else now
-        end = lattice.top if fell is False else lattice.bottom
-        if place == end:
-            break
-        place = min(place + stride, end) if fell is False else max(place - stride, end)
-        stride = min(2 * stride, UPWARDS if fell is False else FARTHEST)
+    place, stride = lattice.nearest(near or pga), 1
+    fell = lattice.falls(place)
+    end = lattice.bottom if fell else lattice.top
+    while place != end and lattice.falls(place) is fell:
+        place = max(place - stride, end) if fell else min(place + stride, end)
+        stride = min(2 * stride, FARTHEST if fell else UPWARDS)
+    lattice.falls(place)
     _run_missing(lattice)
     for level in also:
         lattice.falls(lattice.place(level))
@@ -153,7 +151,7 @@ def scan_levels(
         _run_missing(lattice)
     while (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
         half = lattice.place(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
-        if half in lattice.peaks:  # not known there, or no narrower
+        if half in lattice.peaks:  # no narrower
             break
         lattice.falls(half)
 
@@ -161,14 +159,14 @@ def scan_levels(
 class _Lattice:
     """The levels pga·ratio^k, up to the largest; peaks of the places k that were run, whole numbers or not."""
 
-    def __init__(self, peak: Callable[[float], float | None], pga: float, reach: Reach) -> None:
+    def __init__(self, peak: Callable[[float], float], pga: float, reach: Reach) -> None:
         self.peak, self.pga, self.ratio = peak, pga, reach.ratio
         self.largest = reach.max_scale * pga
         self.step = math.log(reach.ratio)
         self.top = math.ceil(math.log(reach.max_scale) / self.step - 1e-9)
         self.bottom = min(math.ceil(math.log(LEAST / pga) / self.step), self.top)
         self.depth = math.ceil(math.log(1.0 / DOWN) / self.step - 1e-9)
-        self.peaks: dict[float, float | None] = {}
+        self.peaks: dict[float, float] = {}
 
     def place(self, level: float) -> float:
         """Return the place of a level (g); a level of the lattice to rounding is there."""
@@ -182,12 +180,11 @@ class _Lattice:
         """Return the level (g) of a place."""
         return min(self.pga * self.ratio**place, self.largest)
 
-    def falls(self, place: float) -> bool | None:
-        """Whether the structure falls at a place; None: not known."""
+    def falls(self, place: float) -> bool:
+        """Whether the structure falls at a place."""
         if place not in self.peaks:
             self.peaks[place] = self.peak(self.level(place))
-        peak = self.peaks[place]
-        return None if peak is None else peak == math.inf
+        return self.peaks[place] == math.inf
 
     def those(self, fell: bool) -> list[float]:
         """Places at which the structure falls, or stands."""
@@ -200,9 +197,8 @@ class _Lattice:
 
     def farther_down(self) -> float | None:
         """Return a place below all that were run where the level that counts is there; None: it is among them."""
-        known = [(self.level(place), fell) for place in self.peaks if (fell := self.falls(place)) is not None]
-        lowest = math.floor(min(self.peaks))
-        counts = observed([level for level, _ in known], [fell for _, fell in known]).capacity
+        lowest, levels = math.floor(min(self.peaks)), [self.level(place) for place in self.peaks]
+        counts = observed(levels, [self.falls(place) for place in self.peaks]).capacity
         if counts is None or counts >= self.level(min(self.peaks)) or lowest <= self.bottom:
             return None
         return max(lowest - self.depth, self.bottom)
@@ -210,15 +206,12 @@ class _Lattice:
     def hiding(self) -> float | None:
         """Return the place below the lowest collapse that is most likely to hide another; None: no place is."""
         low = min(self.those(True), default=-math.inf)
-        largest = max((self.peaks[place] or 0.0 for place in self.those(False)), default=0.0)
+        largest = max((self.peaks[place] for place in self.those(False)), default=0.0)
         runs = sorted(place for place in self.peaks if place <= low)
         if not largest or not runs:
             return None
         near = low - math.log(SPACING) / self.step - 1e-9
-        shares = [
-            0.0 if (peak := self.peaks[place]) is None else 1.0 if place >= near else (peak / largest) ** 3
-            for place in runs
-        ]
+        shares = [1.0 if place >= near else (self.peaks[place] / largest) ** 3 for place in runs]
         hidden = [
             ((above - below) * max(both), 0.5 * (below + above))
             for (below, above), both in zip(pairwise(runs), pairwise(shares), strict=True)
@@ -254,7 +247,7 @@ def _run_missing(lattice: _Lattice) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Member(Track):
-    """A motion: when it ended (s of the window), why it `fell`, and the share of the integrator."""
+    """A motion: when it ended (s of the window, ∞: not known), why it `fell`, and the share of the integrator."""
 
     end: float
     fell: str
@@ -278,26 +271,26 @@ class _Motions:
     counts: dict[str, int] = field(default_factory=lambda: {"motions": 0})
     worst: float = 0.0
 
-    def peak(self, pga: float) -> float | None:
-        """Run the motions of a level, of stripes the members of an ensemble; peak (m), ∞: collapse, None: not known."""
+    def peak(self, pga: float) -> float:
+        """Run the motions of a level, of stripes the members of an ensemble; return the peak (m), ∞: collapse."""
         scatter = self.scatter if self.reach.stripes else replace(self.scatter, members=1)
         members: list[_Member] = []
-        try:
-            while not enough(members, scatter, self.model.size):
-                members.append(self._run(pga, len(members)))
-        except ConvergenceError as error:
-            if self.reach.stripes:
-                raise
-            self.refused[pga] = error.message
+        while not enough(members, scatter, self.model.size):
+            members.append(self._run(pga, len(members)))
         self.points[pga] = self._point(pga, members)
-        return math.inf if self.points[pga].collapsed else self.points[pga].peak_displacement_m
+        peak = self.points[pga].peak_displacement_m
+        return math.inf if peak is None else peak
 
     def _run(self, pga: float, number: int) -> _Member:
         factor = self.scatter.strongest_first[number] * pga / self.motion.pga
         done = self.counts["motions"]
         expected = max(len(self.reach.stripes) or EXPECTED, done + 1)
         with stretch(done / expected, (done + 1) / expected):
-            found = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
+            try:
+                found = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
+            except ConvergenceError as error:
+                self.refused[pga] = error.message
+                return _Member(np.zeros(1), np.zeros(1), True, math.inf, error.message, 0.0)
         self.counts["motions"] += 1
         for name, count in found.counts().items():
             self.counts[name] = self.counts.get(name, 0) + count
@@ -312,20 +305,18 @@ class _Motions:
         """Return what the motions of a level come to; it counts as a collapse if any collapses."""
         first = min((each for each in members if each.collapsed), key=lambda each: each.end, default=None)
         peaks = [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
-        low, _, high = lowest_median_highest(peaks or [None])
+        low, _, high = lowest_median_highest(peaks)
         found = Level(
             pga_g=pga,
             peak_displacement_m=high,
             peak_displacement_m_range=[low, high],
-            residual_displacement_m=None
-            if first or not members
-            else max(abs(float(m.displacement[-1])) for m in members),
+            residual_displacement_m=None if first else max(abs(float(m.displacement[-1])) for m in members),
             members=len(members),
             members_collapsed=peaks.count(None),
-            collapsed=first is not None if members else None,
-            time_of_collapse_s=self.motion.start + first.end if first else None,
-            reason=first.fell if first else self.refused.get(pga),
-            integrator_share=max((each.integrator for each in members), default=None),
+            collapsed=first is not None,
+            time_of_collapse_s=self.motion.start + first.end if first and first.end < math.inf else None,
+            reason=first.fell if first else None,
+            integrator_share=max(each.integrator for each in members),
         )
         return found.replace(curves=list(self._curves(members))) if self.curves else found
 

@@ -204,7 +204,7 @@ def _rows(
             row = row.replace(sa_collapse_g=None if seen.capacity is None else each.ratio * seen.capacity)
         if scan.stripes and scan.reason is None:
             row = row.replace(
-                collapsed=[bool(point.collapsed) for point in scan.points],
+                collapsed=[point.collapsed for point in scan.points],
                 all_collapsed=[point.members_collapsed == point.members for point in scan.points],
             )
         origin = first.setdefault(each.key, each)

@@ -308,8 +308,7 @@ def observed_in(found: Scan) -> Observed:
     """Return what a scan shows; nothing of one that was not completed."""
     if found.reason is not None:
         return Observed(safe=0.0)
-    known = {each.pga_g: each.collapsed for each in found.points if each.collapsed is not None}
-    return observed(list(known), list(known.values()))
+    return observed([each.pga_g for each in found.points], [each.collapsed for each in found.points])
 
 
 def level_found(found: Scan) -> float | None:

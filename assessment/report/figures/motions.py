@@ -199,7 +199,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
         record: {"color": state_style(n)["color"], "marker": mark, "markersize": 3.0, "linewidth": 0.6}
         for n, (record, mark) in enumerate(zip(records, cycle(MARKERS), strict=False))
     }
-    stood = [p.peak_displacement_m for *_, points in curves for p in points if p.collapsed is False]
+    stood = [p.peak_displacement_m for *_, points in curves for p in points if not p.collapsed]
     reach = 1.1 * mm * max(map(known, stood), default=0.0) or 1.0
     ends = [(seen.lowest_collapse_g, seen.pga_safe_g, *seen.resurrections_g) for _, _, seen, _ in curves]
     top = 1.15 * max((level for each in ends for level in each if level), default=1.0)
@@ -245,7 +245,7 @@ def _curve(
 ) -> None:
     """Draw one IDA curve (mm, g): the levels withstood below its lowest `collapse`, its arrow, the others alone."""
     mm = scale("peak_displacement_m")
-    stood = [(mm * known(p.peak_displacement_m), p.pga_g) for p in points if p.collapsed is False]
+    stood = [(mm * known(p.peak_displacement_m), p.pga_g) for p in points if not p.collapsed]
     below = [(0.0, 0.0), *(each for each in stood if collapse is None or each[1] < collapse)]
     axes.plot(*zip(*below, strict=True), **line)
     if above := stood[len(below) - 1 :]:

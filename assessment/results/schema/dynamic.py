@@ -154,8 +154,8 @@ class Level(Peaks):
     pga_g: float = key("level")
     peak_displacement_m_range: Range = key("least and largest peak; null: a collapse")
     members: int = key("motions that were run: one, of stripes up to `scatter`")
-    members_collapsed: int = key("motions that collapse")
-    collapsed: bool | None = key("whether any collapses; null: not known, which counts as neither")
+    members_collapsed: int = key("motions that collapse, or cannot be completed")
+    collapsed: bool = key("whether any collapses, or cannot be completed")
     integrator_share: float | None = key("what the integrator took of the energy turned over: the largest")
     curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
 

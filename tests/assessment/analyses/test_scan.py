@@ -12,7 +12,7 @@ from scipy.special import ndtr
 from assessment.analyses import scan as scans
 from assessment.analyses.fragility import Observed, RecordLevel, observed, over_records
 from assessment.analyses.histories import Scatter
-from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, FARTHEST, SPACING, Reach, scan, scan_levels
+from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, SPACING, Reach, scan, scan_levels
 from assessment.analyses.time_history import Setting
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
@@ -89,12 +89,12 @@ def test_a_level_that_moves_the_structure_far_has_close_neighbours(limit, grows,
     peaks = {}
 
     def peak(level):
-        peaks[level] = None if len(peaks) == lost else trial(level)
+        peaks[level] = math.inf if len(peaks) == lost else trial(level)
         return peaks[level]
 
     scan_levels(peak, 0.3, Reach(8.0))
     low = min(level for level, u in peaks.items() if u == math.inf)
-    standing = {level: u for level, u in peaks.items() if u is not None and u < math.inf}
+    standing = {level: u for level, u in peaks.items() if u < math.inf}
     largest, runs = max(standing.values()), sorted(level for level in peaks if level <= low)
     within = [CLOSEST * (largest / standing[each]) ** 3 if each in standing else math.inf for each in runs]
     beside = [each in trial.tried and each * SPACING >= low for each in runs]
@@ -187,27 +187,6 @@ def test_a_collapse_half_way_between_levels_is_scanned_below_as_any_other():
     assert levels[0] < seen.lowest < levels[1] and min(trial.tried) <= DOWN * seen.lowest
 
 
-def test_a_level_that_cannot_be_completed_counts_as_neither_and_the_scan_goes_on():
-    """Of a falling wall one motion of many was refused, and the whole scan was lost."""
-    whole = Trial((0.5, 99.0))
-    whole.seen()
-    for lost in whole.tried:
-        again = Trial((0.5, 99.0))
-
-        def falls(level, again=again, lost=lost):
-            peak = again(level)
-            return None if level == lost else peak
-
-        scan_levels(falls, 0.3, Reach(8.0))
-        known = {level: fell for level, fell in again.tried.items() if level != lost}
-        seen = observed(list(known), list(known.values()))
-        assert lost in again.tried and 0.5 <= seen.lowest < 0.5 * RATIO**2
-        assert len(again.tried) <= len(whole.tried) + FARTHEST + CERTAIN
-    nothing = []
-    scan_levels(nothing.append, 0.3, Reach(8.0))
-    assert 0 < len(nothing) < 30
-
-
 def test_probability_in_a_bracket_grows_evenly_in_ln_level():
     seen = observed([0.2, 0.3, 0.4], [False, True, True])
     assert seen.probable == pytest.approx([0.2 * 1.5**p for p in (0.16, 0.5, 0.84)])
@@ -289,7 +268,7 @@ def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
     assert not found.failures and found.reason is None
 
 
-def test_a_motion_that_is_refused_is_told_and_leaves_the_levels_of_the_others(monkeypatch):
+def test_a_motion_that_is_not_solved_counts_as_a_collapse_and_is_told(monkeypatch):
     record = Record(np.where(np.arange(251) < 50, 0.1, 0.0), 0.01, "pulse")
     motion, model = BaseMotion(record, record, record.pga, 1.0), block_on_base(0.6, 4.2)
     setting = Setting(MotionTable(contacts="rigid"), ControlTable(name="top", point_m=(0.3, 4.2)))
@@ -308,12 +287,16 @@ def test_a_motion_that_is_refused_is_told_and_leaves_the_levels_of_the_others(mo
     monkeypatch.setattr(scans, "respond", refused)
     found = scanned()
     assert found.reason is None and not found.failures
-    assert [p.pga_g for p in found.points if p.collapsed is None] == [lost]
-    others = {p.pga_g: p for p in found.points if p.collapsed is not None}
+    others = {p.pga_g: p for p in found.points}
+    assert others.pop(lost).collapsed and found.points[0].pga_g < lost
     assert len(others) >= CERTAIN + 5 and all(others.get(p.pga_g, p) == p for p in whole.points)
     [note] = [note for note in found.notes if "not known" in note]
     assert "not solved" in note and "non è noto" in in_italian(note)
-    assert observed_in(found).lowest == observed_in(whole).lowest
+    assert observed_in(found).lowest == lost < observed_in(whole).lowest
+
+    two = (lost, 1.5 * lost)
+    stripes = scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0, stripes=two)).points
+    assert (stripes[0].members_collapsed, stripes[0].time_of_collapse_s) == (1, None)
 
     lost = None  # every motion
     assert "not solved" in scanned().reason
