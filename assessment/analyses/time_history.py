@@ -243,12 +243,22 @@ def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> His
     )
 
 
+def _farthest_corner(model: Assembly, positions: Array) -> Array:
+    """Return how far (k,) m the corner that is farthest from where it began is at positions (k, b, 3)."""
+    far = np.zeros(len(positions))
+    for k, block in enumerate(model.blocks):
+        for corner in block.polygon if model.movable[k] else ():
+            at = model.point_displacement(corner, k, positions)
+            far = np.maximum(far, np.hypot(*(at - at[0]).T))
+    return far
+
+
 def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: Response) -> History:
     """Return peak, residual, collapse, curve, configurations and energies of a response."""
     last, drawn = response.last, model.initial.positions
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
-    gone = np.hypot(*np.moveaxis(response.positions - response.positions[0], -1, 0)[:2]).max(axis=-1)
+    gone = _farthest_corner(model, response.positions)
     rigid = setting.table.contacts == "rigid"
     kept_frames = snapshots(model, times, moved, response.positions, response.forces, peak)
     if rigid and model.ties:

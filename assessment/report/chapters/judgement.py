@@ -198,6 +198,8 @@ def _margins(results: Results, words: Words) -> Iterator[Markup]:
         if ultimate:
             key = "judgement.margin" if applied < ultimate else "judgement.no_margin"
             yield words(key, **where, applied=applied, ultimate=ultimate, share=applied / ultimate)
+        if loss := path.local_loss:
+            yield words(f"judgement.loses_{'tie' if loss.tie else 'joint'}", **where, at=loss.displacement_m)
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:

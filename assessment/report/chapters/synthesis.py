@@ -80,8 +80,12 @@ def _kind(check: SummaryCheck | None, words: Words) -> str:
 
 
 def _outcome(results: Results, name: str, words: Words) -> str:
-    """Return whether a state is verified in every direction, as a sentence."""
+    """Return whether a state is verified in every direction, as a sentence; where the index is, what is not."""
     verified = [row.verified for row in rows_of(results, name)]
+    checks = [each for row in rows_of(results, name) for each in row.checks.items()]
+    failing = sorted({limit for limit, check in checks if check.verified is False})
+    if failing and index_limit(results) not in failing:
+        return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
     kind = "not_verified" if False in verified else "undetermined" if None in verified else "verified"
     return words.plain(f"synthesis.{kind}")
 

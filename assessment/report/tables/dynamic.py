@@ -21,7 +21,7 @@ LOSS = f"""{MOVED} rule pga_collapse_g dynamic_loss dynamic_loss_low dynamic_los
 static_loss"""
 OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
-OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of a single member there are none
+OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of stripes there are none
 
 
 @table("history", HISTORY)
@@ -176,7 +176,7 @@ def _incrementals(results: Results) -> Iterator[tuple[str, parts.Incremental]]:
 
 def reported_campaign(results: Results) -> list[Table]:
     """Return the tables of the report: without counts that are all zero, and the bounds of β."""
-    gone = OF_ENSEMBLES if not results.campaign or results.campaign.members == 1 else ()
+    gone = OF_ENSEMBLES if results.campaign and results.campaign.method == "stripes" else ()
     spread, lost = fragilities(results), losses(results)
     rows = [*spread.rows, *lost.rows]
     counted = [key for key in COUNTS if not any(each.get(key) for each in rows)]

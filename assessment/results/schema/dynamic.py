@@ -108,10 +108,10 @@ class History(OfBaseMotion, Peaks):
     sustained_displacement_m: float | None = optional("largest one from which the structure came back")
     time_of_peak_s: float | None = optional("when that is")
     farthest_m: float | None = optional(
-        "largest displacement of the centroid of any block", "Picco, ogni blocco|Peak, any block", shown="mm"
+        "largest displacement of any corner of a block", "Picco, ogni vertice|Peak, any corner", shown="mm"
     )
     farthest_left_m: float | None = optional(
-        "the same at the end; null: a collapse", "Alla fine, ogni blocco|At the end, any block", shown="mm"
+        "the same at the end; null: a collapse", "Alla fine, ogni vertice|At the end, any corner", shown="mm"
     )
     free_motion_from_s: float | None = optional("end of the record, where motion goes on; null: it does not")
     curve: Course | None = optional("displacement in time")

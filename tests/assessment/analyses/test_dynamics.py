@@ -94,10 +94,10 @@ def test_histories_of_both_states_and_records(outcome):
         assert curve[0] == 0.0
         assert weak["peak_displacement_m"] == abs(curve).max() > 0.01
         assert weak["residual_displacement_m"] == curve[-1]
-        # the centroid of a block on its edge goes half as far as its top
-        middle = 0.5 * weak["peak_displacement_m"]
-        assert weak["farthest_m"] == pytest.approx(middle, rel=0.2) and 0.0 < weak["farthest_left_m"] < middle
-        assert strong["farthest_m"] > middle and strong["farthest_left_m"] is None
+        # the control point is a corner of the top: it is lifted too
+        least = weak["peak_displacement_m"]
+        assert least < weak["farthest_m"] < 1.2 * least and 0.0 < weak["farthest_left_m"] < least
+        assert strong["farthest_m"] > least and strong["farthest_left_m"] is None
         at = weak["curve"]["time_s"].index(weak["time_of_peak_s"])
         assert abs(curve[at]) == weak["peak_displacement_m"]
 

@@ -236,6 +236,16 @@ def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
     return check
 
 
+def _loses(tie: bool) -> Callable[[Fields, Read], None]:
+    def check(said: Fields, read: Read) -> None:
+        contacts = "rigid" if said["contacts"] == "rigid contacts" else "elastic"
+        loss = read.results["states"][said["state"]]["pushdown"][contacts]["local_loss"]
+        assert said["at"] == show(1000.0 * loss["displacement_m"])
+        assert bool(loss.get("tie")) == tie
+
+    return check
+
+
 def _certificates(said: Fields, read: Read) -> None:
     for name, allowed in RESIDUALS.items():
         worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
@@ -315,7 +325,8 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "campaign_indistinct": _indistinct, "incremental_indistinct": _same_level, "worst_a_g_g": _worst("a_g_g"),
     "worst_alpha_0": _worst("alpha_0"), "worst_alpha_u": _worst("alpha_u"), "worst_collapses": _worst(None),
     "sensitive": _sensitive, "sensitive_open": _sensitive_open, "margin": _margin(False),
-    "no_margin": _margin(True), "certificates": _certificates, "poor_certificates": _poor,
+    "no_margin": _margin(True), "loses_tie": _loses(True), "loses_joint": _loses(False),
+    "certificates": _certificates, "poor_certificates": _poor,
     "converged": _converged(True), "not_converged": _converged(False), "no_convergence": _no_convergence,
     "second_agrees": _second(True), "second_differs": _second(False), "second_missing": _second_missing,
     **{key: _hand(key) for key in ("hand_agrees", "hand_differs")}, "balanced": _balance(True),

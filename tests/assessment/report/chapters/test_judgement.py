@@ -62,6 +62,21 @@ def test_a_turn_of_a_support_has_its_margin():
     assert "rigid contacts: the movement of 20.0 mm is 31 % of the ultimate one (65.0 mm)." in text
 
 
+@pytest.mark.parametrize(("tie", "told"), [("chain", "a tie breaks"), (None, "a joint that bears is lost")])
+def test_what_a_movement_costs_before_the_ultimate_one_stands_beside_it(tie, told):
+    """ "13 % of the ultimate one" stood alone where the chain breaks at a sixth of that."""
+    results = results_example("en")
+    loss = {
+        "displacement_m": 0.03,
+        "joint": None if tie else 3,
+        "blocks": [1, 2],
+        "overlap_m": None,
+        "tie": tie,
+    }
+    results["states"][SETTLED]["pushdown"]["rigid"]["local_loss"] = loss
+    assert f"rigid contacts: at 30.0 mm of movement {told}." in text_of(results)
+
+
 @pytest.mark.parametrize(("name", "allowed"), RESIDUALS.items())
 def test_poor_certificates_are_not_hidden(name, allowed):
     for residual, poor in ((0.9 * allowed, False), (1.1 * allowed, True)):

@@ -144,6 +144,15 @@ def test_what_is_just_below_the_threshold_is_told_with_digits_enough():
     assert "ζE = 0.9996 (" in Markup(lead(found, WORDS)[0]).striptags()
 
 
+def test_where_the_index_is_reached_what_is_not_verified_is_named():
+    """ "ζ_E = 1.01. Not verified." stood there, of a ratio at SLC."""
+    results = results_example("en")
+    for direction in ("+x", "-x"):
+        results["states"][SETTLED]["capacity"][direction]["SLV"] |= {"zeta_E": 1.2, "verified": True}
+        results["states"][SETTLED]["capacity"][direction]["SLC"] |= {"zeta_E": 0.9, "verified": False}
+    assert lead(typed(results), WORDS)[0].endswith(". Not verified at SLC.")
+
+
 def test_the_confidence_factor_without_a_level_and_the_other_law_are_told():
     results = results_example("en")
     capacity = results["states"][SETTLED]["capacity"]["-x"]
