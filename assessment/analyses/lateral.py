@@ -41,7 +41,7 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
         taken += float(np.where(frames.yielding(model, pulled), pulled, 0.0) @ longer)
     by_work = procedures.virtual_work_multiplier(model, delta, direction, taken)
     found = as_part(
-        static.RigidPush, path, alpha_0=float(path.multiplier[path.peak]), alpha_onset=float(path.multiplier[0]),
+        static.RigidPush, path, alpha_0=path.alpha_0, alpha_onset=float(path.multiplier[0]),
         # if equilibrium is lost before α = 0 the capacity ends there; a path that was cut short has no d_0
         d_0_m=float(path.displacement[-1]) if path.reached_zero or path.lost else None,
         local_loss=paths.local_loss(model, path.states, path.displacement, frames.normal_forces(path), path.lost),
@@ -70,7 +70,7 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
     with suppress(CapacityError):
         yields = yield_point((path.displacement, np.minimum(path.multiplier, path.alpha_0)))
     found = as_part(
-        static.ElasticPush, path, alpha_u=float(path.multiplier[path.peak]),
+        static.ElasticPush, path, alpha_u=path.alpha_0,
         d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
         alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
         rest_configuration=paths.configuration(model, path.states[0]),
@@ -132,7 +132,7 @@ def _other_law(
 ) -> static.OtherLaw | None:
     """Return limit analysis by the other law of friction, if its multipliers differ by DIFFERS; None without a flow."""
     law: Sliding = "coulomb" if found.sliding == "associative" else "associative"
-    own = {0: found.alpha_onset, path.formed: found.mechanism.alpha, path.peak: found.alpha_0}
+    own = {k: float(path.multiplier[k]) for k in (0, path.formed, path.peak)}
     try:
         limits = {k: procedures.limit_in(path.model, path.direction, path.states[k], law) for k in own}
     except (mechanics.NoEquilibriumError, mechanics.ConvergenceError):  # the curve has its own multiplier
@@ -143,7 +143,8 @@ def _other_law(
         k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k])
         for k in dict.fromkeys((path.formed, 0))
     }
-    other = static.OtherLaw(sliding=law, alpha_0=limits[path.peak].alpha, mechanism=moving[path.formed])
+    alpha_0 = min(limits[path.peak].alpha, path.borne)
+    other = static.OtherLaw(sliding=law, alpha_0=alpha_0, mechanism=moving[path.formed])
     return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
 
 

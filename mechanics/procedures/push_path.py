@@ -11,7 +11,7 @@ import numpy as np
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnstableError
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
-from mechanics.procedures.held_load import HeldLoad, borne_peak
+from mechanics.procedures.held_load import borne
 from mechanics.procedures.limit_analysis import Limit, limit_in
 from mechanics.procedures.path_start import PathStart, elastic_start, mechanism_start
 from mechanics.procedures.peaks import behind_closing, closes, may_peak
@@ -365,36 +365,29 @@ class PushPath:
         risen = 0.5 * RISE * (1.0 + largest / max(self.first.limit, largest))
         return risen + (1.0 - risen) * min(down, 1.0)
 
-    def locate_peak(self, last: int) -> bool:
-        """Add the points just behind joints that close, in the steps up to the `last` point in which α may be largest.
-
-        Return whether there are any. The open joints of elastic blocks close without a jump.
-        """
-        alpha = self.multiplier[: last + 1]
-        best = float(alpha.max())
+    def locate_peak(self) -> None:
+        """Add the points just behind joints that close, in the steps in which α may be largest."""
+        best = self.largest
         tolerance = self.tolerances.closing * best
         added: dict[int, Equilibrium] = {}
-        steps = may_peak(alpha, self.displacement[: last + 1], self.tolerances.flat * best)
-        for most, point in steps if self.system.rigid else ():
+        for most, point in may_peak(self.multiplier, self.displacement, self.tolerances.flat * best):
             before, end = self.points[point - 1].step, self.points[point].step
             if self.points[point].jumped or most < best or not closes(before.state, end):
                 continue
-            # what α falls by behind the joint may be hidden by the next one that closes
-            part = min(tolerance / max(most - end.alpha, tolerance), PATH.shortest(1.0))
+            part = tolerance / max(most - end.alpha, tolerance)
             step = behind_closing(self.lateral, before, end, part)
-            if step is not None and step.alpha > best + tolerance:
+            if step is not None and step.alpha > best:
                 added[point], best = step, step.alpha
         for point in sorted(added, reverse=True):
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
-        return bool(added)
 
-    def drop_other_flow(self, last: int) -> bool:
-        """Drop the points of another flow about the peak of the points up to `last`; return whether there are any.
+    def drop_other_flow(self) -> bool:
+        """Drop the points of another flow about the peak; return whether there are any.
 
         In their states there is a lesser multiplier, or only one that lifts what slides: slides leave forces open, that
         may balance what nothing leads to. A finite strength raises no multiplier: that without it is the bound.
         """
-        end, peak = len(self.points) - 1, peak_of(self.multiplier[: last + 1])
+        end, peak = len(self.points) - 1, peak_of(self.multiplier)
         if not (self.system.rigid and 0 < peak < end) or self._has_flow(peak):
             return False
         first, after = peak, peak
@@ -433,34 +426,31 @@ class PushPath:
                 )
         return self.limits[step, model]
 
-    def peak_that_counts(self) -> int:
-        """Return the point of α_0, the largest multiplier that, held, does not fell the structure.
+    def peak_that_counts(self) -> tuple[int, float]:
+        """Return the point of α_0, and the largest multiplier that, held, does not fell the structure; ∞: all.
 
-        What exceeds it behind a trough is reached by a push that is taken back alone: the curve has it, α_0 does not
+        What exceeds that behind a trough is reached by a push that is taken back alone: the curve has it, α_0 does not
         count it. Where α vanishes in that trough the curve ends, if the control point has moved: without it hinges of a
         settlement close. Before, points of other flows are dropped.
         """
-        behaviour: Behaviour = "rigid" if self.system.rigid else "elastic"
-        begun = self.points[0].step.state
-        load = HeldLoad(self.model, self.push.direction, behaviour, self.system.sliding, begun)
-        self.locate_peak(len(self.points) - 1)
-        while self.drop_other_flow(len(self.points) - 1):
+        while self.drop_other_flow():
             pass
-        other = True
-        while other:
-            alpha, jumps = self.multiplier, np.array([point.jumped for point in self.points])
-            flat = self.tolerances.flat * float(alpha.max())
-            peak = borne_peak(alpha, jumps, flat, load)
-            above = np.flatnonzero(alpha[peak:] > alpha[peak] + flat)
-            last = peak + int(above[0]) - 1 if above.size else len(alpha) - 1
-            other = last < len(alpha) - 1 and (self.drop_other_flow(last) or self.locate_peak(last))
-        spent = [k for k in range(peak, last + 1) if alpha[k] <= self.tolerances.zero * alpha.max()]
-        if spent and spent[0] < len(alpha) - 1 and self.takes_part(spent[0], self.displacement[spent[0]]):
-            last = spent[0]
+        alpha, jumps = self.multiplier, np.array([point.jumped for point in self.points])
+        flat, zero = self.tolerances.flat * float(alpha.max()), self.tolerances.zero * float(alpha.max())
+        behaviour: Behaviour = "rigid" if self.system.rigid else "elastic"
+        held = borne(
+            alpha, jumps, flat, self.model, self.push.direction, behaviour, self.system.sliding,
+            self.points[0].step.state,
+        )  # fmt: skip
+        peak = int(np.argmax(alpha >= held)) if held < np.inf else peak_of(alpha)
+        above = np.flatnonzero(alpha[peak:] > alpha[peak] + flat)
+        last = peak + int(above[0]) - 1 if above.size else len(alpha) - 1
+        spent = peak + int(np.argmax(alpha[peak : last + 1] <= zero))
+        if peak < spent < len(alpha) - 1 and self.takes_part(spent, self.displacement[spent]):
             self.reached, self.lost = True, False
-            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=alpha[peak])
-            self.points = self.points[: last + 1]
-        return peak_of(alpha[: last + 1])
+            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=min(alpha[peak], held))
+            self.points = self.points[: spent + 1]
+        return peak, held
 
 
 def peak_of(multiplier: Array) -> int:

@@ -52,9 +52,9 @@ class Pushover:
     there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
     points solved with a dilation where the latter was not; `dropped` (n, 2): displacements (m) and multipliers of those
     left out, which limit analysis does not find in their states. Of the `model`, pushed in a `direction`. `peak`: index
-    of the largest multiplier, the first of equal ones, that does not move the structure to a fall if it is held: what
-    exceeds it farther on does not count. In a settled state the onset may be a local motion that closes a hinge of the
-    settlement: the multiplier then rises before it falls.
+    of the first point of the largest multiplier, or that is no less than what is `borne`: the largest multiplier that,
+    held, does not fell the structure, where that is less (else ∞). In a settled state the onset may be a local motion
+    that closes a hinge of the settlement: the multiplier then rises before it falls.
     """
 
     control: Array
@@ -78,11 +78,12 @@ class Pushover:
     model: Assembly
     direction: Direction
     peak: int
+    borne: float
 
     @property
     def alpha_0(self) -> float:
-        """The multiplier of the peak: α_0 of results and report with rigid joints, α_u with elastic ones."""
-        return float(self.multiplier[self.peak])
+        """The multiplier of the peak, as far as it is borne: α_0 of results, α_u with elastic joints."""
+        return min(float(self.multiplier[self.peak]), self.borne)
 
     @property
     def alpha_onset(self) -> float:
@@ -169,6 +170,8 @@ def _followed(push: PushInput, system: StaticSystem, state: State | None) -> Pus
     """Return a curve followed to its end."""
     curve = PushPath(push, system, state)
     follow(curve, Bisection(push.increment, curve.first.share * push.increment))
+    if curve.system.rigid:
+        curve.locate_peak()
     return curve
 
 
@@ -202,7 +205,7 @@ def _result(curve: PushPath) -> Pushover:
             "or the increment is too large: {reason}",
             point=str(tuple(curve.push.control.tolist())), direction=curve.push.direction, reason=curve.end,
         ))  # fmt: skip
-    peak = curve.peak_that_counts()
+    peak, held = curve.peak_that_counts()
     equilibria = [point.step for point in curve.points]
     steps = equilibria[1:] if curve.system.rigid else equilibria
     check_path(steps)
@@ -213,7 +216,7 @@ def _result(curve: PushPath) -> Pushover:
         curve.reached, curve.lost, curve.end, np.array(curve.crossed).reshape(-1, 2), mechanism, formed,
         equilibria[formed].forces, equilibria[formed].contacts, curve.system.sliding,
         sum(step.lifting for step in equilibria), np.array(curve.dropped).reshape(-1, 2), curve.model,
-        curve.push.direction, peak,
+        curve.push.direction, peak, held,
     )  # fmt: skip
 
 

@@ -93,7 +93,7 @@ def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
     curve = pushed.value.curves.rigid
     assert curve.alpha_onset == pytest.approx(1.0 / 7.0, rel=1e-6) and curve.alpha_0 > 1.5 / 7.0
     [warning] = [each for each in pushed.warnings if "met others" in each]
-    assert "blocks move from α = 0.1429 on; by d = 0.0201 m they have met others" in warning
+    assert "blocks move from α = 0.1429 on; by d = 0.0203 m they have met others" in warning
     assert "da α = 0,1429 in poi" in in_italian(warning)
     first = activation_of(model, curve.alpha_onset, curve.onset)
     assert (first.alpha, first.e_star) == pytest.approx((1.0 / 7.0, 1.0), rel=1e-6), "one block, e* = 1"
