@@ -273,7 +273,8 @@ def add_curve(
     beyond = path.multiplier[path.peak :].max()
     if beyond > (1.0 + DIFFERS) * path.alpha_0:
         exceeded = message(
-            "under α = {alpha:.4g} held the structure falls; what exceeds it later, up to {beyond:.4g}, is not used",
+            "under more than α = {alpha:.4g} held the structure falls; what the curve has beyond, up to {beyond:.4g}, "
+            "is not used",
             alpha=path.alpha_0, beyond=float(beyond),
         )  # fmt: skip
         found.warnings.append(headed(title, exceeded))

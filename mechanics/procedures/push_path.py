@@ -448,7 +448,8 @@ class PushPath:
         spent = peak + int(np.argmax(alpha[peak : last + 1] <= zero))
         if peak < spent < len(alpha) - 1 and self.takes_part(spent, self.displacement[spent]):
             self.reached, self.lost = True, False
-            self.end = message("the structure falls under α = {alpha:.4g} held", alpha=min(alpha[peak], held))
+            most = min(float(alpha[peak]), held)
+            self.end = message("the structure falls under more than α = {alpha:.4g} held", alpha=most)
             self.points = self.points[: spent + 1]
         return peak, held
 

@@ -306,14 +306,14 @@ def test_what_rises_behind_a_trough_counts_no_more_than_the_first_peak():
         ControlTable(name="C", point_m=(0.0, 1.0)),
     )
     module.add_curve("t", setting, control, risen, found)
-    assert any("what exceeds it later, up to" in text for text in found.warnings)
+    assert any("what the curve has beyond, up to" in text for text in found.warnings)
     rigid = found.value.curves.rigid
     assert (rigid.peak, rigid.alpha_0) == (0, path.alpha_0)
     _, alpha = rigid_branch(rigid, way_of_blocks(rigid, rigid.mechanism.gamma_star, "+x"))
     assert alpha[2] == alpha[3] == alpha.max() == path.alpha_0
     told = module.Found[module.Pushed]()
     module.add_curve("t", setting, control, path, told)
-    assert not any("what exceeds it later" in text for text in told.warnings)
+    assert not any("what the curve has beyond" in text for text in told.warnings)
 
 
 def test_a_curve_whose_joints_slide_and_crush_says_what_it_is_not_held_against():

@@ -42,7 +42,7 @@ def test_a_later_peak_is_not_said_to_be_where_the_hinges_close():
     results = _with_curve([0.0, 0.0, 0.0017, 0.04, 0.0438, 0.1], [0.02, 0.004, 0.2178, 0.2048, 0.2197, 0.0])
     [said] = [each for each in _said(onsets, results) if "+x" in each]
     assert "; then as little as 0.00400, 0.218 at d = 1.70 mm already;" in said
-    assert said.endswith("largest at d = 43.80 mm: α0 = 0.220.")
+    assert said.endswith("at d = 43.80 mm the largest that, held, is borne: α0 = 0.220.")
     assert ": first motion at α = 0.0200; then" in said
 
 
