@@ -297,7 +297,7 @@ def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> 
 
 
 def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
-    """Return the rigid curve from its peak on, over growing d*/Γ* (m), where it exceeds α0 farther on as α0.
+    """Return the rigid curve from where the mechanism forms on, over growing d*/Γ* (m), no higher than α0.
 
     If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0. The
     last multiplier of a curve that reaches zero is none.
@@ -305,7 +305,8 @@ def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
     multiplier = np.minimum(rigid.curve.multiplier, rigid.alpha_0)
     if rigid.reached_zero:
         multiplier[-1] = 0.0
-    d, alpha = way.equivalent[rigid.peak :], multiplier[rigid.peak :]
+    formed = rigid.mechanism.point
+    d, alpha = way.equivalent[formed:], multiplier[formed:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
     if rigid.lost:

@@ -311,6 +311,9 @@ def test_what_rises_behind_a_trough_counts_no_more_than_the_first_peak():
     assert (rigid.peak, rigid.alpha_0) == (0, path.alpha_0)
     _, alpha = rigid_branch(rigid, way_of_blocks(rigid, rigid.mechanism.gamma_star, "+x"))
     assert alpha[2] == alpha[3] == alpha.max() == path.alpha_0
+    # a trough in which the control point stays, as hinges of a settlement close, is no part of its capacity
+    forms = rigid.replace(mechanism=rigid.mechanism.replace(point=2))
+    assert (rigid_branch(forms, way_of_blocks(rigid, rigid.mechanism.gamma_star, "+x"))[1][0]) == path.alpha_0
     told = module.Found[module.Pushed]()
     module.add_curve("t", setting, control, path, told)
     assert not any("what the curve has beyond" in text for text in told.warnings)
