@@ -170,11 +170,15 @@ def check_sliding(sliding: Sliding) -> None:
     )
 
 
-@lru_cache(maxsize=4)  # with what it knows of its joints: paths of a model begin with them as drawn
 def static_system(model: Assembly, behaviour: Behaviour, sliding: Sliding = "associative") -> StaticSystem:
     """Return the system of an assembly with its joints as drawn; ArgumentError for an unknown behaviour or sliding."""
     model.check_behaviour(behaviour)
     check_sliding(sliding)
+    return _as_drawn(model, behaviour, sliding)
+
+
+@lru_cache(maxsize=4)  # with what it knows of its joints: paths of a model begin with them as drawn
+def _as_drawn(model: Assembly, behaviour: Behaviour, sliding: Sliding) -> StaticSystem:
     return StaticSystem(model, behaviour, sliding, model.contacts)
 
 

@@ -195,6 +195,7 @@ REST = np.zeros(5)
     [
         ("direction", lambda m: limit_analysis(m, "x")),
         ("contacts", lambda m: pushover(m, TOP, contacts="soft")),
+        ("contacts", lambda m: pushover(m, TOP, contacts=["rigid"])),
         ("increment", lambda m: pushover(m, TOP, increment=0.0)),
         ("increment", lambda m: pushdown(m, "base", (0.01, 0.0), increment=0.0)),
         ("displacement", lambda m: pushdown(m, "base")), ("control", lambda m: pushover(m, (0.1, 2.0))),

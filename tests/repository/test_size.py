@@ -25,10 +25,10 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3509,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3557,
+    "mechanics/procedures": 3564,
     "mechanics/records": 996,
     "mechanics/solvers": 924,
-    "mechanics/steps": 1766,
+    "mechanics/steps": 1770,
 }
 
 

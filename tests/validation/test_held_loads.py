@@ -16,7 +16,7 @@ from mechanics.procedures.held_load import borne
 from tests.support.contact_dynamics import motion
 from tests.support.drawn_projects import drawn, tables
 from tests.support.leaning_block import GAP, B, H, leaning
-from tests.support.structures import block_on_base, rectangle
+from tests.support.structures import block_on_base, on_base, rectangle
 
 BALANCE = math.atan(B / H)
 
@@ -162,3 +162,11 @@ def test_a_structure_that_bears_nothing_ends_the_search(monkeypatch):
 def test_a_curve_that_rises_and_falls_needs_no_motion_but_one_that_jumps_does(monkeypatch):
     assert loaded(monkeypatch, [0.4, 0.5, 0.6, 0.3], 0.0) == (math.inf, [])
     assert loaded(monkeypatch, [0.4, 0.5, 0.6, 0.3], 0.0, jumps=[2])[1]
+
+
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+@pytest.mark.parametrize(("alpha", "holds"), [(0.28, True), (0.35, False)])
+def test_what_slides_on_a_base_that_goes_on_for_ever_does_not_stand(contacts, alpha, holds):
+    """Friction 0.3: it is never out of reach of its base."""
+    model = on_base(Material(20.0, 0.3, 1e6), (-200.0, -1.0, 200.0), (0.0, 0.0, 1.0, 1.0))
+    assert held_load.stands(model, "+x", contacts, "coulomb", model.initial, alpha) is holds
