@@ -143,7 +143,9 @@ def _other_law(
         k: _mechanism(control, met, k, limits[k].alpha, path.states[k], limits[k])
         for k in dict.fromkeys((path.formed, 0))
     }
-    alpha_0 = min(limits[path.peak].alpha, path.borne)
+    alpha_0 = limits[path.peak].alpha
+    if path.alpha_0 < own[path.peak]:  # more is not borne
+        alpha_0 = min(alpha_0, path.alpha_0)
     other = static.OtherLaw(sliding=law, alpha_0=alpha_0, mechanism=moving[path.formed])
     return other.replace(alpha_onset=limits[0].alpha, onset=moving[0]) if path.formed else other
 

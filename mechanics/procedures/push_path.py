@@ -427,9 +427,9 @@ class PushPath:
         return self.limits[step, model]
 
     def peak_that_counts(self) -> tuple[int, float]:
-        """Return the point of α_0, and the largest multiplier that, held, does not fell the structure; ∞: all.
+        """Return the point of α_0, and α_0: the largest multiplier that, held, does not fell the structure.
 
-        What exceeds that behind a trough is reached by a push that is taken back alone: the curve has it, α_0 does not
+        What exceeds it behind a trough is reached by a push that is taken back alone: the curve has it, α_0 does not
         count it. Where α vanishes in that trough the curve ends, if the control point has moved: without it hinges of a
         settlement close. Before, points of other flows are dropped.
         """
@@ -443,15 +443,15 @@ class PushPath:
             self.points[0].step.state,
         )  # fmt: skip
         peak = int(np.argmax(alpha >= held)) if held < np.inf else peak_of(alpha)
+        alpha_0 = min(float(alpha[peak]), held)
         above = np.flatnonzero(alpha[peak:] > alpha[peak] + flat)
         last = peak + int(above[0]) - 1 if above.size else len(alpha) - 1
         spent = peak + int(np.argmax(alpha[peak : last + 1] <= zero))
         if peak < spent < len(alpha) - 1 and self.takes_part(spent, self.displacement[spent]):
             self.reached, self.lost = True, False
-            most = min(float(alpha[peak]), held)
-            self.end = message("the structure falls under more than α = {alpha:.4g} held", alpha=most)
+            self.end = message("the structure falls under more than α = {alpha:.4g} held", alpha=alpha_0)
             self.points = self.points[: spent + 1]
-        return peak, held
+        return peak, alpha_0
 
 
 def peak_of(multiplier: Array) -> int:

@@ -52,9 +52,10 @@ class Pushover:
     there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
     points solved with a dilation where the latter was not; `dropped` (n, 2): displacements (m) and multipliers of those
     left out, which limit analysis does not find in their states. Of the `model`, pushed in a `direction`. `peak`: index
-    of the first point of the largest multiplier, or that is no less than what is `borne`: the largest multiplier that,
-    held, does not fell the structure, where that is less (else ∞). In a settled state the onset may be a local motion
-    that closes a hinge of the settlement: the multiplier then rises before it falls.
+    of the first point of the largest multiplier, or that is no less than `alpha_0`: the largest multiplier that, held,
+    does not fell the structure, where that is less (α_0 of results with rigid joints, α_u with elastic ones). In a
+    settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then rises
+    before it falls.
     """
 
     control: Array
@@ -78,12 +79,7 @@ class Pushover:
     model: Assembly
     direction: Direction
     peak: int
-    borne: float
-
-    @property
-    def alpha_0(self) -> float:
-        """The multiplier of the peak, as far as it is borne: α_0 of results, α_u with elastic joints."""
-        return min(float(self.multiplier[self.peak]), self.borne)
+    alpha_0: float
 
     @property
     def alpha_onset(self) -> float:
@@ -205,7 +201,7 @@ def _result(curve: PushPath) -> Pushover:
             "or the increment is too large: {reason}",
             point=str(tuple(curve.push.control.tolist())), direction=curve.push.direction, reason=curve.end,
         ))  # fmt: skip
-    peak, held = curve.peak_that_counts()
+    peak, alpha_0 = curve.peak_that_counts()
     equilibria = [point.step for point in curve.points]
     steps = equilibria[1:] if curve.system.rigid else equilibria
     check_path(steps)
@@ -216,7 +212,7 @@ def _result(curve: PushPath) -> Pushover:
         curve.reached, curve.lost, curve.end, np.array(curve.crossed).reshape(-1, 2), mechanism, formed,
         equilibria[formed].forces, equilibria[formed].contacts, curve.system.sliding,
         sum(step.lifting for step in equilibria), np.array(curve.dropped).reshape(-1, 2), curve.model,
-        curve.push.direction, peak, held,
+        curve.push.direction, peak, alpha_0,
     )  # fmt: skip
 
 

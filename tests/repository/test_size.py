@@ -11,7 +11,7 @@ from tests import ROOT
 LINES = {
     # of code, comments and blank lines in *.py
     "assessment": 188,
-    "assessment/analyses": 4358,
+    "assessment/analyses": 4360,
     "assessment/app": 1299,
     "assessment/benchmark": 1132,
     "assessment/cli": 630,
@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3509,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3564,
+    "mechanics/procedures": 3560,
     "mechanics/records": 996,
     "mechanics/solvers": 924,
     "mechanics/steps": 1770,
