@@ -17,7 +17,7 @@ from mechanics.steps.static_system import Sliding
 from mechanics.types import GRAVITY, Array, Mask
 
 GROWS = 10.0  # √(L/g), L the extent of the structure: time in which a load grows
-HOLDS = 5  # times as many √(L/g): falls take less
+HOLDS = 5  # √(L/g): time that it stays then, and again until all rests, up to so many times
 STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
@@ -26,15 +26,15 @@ RESOLVED = 0.95  # ratio of multipliers that are not told apart
 def stands(
     model: Assembly, direction: Direction, contacts: Behaviour, sliding: Sliding, state: State, alpha: float
 ) -> bool:
-    """Whether the structure stands in a state under a multiplier that grows from zero and stays.
+    """Whether a structure at rest in a state stands under a multiplier `alpha` that grows from zero and stays.
 
-    What has not come to rest in the end stands if it rocks where it is, no corner farther than a block's size from
-    where it was: what slides goes on. A motion that is not solved shows nothing, and what it is of counts as fallen.
-    Rigid joints do not crush here.
+    What still moves in the end stands if no corner is farther than a block's size from where it was: it rocks, it does
+    not slide. A motion that is not solved counts as a fall. Rigid joints do not crush here. Raises ArgumentError as
+    time_history.
     """
     model = model.uncrushed if contacts == "rigid" else model
     step = STEP * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
-    # the base is accelerated to the left: what stands on it is pushed to the right
+    # the base is accelerated against the push
     held = -alpha if direction == "+x" else alpha
     grows, stays = np.linspace(0.0, held, round(GROWS / STEP) + 1), np.full(round(HOLDS / STEP) + 1, held)
     damping = DAMPED if contacts == "elastic" and first_frequency(model) else 0.0
@@ -63,7 +63,7 @@ def borne(
 
     `alpha` (k,) of the points of the curve, and whether blocks have jumped to them, `jumps` (k,). Up to where α has
     come down by more than `flat`, or blocks have jumped, no motion is needed. What exceeds that is searched by
-    bisection, for what bears a load bears a smaller one: the result is no less than RESOLVED times what fells it.
+    bisection, as if what bears a load bore any smaller one: RESOLVED times what fells the structure is borne.
     """
     left = jumps | (alpha < np.maximum.accumulate(alpha) - flat)
     low = float(alpha[: int(np.argmax(left)) if left.any() else len(alpha)].max())

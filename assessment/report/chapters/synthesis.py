@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from assessment.ntc.tables import LINEAR, USE_COEFFICIENT, return_period
+from assessment.ntc.tables import INDEXED, LINEAR, USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid
 from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, heading, indexed, label, written
@@ -82,8 +82,8 @@ def _kind(check: SummaryCheck | None, words: Words) -> str:
 def _outcome(results: Results, name: str, words: Words) -> str:
     """Return whether a state is verified in every direction, as a sentence; where the index is, what is not."""
     verified = [row.verified for row in rows_of(results, name)]
-    checks = [each for row in rows_of(results, name) for each in row.checks.items()]
-    failing = sorted({limit for limit, check in checks if check.verified is False})
+    checks = [row.checks for row in rows_of(results, name)]
+    failing = [x for x in INDEXED if any(each[x].verified is False for each in checks if x in each)]
     if failing and index_limit(results) not in failing:
         return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
     kind = "not_verified" if False in verified else "undetermined" if None in verified else "verified"

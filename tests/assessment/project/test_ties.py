@@ -120,6 +120,15 @@ def test_each_state_has_its_ties(tmp_path):
     }
 
 
+def test_a_tie_without_an_elongation_of_its_own_breaks_at_that_of_b450a(tmp_path):
+    """(A_gt)k = 7.5 % of B450C, 2.5 % of B450A: the least of NTC 2018, §11.3.2."""
+    model = (
+        build_model(load_project(write_block(tmp_path / "block", PROJECT + TIE))).states["original"].assembly
+    )
+    [chain] = model.ties
+    assert chain.longest == pytest.approx(0.025 * math.dist(chain.start, chain.end))
+
+
 def test_ties_are_set_without_slack_where_the_structure_has_come_to(tmp_path):
     """The block turned by 0.3 rad about its right toe, (0.3, 0); the other tie is as long as drawn."""
     text = PROJECT + TIE.replace("chain", "old") + STRENGTHENED

@@ -153,6 +153,17 @@ def test_where_the_index_is_reached_what_is_not_verified_is_named():
     assert lead(typed(results), WORDS)[0].endswith(". Not verified at SLC.")
 
 
+def test_damage_does_not_decide_whether_a_state_is_verified():
+    """The table counts SLV and SLC: a sentence "Not verified at SLD" stood above its "verified"."""
+    results = results_example("en")
+    for direction in ("+x", "-x"):
+        capacity = results["states"][SETTLED]["capacity"][direction]
+        for limit in ("SLV", "SLC"):
+            capacity[limit] |= {"zeta_E": 1.2, "verified": True}
+        capacity["SLD"] |= {"zeta_E": 0.9, "verified": False}
+    assert lead(typed(results), WORDS)[0].endswith(". Verified.")
+
+
 def test_the_confidence_factor_without_a_level_and_the_other_law_are_told():
     results = results_example("en")
     capacity = results["states"][SETTLED]["capacity"]["-x"]
