@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
+from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import FRICTION, STEEP, STRENGTH
 from mechanics.messages import message
@@ -36,7 +36,7 @@ from mechanics.program import BOUNDED, LARGEST_MULTIPLIER, Certificate, Program,
 from mechanics.solvers import ACCEPTED, GOOD, USABLE, interior, iterated, solve
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate, with_dilation
-from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, closed_program
+from mechanics.steps.equilibrium import ClosedProgram, check_self_weight, standing_program
 from mechanics.steps.flow_step import flows_at, margins
 from mechanics.steps.static_system import Sliding, check_sliding
 from mechanics.steps.tolerances import LIMIT
@@ -127,11 +127,7 @@ def limit_analysis(
 
 def limit_in(model: Assembly, direction: Direction, state: State, sliding: Sliding = "coulomb") -> Limit:
     """Return the onset of collapse of a state that is known to stand under gravity; raises as limit_analysis."""
-    try:
-        standing = check_self_weight(model, state)
-    except UnstableError:  # within the accuracy of its path
-        standing = closed_program(model, state)
-    return _limit(model, direction, state, standing, sliding)
+    return _limit(model, direction, state, standing_program(model, state), sliding)
 
 
 def _limit(

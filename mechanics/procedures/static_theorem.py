@@ -19,7 +19,7 @@ from mechanics.kernels.law import FRICTION, STRENGTH
 from mechanics.model.assembly import Assembly, Direction, State
 from mechanics.model.contacts import Contacts, end_gaps, end_points
 from mechanics.solvers import OPEN
-from mechanics.steps.equilibrium import closed_program
+from mechanics.steps.equilibrium import standing_program
 from mechanics.types import Array, Index, Mask
 
 METHOD = "highs-ipm"  # with crossover, to a vertex
@@ -35,7 +35,7 @@ def static_theorem(model: Assembly, direction: Direction = "+x", state: State | 
     joints that crush: their bound on N and P is not linear.
     """
     state = model.starting(state)
-    closed = closed_program(model, state)
+    closed = standing_program(model, state)
     contacts, law = closed.contacts.take(closed.index), closed.program.law
     if np.isfinite(law[~contacts.ties, STRENGTH]).any():
         raise ArgumentError("joints that crush make no linear program")

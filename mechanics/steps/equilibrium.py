@@ -122,17 +122,9 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     places[:, V] = 0.0
     movable = model.movable
     program = Program(
-        dof=system.dof[index],
-        places=places[index],
-        law=law[index],
-        load=model.dead_load[movable].ravel(),
-        lateral=None,
-        work=0.0,
-        mass=None,
-        weight=system.weight,
-        size=model.size,
-        step=step,
-    )
+        dof=system.dof[index], places=places[index], law=law[index], load=model.dead_load[movable].ravel(),
+        lateral=None, work=0.0, mass=None, weight=system.weight, size=model.size, step=step,
+    )  # fmt: skip
     return ClosedProgram(program, system.contacts, index, system.layout.take(index), edges[index])
 
 
@@ -152,6 +144,14 @@ def check_self_weight(model: Assembly, state: State | None = None) -> ClosedProg
         except UnstableError:
             tolerance *= 10.0
     return _standing(model, state, LIMIT.closed)
+
+
+def standing_program(model: Assembly, state: State) -> ClosedProgram:
+    """Return the program of a state that is known to stand, even if it does so only within the accuracy of its path."""
+    try:
+        return check_self_weight(model, state)
+    except UnstableError:
+        return closed_program(model, state)
 
 
 @lru_cache(maxsize=4)  # every path of a model begins with it as drawn
@@ -243,8 +243,6 @@ def reaction(step: Equilibrium, support: Index) -> Array:
     for part, owner in ((entries[:, :3], contacts.a), (entries[:, 3:], contacts.b)):
         on = np.isin(owner, support)
         force, arm = part[on], x[owner[on]]
-        total -= (
-            *force[:, :2].sum(axis=0),
-            (force[:, 2] + arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum(),
-        )
+        moment = force[:, 2] + arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+        total -= (*force[:, :2].sum(axis=0), moment.sum())
     return total

@@ -25,10 +25,10 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3509,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3560,
+    "mechanics/procedures": 3556,
     "mechanics/records": 996,
     "mechanics/solvers": 924,
-    "mechanics/steps": 1770,
+    "mechanics/steps": 1768,
 }
 
 
