@@ -15,20 +15,12 @@ from typing import Any
 
 import numba
 from llvmlite import ir
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.types import float64
-from numba.extending import intrinsic
 
 from mechanics.progress import compiles
 
 SOURCES = sorted(Path(__file__).parent.rglob("*.py"))  # whichever of them compiled code may use
-
-
-_config: Any = numba.config
-_FunctionCache: Any = FunctionCache
-_Implementation: Any = CompileResultCacheImpl
-_intrinsic: Any = intrinsic
-_Place: Any = _CacheLocator
+_numba: Any = numba  # its type hints lack what is asked of it here
 
 
 def compiler(
@@ -44,9 +36,8 @@ def compiler(
     """
 
     def compile_(function: Callable[..., Any]) -> Any:
-        # numba's type hints do not know the last option
-        options: dict[str, Any] = {"error_model": "numpy", "_nrt": allocates, "forceinline": inline}
-        loop: Any = numba.njit(fastmath=set(fastmath), **options)(function)
+        options = {"error_model": "numpy", "_nrt": allocates, "forceinline": inline}
+        loop = _numba.njit(fastmath=set(fastmath), **options)(function)
         if cache_folder() is not None:
             loop._cache = _Cache(function)
         return loop
@@ -59,7 +50,7 @@ looped = compiler("contract", "reassoc", allocates=False)
 inlined = compiler("contract", "reassoc", allocates=False, inline=True)
 
 
-class _Locator(_Place):  # type: ignore[misc]
+class _Locator(_numba.core.caching._CacheLocator):  # type: ignore[misc]
     """Tells numba that code is in cache_folder, wherever the sources are."""
 
     def __init__(self, function: Callable[..., Any], path: str) -> None:
@@ -79,11 +70,11 @@ class _Locator(_Place):  # type: ignore[misc]
         return str(self._lineno)
 
 
-class _Kept(_Implementation):  # type: ignore[misc]
+class _Kept(_numba.core.caching.CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Locator,)
 
 
-class _Cache(_FunctionCache):  # type: ignore[misc]
+class _Cache(_numba.core.caching.FunctionCache):  # type: ignore[misc]
     """Code that cannot be read, from a damaged file, is compiled again; code that cannot be written is not kept."""
 
     _impl_class = _Kept
@@ -117,8 +108,8 @@ def cache_folder() -> Path | None:
 
 
 def _folders() -> Iterator[Path]:
-    if _config.CACHE_DIR:
-        yield Path(_config.CACHE_DIR)
+    if _numba.config.CACHE_DIR:
+        yield Path(_numba.config.CACHE_DIR)
     yield Path(__file__).with_name("__pycache__")
     with suppress(RuntimeError):
         yield _users_caches() / "assesto"
@@ -156,7 +147,7 @@ def _takes_files(folder: Path) -> bool:
     return True
 
 
-@_intrinsic
+@_numba.extending.intrinsic
 def larger(typing_context: Any, a: Any, b: Any) -> Any:
     """The larger of two numbers, which both are numbers: unlike `max` it leaves a loop to vector instructions."""
 

@@ -1,6 +1,6 @@
 """What a joint obeys, as compiled loops take it: the columns of `law` (j, LAW), friction, and which bed it has.
 
-The bed is exact or of points (bed), or of finite strength (crushing), above the lines `left` (8,) m. The `strength`,
+The bed is exact, of points or of finite strength (bed), above the lines `left` (8,) m. The `strength`,
 kN/m, is the law's, or infinite for ties in a motion, which yield as a whole (dynamics.motion). A bed of finite strength
 has no points.
 """
@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from mechanics.kernels.bed import closures, compliance, points, points_stored, points_under, stiffened, stored
-from mechanics.kernels.crushing import crushed, softness, under, worked
+from mechanics.kernels.bed import (  # isort: skip
+    closures, compliance, crushed, points, points_stored, points_under, softness, stiffened, stored, under, worked,
+)  # fmt: skip
 from mechanics.kernels.jit import looped
 from mechanics.types import Array
 
 # friction (inf: no sliding); share ψ of μ|slip| by which sliding lifts (0: Coulomb's law, 1: the associative one);
 # compliance in shear, m/kN; stiffness of the bed, kN/m² (inf: rigid); slip from which the slide counts, m;
 # strength, kN/m (inf: none); segments of a bed of points (0: exact); lines, m, above which a bed begins, two values
-# each: three that a bed of finite strength remembers of having been crushed (crushing), and that of the dashpots of a
+# each: three that a bed of finite strength remembers of having been crushed (bed), and that of the dashpots of a
 # step (dynamics.motion)
 FRICTION, DILATION, SHEAR, BED, SLID, STRENGTH, SEGMENTS, LEFT = range(8)
 DASHPOTS = LEFT + 6

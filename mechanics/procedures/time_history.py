@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mechanics.errors import ConvergenceError, array_of, is_number, require
-from mechanics.kernels.dynamics.motion import TURNED
+from mechanics.kernels.dynamics.motion import LONGER, SPRING, TURNED
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.pictures import draw_curve, film
@@ -163,7 +163,7 @@ def time_history(
     closed. `restitution` (rigid joints, second order): of normal velocities at impacts. `control`: a drawn point (2,) m
     whose horizontal displacement is recorded. `sliding`: "coulomb", or "associative", by which what slides lifts; steps
     of rigid joints in which it lifts by Coulomb's law too, since that is not solved, are counted. Joints of finite
-    strength have to be elastic: what is crushed of them stays so (kernels.crushing).
+    strength have to be elastic: what is crushed of them stays so (kernels.bed).
 
     The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its
     size and still falls, or is out of reach of all its contacts; or the control point moves outward past its `ultimate`
@@ -192,7 +192,7 @@ def time_history(
         part, reason = _until_collapse(system, marched, begun, point)
         if broken := broken_tie(system.system, part.x):
             part, reason = part.until(max(broken[0], 1)), broken[1]
-        parts.append(part)
+        parts.append(part._replace(forces=part.forces[:, : len(model.contacts)]))
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
     found = _history(
@@ -258,20 +258,19 @@ def _history(
     """Join the recorded parts of a motion to its result."""
     # eleven arguments: all that the run has, used once
     model, drawn = system.model, len(system.model.contacts)
-    x, v, energies = (
-        np.concatenate([parts[0].__dict__[name][:1], *(part.__dict__[name][1:] for part in parts)])
-        for name in ("x", "v", "energy")
+    x, v, forces, energies = (
+        np.concatenate([first[:1], *(steps[1:] for steps in (first, *further))])
+        for first, *further in zip(*parts, strict=True)
     )
-    forces = np.concatenate([parts[0].forces[:1, :drawn], *(part.forces[1:, :drawn] for part in parts)])
     energy = Energy.of(model, x, v, energies)
     sliding_error = _sliding_error(model, energy, float(energies[-1, TURNED]), integrator, tolerances)
     lengthened = None
     if model.ties:  # one that breaks does so within a chunk of steps
-        yielded = motion.longer[system.system.ties] + system.system.stretched
+        yielded = motion.joints[system.system.ties, LONGER] + system.system.stretched
         lengthened = np.minimum(yielded, [tie.longest for tie in model.ties])
     final = State(x[-1], v[-1], lengthened=lengthened)
     if not system.system.rigid:
-        final = with_springs(system.contacts, final, drawn, motion.shear)
+        final = with_springs(system.contacts, final, drawn, motion.joints[:, SPRING])
     if not reason:  # at collapse the last steps are left out of the record
         final = replace(final, motion=system.remembered(motion, begun))
     programs, iterations, halvings, cold = (int(value) for value in system.counts[:4])

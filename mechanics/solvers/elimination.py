@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from mechanics.kernels.linalg.pattern import NO_FRONTS, NONE, OVERHANG, Fronts, Pattern
+from mechanics.kernels.linalg.factors import NO_FRONTS, NONE, OVERHANG, Fronts, Pattern
 from mechanics.types import Array, Index, Mask
 
 PADDING = 13  # places of a band beyond its width, for tiles that reach over its edge

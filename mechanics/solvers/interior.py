@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.kernels.interior.iteration import HOLDING, STIFFEST, inertia, iterate
-from mechanics.kernels.interior.joints import keep_within_strength
+from mechanics.kernels.interior.iteration import HOLDING, OrderedProgram, inertia, iterate
+from mechanics.kernels.interior.joints import ProgramJoints, keep_within_strength
 from mechanics.kernels.joint import CURVED, H
 from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, bed_gaps, certify
@@ -108,18 +108,24 @@ def run(
     program: Program, layout: Elimination, start: Iterate, accepted: float
 ) -> tuple[Iterate, IterationEnd]:
     """Iterate from a start until the residuals, per weight and step, are within `accepted`; `start` is not changed."""
-    p, order = program, layout.order
-    none = np.zeros(0)
-    x, forces, gaps = start.displacement[order], start.forces.copy(), start.gaps.copy()
+    x, forces, gaps = start.displacement[layout.order], start.forces.copy(), start.gaps.copy()
     count, alpha, force, gap, product = iterate(
-        layout.row, p.places, p.law, p.load[order], none if p.lateral is None else p.lateral[order], p.work,
-        none if p.mass is None else p.mass[order], np.zeros((0, CURVED)) if p.curved is None else p.curved, x,
-        start.alpha, forces, gaps, (p.weight, p.size, p.step, accepted, accepted), (MOST_ITERATIONS, IDLE),
-        layout.work_space, layout.pattern, np.arange(len(layout.row)),
-    )  # fmt: skip
+        ordered(program, layout), x, start.alpha, forces, gaps, accepted, accepted, (MOST_ITERATIONS, IDLE)
+    )
     good = max(force, product) <= accepted and abs(alpha) < LARGEST_MULTIPLIER
-    outcome = IterationEnd(good, count < 0 and p.curved is not None, abs(count), force, gap, product)
+    outcome = IterationEnd(good, count < 0 and program.curved is not None, abs(count), force, gap, product)
     return Iterate(forces, gaps, alpha, x[layout.back]), outcome
+
+
+def ordered(p: Program, layout: Elimination) -> OrderedProgram:
+    """Return a program as the compiled loops take it: what it has not is empty."""
+    order, none = layout.order, np.zeros(0)
+    curved = np.zeros((0, CURVED)) if p.curved is None else p.curved
+    lateral, mass = (none if given is None else given[order] for given in (p.lateral, p.mass))
+    joints = ProgramJoints(layout.row, p.places, p.law, curved, np.arange(len(layout.row)))
+    return OrderedProgram(
+        joints, p.load[order], lateral, p.work, mass, p.weight, p.size, p.step, layout.work_space, layout.pattern
+    )  # fmt: skip
 
 
 def resultants(program: Program, iterate: Iterate) -> Array:
@@ -130,11 +136,8 @@ def resultants(program: Program, iterate: Iterate) -> Array:
 
 def solution(program: Program, iterate: Iterate) -> Solution:
     """Return the certified solution of an iterate."""
-    forces = resultants(program, iterate)
-    return Solution(
-        forces, iterate.alpha, iterate.displacement,
-        certify(program, forces, iterate.alpha, iterate.displacement),
-    )  # fmt: skip
+    forces, alpha, moved = resultants(program, iterate), iterate.alpha, iterate.displacement
+    return Solution(forces, alpha, moved, certify(program, forces, alpha, moved))
 
 
 def frozen(program: Program) -> Program:
@@ -150,15 +153,11 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     is free, one may be, beyond the peak of the curve: then f_Lᵀ(K − G)⁻¹f_L < 0, and with the work of the lateral load
     held no direction is left that is unstable.
     """
-    p, order = program, layout.order
+    p = program
     assert p.curved is not None
     held = np.full(len(p.load), HOLDING * p.weight / p.step)
     held[2::3] *= p.size**2
     if p.mass is not None:
-        held += p.mass[order]
-    negative, lateral_work = inertia(
-        layout.row, p.places, p.law, p.curved, np.zeros(0) if p.lateral is None else p.lateral[order],
-        np.zeros(len(p.load)), solution.forces, solution.gaps.copy(), p.step, STIFFEST * p.step / p.weight,
-        held, layout.work_space, layout.pattern, np.arange(len(layout.row)),
-    )  # fmt: skip
+        held += p.mass[layout.order]
+    negative, lateral_work = inertia(ordered(p, layout), solution.forces, solution.gaps.copy(), held)
     return negative == 0 or (negative == 1 and lateral_work < 0.0)

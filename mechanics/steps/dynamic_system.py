@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from mechanics.kernels.dynamics.motion import (
     LONGER,
     SPRING,
     SUNK,
+    Moving,
+    Scheme,
+    Structure,
     remember,
     strain_energy,
 )
@@ -87,19 +91,8 @@ class Motion:
     halved: int = 0
     rest: Rest | None = None
 
-    @property
-    def shear(self) -> Array:
-        """Tangential forces (j,) kN of the joints' springs."""
-        return self.joints[:, SPRING]
 
-    @property
-    def longer(self) -> Array:
-        """By how much ties are longer (j,) m than as they were made; 0 of joints."""
-        return self.joints[:, LONGER]
-
-
-@dataclass(frozen=True, eq=False)
-class Recorded:
+class Recorded(NamedTuple):
     """Positions and velocities (k + 1, b, 3), N, P and T (k + 1, j, 3) and energies (k + 1, ENERGIES) of k steps.
 
     Row 0 is where the steps begin; its forces are not known.
@@ -112,11 +105,11 @@ class Recorded:
 
     def until(self, last: int) -> Recorded:
         """Return the first steps, up to the `last`."""
-        return Recorded(*(values[: last + 1] for values in (self.x, self.v, self.forces, self.energy)))
+        return Recorded(*(values[: last + 1] for values in self))
 
     def since(self, first: int) -> Recorded:
         """Return the steps from the `first` on, which is their row 0."""
-        return Recorded(*(values[first:] for values in (self.x, self.v, self.forces, self.energy)))
+        return Recorded(*(values[first:] for values in self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,11 +126,6 @@ class Halving:
     unsolved: int = 6
     unsure: float = 0.0
     of_moment: bool = False
-
-    @property
-    def limits(self) -> tuple[int, float, int, float, bool]:
-        """Levels, share, unsolved levels, unsure share and of_moment, in the order of kernels.dynamics.march."""
-        return self.levels, self.share, max(self.levels, self.unsolved), self.unsure, self.of_moment
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,15 +304,25 @@ class DynamicSystem:
         self, motion: Motion, base: Array, step: float, begun: Array, found: Recorded
     ) -> tuple[int, int]:
         """Compute steps into `found`; how many, and why they end, see kernels.dynamics.march."""
-        model, c = self.model, self.contacts
-        gone, reason, motion.halved = march(
-            c.a, c.b, c.faces, self.system.law, self.layout.row, self.first, model.mass, model.dead_load,
-            base, motion.blocks, motion.joints, motion.energy, step, self.theta, self.damping, self.restitution,
-            (self.system.weight, model.size, self.accepted), self.halving.limits, self.margin, model.radius,
-            motion.halved, begun, found.x, found.v, found.forces, found.energy, self.counts, self.layout.work_space,
-            self.layout.pattern,
+        halving = self.halving
+        scheme = Scheme(
+            step, self.theta, self.damping, self.restitution, self.accepted, halving.levels, halving.share,
+            max(halving.levels, halving.unsolved), halving.unsure, halving.of_moment, self.margin,
         )  # fmt: skip
+        moving = Moving(motion.blocks, motion.joints, motion.energy)
+        gone, reason, motion.halved = march(
+            self.structure, scheme, moving, base, motion.halved, begun, found, self.counts
+        )
         return gone, reason
+
+    @cached_property
+    def structure(self) -> Structure:
+        """Blocks and joints as the compiled loops take them."""
+        model, c, layout = self.model, self.contacts, self.layout
+        return Structure(
+            c.a, c.b, c.faces, self.system.law, layout.row, self.first, model.mass, model.dead_load, model.radius,
+            self.system.weight, model.size, layout.work_space, layout.pattern,
+        )  # fmt: skip
 
     def _look_ahead(self, motion: Motion, rest: Rest, ahead: tuple[float, float], step: float) -> None:
         """Try whether blocks that have rested for long also rest under the extremes of what is to come."""

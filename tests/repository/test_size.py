@@ -23,12 +23,12 @@ LINES = {
     "assessment/studies": 2262,
     "assessment/workflow": 917,
     "mechanics": 935,
-    "mechanics/kernels": 3509,
+    "mechanics/kernels": 3508,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3556,
+    "mechanics/procedures": 3555,
     "mechanics/records": 996,
-    "mechanics/solvers": 924,
-    "mechanics/steps": 1768,
+    "mechanics/solvers": 923,
+    "mechanics/steps": 1766,
 }
 
 

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.dynamics.motion import LARGEST, SPRING, STANDARD_GRAVITY, elastic_beds
+from mechanics.kernels.dynamics.motion import (  # isort: skip
+    LARGEST, SPRING, STANDARD_GRAVITY, Moving, Scheme, Structure, elastic_beds,
+)  # fmt: skip
 from mechanics.kernels.dynamics.program import FROM_GAPS, NEAR, RIGHT
-from mechanics.kernels.dynamics.step import attempt
+from mechanics.kernels.dynamics.step import Tried, attempt
 from mechanics.kernels.jit import compiled
 from mechanics.types import Array
 
@@ -31,32 +33,52 @@ def _kinetic(mass: Array, v: Array) -> float:
 
 
 @compiled
-def march(
-    a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, dead: Array,
-    base: Array, blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float,
-    sizes: Any, halving: Any, margin: float, radius: Array, halved: int, begun: Array, xs: Array, vs: Array, fs: Array,
-    es: Array, counts: Any, stored_matrix: Array, pattern: Any,
-) -> tuple[int, int, int]:  # fmt: skip
-    """Steps of length h under base accelerations (k + 1, 3), m/s², linear in between, recorded in xs, vs, fs and es.
+def _tried(
+    structure: Structure, scheme: Scheme, moving: Moving, step: float, load: Array, kinetic: float, resultants: Array,
+    counts: Array,
+) -> Tried:  # fmt: skip
+    """A part of a step, tried from one start of its program after the other.
 
-    `sizes`: weight, size of a block and what is accepted of a solution; `halving`: levels down to which a step is
-    halved where it takes, or leaves unsure, more than a share of the largest kinetic energy so far, that share, levels
-    where it is not solved, the share of its kinetic energy by which its velocities may be wrong, 0: as little as at
-    rest, and whether the first share is of the kinetic energy of the moment; a part is as long as the one before unless
-    that took little; `margin` (m): how far a corner may go from where it has `begun` (b, 3) before contacts are looked
-    for anew, `radius` (b,) of blocks; `halved`: how often the last step before was; `counts` (7,): programs,
-    iterations, halvings, cold starts, the worst residual of force, per weight, the largest energy (kNm) that errors of
-    velocities may have, and steps in which joints lift by Coulomb's law (program.RIGHT). Returns the number of steps
-    done; why the march ends, 0: all steps are done, 1: a corner has moved by the margin, 2: a program is not solved
-    (the motion is as before it), 3: rigid joints rested before the last step and do after it (REST); how often it was
-    halved.
+    What is accepted of a program is a share of the way, and of a long step's of the block.
     """
-    weight, size, accepted = sizes
-    levels, share, most, unsure, of_moment = halving
-    n, c, steps = blocks.shape[1], len(a), len(base) - 1
-    rigid = not elastic_beds(basic)
+    fastest, rigid = 0.0, not elastic_beds(structure.basic)
+    for i in range(len(load)):
+        fastest = max(fastest, abs(moving.blocks[1, i, 0]), abs(moving.blocks[1, i, 1]))
+    span = min(max(STANDARD_GRAVITY * step * step, fastest * step), structure.size)
+    exactly = scheme.accepted if kinetic > 0.0 or not rigid else SHARPLY * scheme.accepted
+    wanted = (span, exactly, scheme.unsure * kinetic)
+    for start in range(NEAR, FROM_GAPS + 1):
+        counts[3] += start > NEAR
+        tried = attempt(structure, scheme, moving, step, load, wanted, resultants, start)
+        counts[0] += 1
+        counts[1] += tried.iterations
+        if tried.solved:
+            counts[6] += tried.lift > RIGHT
+            counts[4], counts[5] = max(counts[4], tried.force), max(counts[5], tried.errors)
+            break
+    return tried
+
+
+@compiled
+def march(
+    structure: Structure, scheme: Scheme, moving: Moving, base: Array, halved: int, begun: Array, found: Any,
+    counts: Array,
+) -> tuple[int, int, int]:  # fmt: skip
+    """Steps under base accelerations (k + 1, 3), m/s², linear in between, into `found` (dynamic_system.Recorded).
+
+    A part of a step is as long as the one before unless that took little; `halved`: how often the last step before was;
+    `begun` (b, 3): positions from where contacts were looked for; `counts` (7,): programs, iterations, halvings, cold
+    starts, the worst residual of force, per weight, the largest energy (kNm) that errors of velocities may have, and
+    steps in which joints lift by Coulomb's law (program.RIGHT). Returns the number of steps done; why the march ends,
+    0: all steps are done, FAR: a corner has moved by the margin, UNSOLVED: a program is not solved (the motion is as
+    before it), RESTS: rigid joints rested before the last step and do after it (REST); how often it was halved.
+    """
+    mass, weight, h, theta = structure.mass, structure.weight, scheme.h, scheme.theta
+    blocks, joints, energy = moving
+    n, c, steps, rigid = len(mass), len(joints), len(base) - 1, not elastic_beds(structure.basic)
     load, resultants = np.empty((n, 3)), np.empty((c, 3))
-    whole, deep = 1 << most, halved  # so many of the shortest steps are one; how often the next one is halved
+    # so many of the shortest steps are one; how often the next one is halved
+    whole, deep = 1 << scheme.most, halved
     for k in range(steps):
         first_blocks, first_joints, first_energy = blocks.copy(), joints.copy(), energy.copy()
         gone, once, deep, halved_here = 0, True, max(deep - 1, 0), counts[2]
@@ -64,46 +86,26 @@ def march(
         while gone < whole:
             while gone % (whole >> deep) > 0:
                 deep += 1
-            step, at = h / (1 << deep), gone / whole + theta / (1 << deep)
-            kinetic, fastest = _kinetic(mass, blocks[1]), 0.0
-            for i in range(n):
-                fastest = max(fastest, abs(blocks[1, i, 0]), abs(blocks[1, i, 1]))
-                for e in range(3):
-                    load[i, e] = dead[i, e] - mass[i, e] * ((1.0 - at) * base[k, e] + at * base[k + 1, e])
+            step, at, kinetic = h / (1 << deep), gone / whole + theta / (1 << deep), _kinetic(mass, blocks[1])
+            load[:] = structure.dead - mass * ((1.0 - at) * base[k] + at * base[k + 1])
             energy[LARGEST] = max(energy[LARGEST], kinetic)
             kept_blocks, kept_joints, kept_energy = blocks.copy(), joints.copy(), energy.copy()
-            # what is accepted of a program is a share of the way, and of a long step's of the block
-            span = min(max(STANDARD_GRAVITY * step * step, fastest * step), size)
-            found, taken, turned, held = False, np.inf, 0.0, 0.0
-            exactly = accepted if kinetic > 0.0 or not rigid else SHARPLY * accepted
-            counted = kinetic if of_moment else energy[LARGEST]
-            small = share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
-            for start in range(NEAR, FROM_GAPS + 1):
-                counts[3] += start > NEAR
-                found, done, taken, turned, held, force, errors, lift = attempt(
-                    a, b, faces, basic, row, first, mass, load, blocks, joints, energy, step, theta, beta,
-                    restitution, (weight, size, span, exactly, unsure * kinetic), resultants, stored_matrix, pattern,
-                    start,
-                )  # fmt: skip
-                counts[0] += 1
-                counts[1] += done
-                if found:
-                    counts[6] += lift > RIGHT
-                    counts[4], counts[5] = max(counts[4], force), max(counts[5], errors)
-                    break
+            counted = kinetic if scheme.of_moment else energy[LARGEST]
+            tried = _tried(structure, scheme, moving, step, load, kinetic, resultants, counts)
             # blocks that meet no faster than one falls within a whole step may not have met at all
+            small = scheme.share * (counted + 0.5 * weight * STANDARD_GRAVITY * step**2)
             meeting = MEETING * (counted + 0.5 * weight * STANDARD_GRAVITY * h**2)
-            over = abs(taken) / small + held / meeting
-            if rigid or of_moment:  # of many elastic joints slides turn with every tremor: told, not located
-                over += turned / small
-            if (deep < most and not found) or (deep < levels and over > 1.0 and once):
+            over = abs(tried.taken) / small + tried.held / meeting
+            # of many elastic joints slides turn with every tremor: told, not located
+            over += tried.turned / small if rigid or scheme.of_moment else 0.0
+            if (deep < scheme.most and not tried.solved) or (deep < scheme.levels and over > 1.0 and once):
                 # but the forces and gaps found: the parts begin near them
                 blocks[:3], energy[:] = kept_blocks[:3], kept_energy
                 joints[:, SPRING:] = kept_joints[:, SPRING:]
                 counts[2] += 1
                 deep += 1
                 continue
-            if not found:
+            if not tried.solved:
                 blocks[:], joints[:], energy[:] = first_blocks, first_joints, first_energy
                 if not once:
                     return k, UNSOLVED, deep
@@ -113,21 +115,20 @@ def march(
             if over > 1.0 and rigid:
                 blocks[2] = 0.0  # an impact is no acceleration
             for q in range(c):  # of elastic joints the greatest force of its parts, of rigid ones no impulse
-                if gone == 0 or rigid or resultants[q, 0] >= fs[k + 1, q, 0]:
-                    fs[k + 1, q] = resultants[q]
+                if gone == 0 or rigid or resultants[q, 0] >= found.forces[k + 1, q, 0]:
+                    found.forces[k + 1, q] = resultants[q]
             gone += whole >> deep
             # longer again as far as that is expected to take no more than the share; at the latest in the next step
             while deep > 0 and over <= 0.5:
                 deep, over = deep - 1, 2.0 * over
         still = _kinetic(mass, blocks[1]) <= REST * weight * STANDARD_GRAVITY * h**2
-        rests = rested and still and deep == 0 and halved_here == counts[2]
-        xs[k + 1], vs[k + 1], es[k + 1] = blocks[0], blocks[1], energy
+        found.x[k + 1], found.v[k + 1], found.energy[k + 1] = blocks[0], blocks[1], energy
         far = 0.0
         for i in range(n):
             way = np.hypot(blocks[0, i, 0] - begun[i, 0], blocks[0, i, 1] - begun[i, 1])
-            far = max(far, way + radius[i] * abs(blocks[0, i, 2] - begun[i, 2]))
-        if far > margin:
+            far = max(far, way + structure.radius[i] * abs(blocks[0, i, 2] - begun[i, 2]))
+        if far > scheme.margin:
             return k + 1, FAR, deep
-        if rests:
+        if rested and still and deep == 0 and halved_here == counts[2]:
             return k + 1, RESTS, deep
     return steps, 0, deep

@@ -7,7 +7,7 @@ c < 1 that is g = c w₀ + ⟨(1 − c)w₀⟩: of a joint that is open at one e
 that has been crushed above those that crushing left. Where c ≥ 1 a fibre that is pressed closes within the step anyway,
 and g is linear between the ends.
 
-A bed that has been crushed begins where that has left it (crushing): what counts as closed is the gap to there.
+A bed that has been crushed begins where that has left it (bed): what counts as closed is the gap to there.
 
 No step leaves a bed deeper than its forces pressed it, nor with more stored than was done on it (it may give more):
 where the blocks come closer than that, by the geometry of the step or a slide that stops, the bed has `sunk` until they
@@ -18,13 +18,14 @@ Ties that yield stay `LONGER`.
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.crushing import LINES, highest, leave
+from mechanics.kernels.bed import LINES, highest, leave
 from mechanics.kernels.jit import compiled
-from mechanics.kernels.joint import PHI, TIED, H, U, V, place
+from mechanics.kernels.joint import PHI, PLACE, TIED, H, U, V, place
 from mechanics.kernels.law import BED, DASHPOTS, LEFT, SEGMENTS, SHEAR, SLID, STRENGTH, bed_forces, bed_work
 from mechanics.kernels.matrix import moved_by
 from mechanics.types import Array
@@ -44,6 +45,20 @@ STANDARD_GRAVITY = 9.80665  # m/s²
 GONE = 1e-9  # of the block size: an overlap that is none
 NEWTON = 30  # iterations for the gap at which a bed stores what was done on it
 CLOSED = 1e-6  # of the block size: a gap that is none
+# what does not change in a motion: joints (j,) between blocks `a` and `b`, `faces` (j, FACE), `basic` (j, LAW), `row`
+# (j, 2) and `first` (b,) row of blocks, −1 of a support; `mass` (b, 3), `dead` load (b, 3) kN, `radius` (b,) m;
+# `weight` and `size` of a mean block; the matrix
+Structure = namedtuple("Structure", "a b faces basic row first mass dead radius weight size stored pattern")
+# how it is computed: in steps of `h` (s), at whose share `theta` the equations hold; `beta` (s): viscous contact force
+# over the stiffness and the rate of the gap; `restitution` of velocities at which rigid ends meet; `accepted` residual
+# of a program, per weight and span. A step is halved down to `levels` where it takes, or leaves unsure, more than a
+# `share` of the largest kinetic energy so far, or of that `of_moment`, down to `most` where it is not solved. `unsure`:
+# share of the kinetic energy by which velocities may be wrong, 0: as little as at rest. `margin` (m): how far a corner
+# may go before contacts are looked for anew
+Scheme = namedtuple("Scheme", "h theta beta restitution accepted levels share most unsure of_moment margin")
+# `blocks` (4, b, 3): positions, velocities, mean accelerations of the last step, velocities at which the next program
+# begins; `joints` (j, JOINT); `energy` (ENERGIES,)
+Moving = namedtuple("Moving", "blocks joints energy")
 
 
 @compiled
@@ -104,10 +119,12 @@ def elastic_beds(law: Array) -> bool:
 
 
 @compiled
-def placed(a: Any, b: Any, faces: Array, x: Array, joints: Array, places: Array) -> None:
-    """Where the joints are at positions x (b, 3), into `places` (j, PLACE); ties as long as they have become."""
-    place(a, b, faces, x, places)
+def placed(structure: Structure, x: Array, joints: Array) -> Array:
+    """Where the joints are (j, PLACE) at positions x (b, 3); ties as long as they have become."""
+    places = np.empty((len(joints), PLACE))
+    place(structure.a, structure.b, structure.faces, x, places)
     places[:, U] += joints[:, LONGER]
+    return places
 
 
 @compiled
@@ -186,15 +203,16 @@ def _rigid_gaps(
 
 @compiled
 def posed(
-    a: Any, b: Any, start: Array, v: Array, joints: Array, basic: Array, h: float, theta: float, beta: float,
-    restitution: float, size: float, places: Array, law: Array,
-) -> Any:  # fmt: skip
+    structure: Structure, scheme: Scheme, moving: Moving, h: float, start: Array, places: Array, law: Array
+) -> Any:
     """Return which joints (i,) overlap in a step; `places` get the gaps of the start with the rows of the middle.
 
     `law` (j, LAW) becomes that of the step.
     """
+    a, b, basic, size = structure.a, structure.b, structure.basic, structure.size
+    v, joints = moving.blocks[1], moving.joints
     elastic, count = elastic_beds(basic), 0
-    stretch = theta + beta / h if elastic else 1.0
+    stretch = scheme.theta + scheme.beta / h if elastic else 1.0
     active = np.empty(len(a), np.intp)
     for k in range(len(a)):
         p, s = places[k], start[k]
@@ -202,7 +220,7 @@ def posed(
         p[H] = min(p[H], s[H])
         law[k, SLID] = s[V]
         if not elastic:
-            _rigid_gaps(p, s, a[k], b[k], v, h, size, restitution)
+            _rigid_gaps(p, s, a[k], b[k], v, h, size, scheme.restitution)
         if p[H] <= GONE * size:
             joints[k, :GAPS] = 0.0
             continue

@@ -15,10 +15,11 @@ the interior point solves it. That has no forces of faces that are crushed all o
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from mechanics.kernels.interior.iteration import OrderedProgram
 from mechanics.kernels.interior.joints import unbalanced
 from mechanics.kernels.jit import compiled, looped
 from mechanics.kernels.joint import PHI, TIED, H, U, V
@@ -43,15 +44,6 @@ FEW, MANY = 3, 0.1
 # −1, 0 or 1: how it slides; D's entries; what a joint that sticks misses, and its compliance
 N, P, T, SLIP, SLIDES, DUU, DUP, DUV, DPP, DPV, DVV, DVU, DVP, MISS, SOFT = range(15)
 KNOWN = 15
-
-
-class StepJoints(NamedTuple):
-    """`row` (j, 2), `places` (j, PLACE) and `law` (j, LAW); `which` (j,): places among the joints of the pattern."""
-
-    row: Any
-    places: Array
-    law: Array
-    which: Any
 
 
 @looped
@@ -178,33 +170,33 @@ def _end(joints: Any, x: Array, known: Array, f: Array, y: Array) -> None:
 
 @compiled
 def newton(
-    row: Any, places: Array, law: Array, load: Array, mass: Array, begun: Array, x: Array, f: Array, y: Array,
-    scale: Any, stored: Array, pattern: Any, which: Any,
-) -> tuple[int, float, float]:  # fmt: skip
+    program: OrderedProgram, begun: Array, x: Array, f: Array, y: Array, accepted: float
+) -> tuple[int, float, float]:
     """Iterate from displacements `begun` (m,); x (m,), f (j, 3) and y (j, 4), as in `iterate`, change if it converges.
 
-    `scale`: weight, size and step, and what is accepted of unbalanced forces per weight. Returns the number of
-    iterations, the unbalanced force per weight, infinite where it has not converged, and the gaps missed, per step.
+    `accepted` of unbalanced forces per weight. Returns the number of iterations, the unbalanced force per weight,
+    infinite where it has not converged, and the gaps missed, per step.
     """
-    weight, size, step, accepted = scale
-    joints, known = StepJoints(row, places, law, which), np.empty((len(row), KNOWN))
+    joints, weight, step = program.joints, program.weight, program.step
+    law, stored, pattern = joints.law, program.stored, program.pattern
+    known = np.empty((len(law), KNOWN))
     moved, residual, least = begun.copy(), np.empty(len(x)), STICKING * step / weight
     skew, half = len(law) > 0 and (law[:, DILATION] < 1.0).any(), len(stored) // 2
     lower, upper = stored[:half], stored[half:]
-    crushes = ((law[:, STRENGTH] < np.inf) & (places[:, TIED] == 0.0)).any()
+    crushes = ((law[:, STRENGTH] < np.inf) & (joints.places[:, TIED] == 0.0)).any()
     _begin(law, f, y, step / weight, known)
     for iteration in range(MOST + 1):
-        residual[:] = load - mass * moved
+        residual[:] = program.load - program.mass * moved
         changed, missed = _evaluate(joints, moved, weight, least, known, residual)
-        force, gap = unbalanced(residual, size) / weight, missed / step
+        force, gap = unbalanced(residual, program.size) / weight, missed / step
         if force <= accepted and gap <= STUCK and changed == 0:
             _end(joints, moved, known, f, y)
             x[:] = moved
             return iteration, force, gap
-        unsettled = iteration > 0 and changed > FEW + MANY * len(row) and not crushes
+        unsettled = iteration > 0 and changed > FEW + MANY * len(law) and not crushes
         if iteration == MOST or unsettled or not force < np.inf:
             break
-        _assemble(joints, known, mass, residual, lower, upper, skew, pattern)
+        _assemble(joints, known, program.mass, residual, lower, upper, skew, pattern)
         found = lu(lower, upper, pattern) >= 0 if skew else cholesky(lower, pattern)
         if not found:
             break

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections import namedtuple
 
 import numpy as np
 
+from mechanics.kernels.dynamics.motion import STANDARD_GRAVITY
 from mechanics.kernels.dynamics.newton import newton
-from mechanics.kernels.interior.iteration import iterate
-from mechanics.kernels.interior.joints import keep_within_strength
+from mechanics.kernels.interior.iteration import OrderedProgram, iterate
+from mechanics.kernels.interior.joints import ProgramJoints, keep_within_strength
 from mechanics.kernels.jit import compiled, looped
-from mechanics.kernels.joint import CURVED, PHI, H, U
+from mechanics.kernels.joint import PHI, H, U
 
 from mechanics.kernels.law import (  # isort: skip
     DASHPOTS, DILATION, FRICTION, LEFT, STEEP, STRENGTH, bed_forces, gaps_under, lift,
@@ -40,11 +41,17 @@ COLD = 1.0  # per force that stops the blocks, and span: forces and gaps of a co
 # iterations, and those without progress: of no literal type, for which the iteration would be compiled once more
 LIMITS = (np.int64(60), np.int64(10))
 LIMITS_COULOMB = (np.int64(60), np.int64(5))
+# where the program of a step of length h begins: NEAR what joints had, or FROM_GAPS; the central iterate of the program
+# before, which rigid joints leave there: `near` (j, 7), forces, and gaps over h, 0: none; `speed` (m,): displacements
+# over h
+Start = namedtuple("Start", "begins h near speed")
 
 
 @looped
-def _begin_cold(at: Array, span: float, stops: float, f: Array, y: Array) -> None:
+def _begin_cold(program: OrderedProgram, h: float, f: Array, y: Array) -> None:
     """Forces and gaps where nothing is known of them but the gaps that are there, and a force that stops blocks."""
+    at, span = program.joints.places, program.step
+    stops = COLD * program.weight * span / (STANDARD_GRAVITY * h * h)
     for k in range(len(f)):
         for e in range(2):
             gap = at[k, U] + (2 * e - 1) * at[k, H] * at[k, PHI]
@@ -89,13 +96,12 @@ def _begin_near(laws: Array, weight: float, span: float, central: float, f: Arra
 
 
 @compiled
-def _begin_central(
-    laws: Array, weight: float, span: float, h: float, near: Array, f: Array, y: Array
-) -> None:  # fmt: skip
-    """Begin at the central iterate `near` of the program before (solve); joints that it has not near f and y.
+def _begin_central(program: OrderedProgram, h: float, near: Array, f: Array, y: Array) -> None:
+    """Begin at the central iterate `near` of the program before (Start); joints that it has not near f and y.
 
     Ends whose product is below LIFTED are lifted to it at the same difference of force and gap, both scaled.
     """
+    laws, weight, span = program.joints.law, program.weight, program.step
     for q in range(len(f)):
         if near[q, 0] == 0.0:
             _begin_near(laws[q : q + 1], weight, span, CENTRAL_RIGID, f[q : q + 1], y[q : q + 1])
@@ -109,43 +115,49 @@ def _begin_central(
 
 @compiled
 def _interior_point(
-    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
-    stored_matrix: Array, pattern: Any, chosen: Any,
-) -> tuple[int, float, float, float]:  # fmt: skip
-    """`iterate` without lateral load and curvature; returns iterations and residuals of forces, gaps and products."""
+    program: OrderedProgram, x: Array, f: Array, y: Array, accepted: float, closed: float
+) -> tuple[int, float, float, float]:
+    """`iterate`; returns iterations and residuals of forces, gaps and products."""
+    laws = program.joints.law
     skew = len(laws) > 0 and laws[0, DILATION] < 1.0
     done, _, force, gap, product = iterate(
-        rows, at, laws, load, np.empty(0), 0.0, mass, np.empty((0, CURVED)), dx, 0.0, f, y, scale,
-        LIMITS_COULOMB if skew else LIMITS, stored_matrix, pattern, chosen,
-    )  # fmt: skip
+        program, x, 0.0, f, y, accepted, closed, LIMITS_COULOMB if skew else LIMITS
+    )
     return abs(done), force, gap, product
 
 
 @compiled
+def _of_joints(program: OrderedProgram, at: Array, laws: Array) -> OrderedProgram:
+    """The program with its joints at other places (j, PLACE) and by other laws (j, LAW)."""
+    row, _, _, curved, which = program.joints
+    _, load, lateral, work, mass, weight, size, step, stored, pattern = program
+    joints = ProgramJoints(row, at, laws, curved, which)
+    return OrderedProgram(joints, load, lateral, work, mass, weight, size, step, stored, pattern)
+
+
+@compiled
 def _take_lift_back(
-    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any,
-    stored_matrix: Array, pattern: Any, chosen: Any, known: bool,
-) -> tuple[bool, int, float, float, float]:  # fmt: skip
+    program: OrderedProgram, x: Array, f: Array, y: Array, accepted: float, closed: float, known: bool
+) -> tuple[bool, int, float, float, float]:
     """Solve a program of Coulomb's law by convex ones: slips lift, and the lift of the slips before is no gap.
 
-    A fixed point, u + μ|v| − μ|v|ₙ ≥ 0 (De Saxcé), is by Coulomb's law. Begins near dx, f and y, whose slips are those
+    A fixed point, u + μ|v| − μ|v|ₙ ≥ 0 (De Saxcé), is by Coulomb's law. Begins near x, f and y, whose slips are those
     of the first lift if they are `known`. Returns as `solve` does.
     """
-    weight, _, span, accepted, closed = scale
+    weight, span, at = program.weight, program.step, program.joints.places
     taken, done, lifts = np.zeros(len(f)), 0, np.inf
     force, product, solved = np.inf, np.inf, False
-    convex = laws.copy()
+    convex = program.joints.law.copy()
     convex[:, DILATION] = 1.0
     places = at.copy()
+    lifted = _of_joints(program, places, convex)
     for n in range(ROUNDS):
         if n > 0 or known:
             for q in range(len(f)):
                 taken[q] = lift(convex[q], y[q, 2] + y[q, 3])
         places[:, U] = at[:, U] + taken
-        _begin_near(laws, weight, span, CENTRAL_RIGID, f, y)
-        more, force, _, product = _interior_point(
-            rows, places, convex, load, mass, dx, f, y, scale, stored_matrix, pattern, chosen
-        )
+        _begin_near(convex, weight, span, CENTRAL_RIGID, f, y)
+        more, force, _, product = _interior_point(lifted, x, f, y, accepted, closed)
         done += more
         solved = force <= accepted and product <= closed
         if not solved:
@@ -160,14 +172,15 @@ def _take_lift_back(
 
 
 @compiled
-def _without_dashpots(rows: Any, at: Array, laws: Array, dx: Array) -> tuple[Array, Array]:
-    """Places (j, PLACE) and laws (j, LAW) of beds without the lines of dashpots that bear the same at dx (m,)."""
+def _without_dashpots(program: OrderedProgram, x: Array) -> OrderedProgram:
+    """The program of beds without the lines of dashpots that bear the same at displacements x (m,)."""
+    rows, at, laws, _, _ = program.joints
     places, linear = at.copy(), laws.copy()
     linear[:, DASHPOTS:] = 0.0
     for q in range(len(laws)):
         if not (laws[q, DASHPOTS:] > 0.0).any():
             continue
-        du, dphi, _ = motion(at[q], rows[q, 0], rows[q, 1], dx)
+        du, dphi, _ = motion(at[q], rows[q, 0], rows[q, 1], x)
         h = at[q, H]
         n, m, _, _, _ = bed_forces(
             laws[q], laws[q, STRENGTH], laws[q, LEFT:], h, at[q, U] + du, at[q, PHI] + dphi
@@ -175,77 +188,77 @@ def _without_dashpots(rows: Any, at: Array, laws: Array, dx: Array) -> tuple[Arr
         if n > 0.0 and abs(m) < h * n:
             w1, w2, _, _, _ = gaps_under(linear[q], h, 0.5 * (n - m / h), 0.5 * (n + m / h))
             places[q, U], places[q, PHI] = 0.5 * (w1 + w2) - du, 0.5 * (w2 - w1) / h - dphi
-    return places, linear
+    return _of_joints(program, places, linear)
 
 
 @compiled
-def solve(
-    rows: Any, at: Array, laws: Array, load: Array, mass: Array, dx: Array, f: Array, y: Array, scale: Any, begins: int,
-    elastic: bool, stops: float, stored_matrix: Array, pattern: Any, chosen: Any, near: Array, speed: Array, h: float,
-    moves: bool,
-) -> tuple[bool, int, float, float, float]:  # fmt: skip
-    """Solve for displacements dx (m,), forces f (j, 3) and gaps y (j, 4) of a step of length h.
+def solve_elastic(
+    program: OrderedProgram, x: Array, f: Array, y: Array, start: Start, accepted: float, closed: float
+) -> tuple[bool, int, float, float, float]:
+    """Solve for displacements x (m,), forces f (j, 3) and gaps y (j, 4) of a step over elastic joints.
 
-    With elastic joints Newton's method is tried from the start of the step; if it fails since many joints slide, from
-    a rough solution (ROUGHLY) of the interior point. Otherwise the interior point begins near the dx, f and y given;
-    with rigid joints at the central iterate of the program before, if there is one, and leaves its own there: forces,
-    and gaps over h, `near` (j, 7), 0: none, and displacements over h, `speed` (m,). By Coulomb's law rigid joints of
-    blocks that move are solved as far as STALLED, or with lift. Returns whether it is solved, the number of
-    iterations, the residuals of forces and products, and the greatest lift, per span.
+    Newton's method is tried from the start of the step; if it fails since many joints slide, from a rough solution
+    (ROUGHLY) of the interior point. Returns as `solve_rigid` does, no lift.
     """
-    weight, size, span, accepted, closed = scale
-    done, central, gap = 0, True, 0.0
-    if elastic and begins == NEAR:
-        done, force, gap = newton(
-            rows, at, laws, load, mass, np.zeros(len(dx)), dx, f, y, scale[:4], stored_matrix, pattern, chosen
-        )
+    laws, done, force, product = program.joints.law, 0, np.inf, np.inf
+    if start.begins == NEAR:
+        done, force, _ = newton(program, np.zeros(len(x)), x, f, y, accepted)
         if force <= accepted:
             return True, done, force, 0.0, 0.0
-    if begins != NEAR:
-        _begin_cold(at, span, stops, f, y)
-    elif not elastic and near.any():
-        dx[:] = h * speed
-        _begin_central(laws, weight, span, h, near, f, y)
+        _begin_near(laws, program.weight, program.step, CENTRAL_ELASTIC, f, y)
     else:
-        _begin_near(laws, weight, span, CENTRAL_ELASTIC if elastic else CENTRAL_RIGID, f, y)
-    keep_within_strength(at, laws, f)
-    if elastic:
-        dashpots = (laws[:, DASHPOTS:] > 0.0).any()
-        for n in range(LINEAR if dashpots else 1):
-            wanted = (weight, size, span, ROUGHLY, ROUGHLY) if n == 0 else scale
-            places, linear = _without_dashpots(rows, at, laws, dx) if dashpots else (at, laws)
-            more, force, gap, product = _interior_point(
-                rows, places, linear, load, mass, dx, f, y, wanted, stored_matrix, pattern, chosen
-            )
-            done += more
-            if not max(force, product) <= ROUGHLY:
-                return False, done, force, product, 0.0
-            more, force, gap = newton(
-                rows, at, laws, load, mass, dx, dx, f, y, scale[:4], stored_matrix, pattern, chosen
-            )
-            done += more
-            if force <= accepted:
-                return True, done, force, 0.0, 0.0
-    skew = not elastic and len(laws) > 0 and laws[0, DILATION] < 1.0
-    if not elastic and begins == NEAR:
-        more, force, gap, product = _interior_point(
-            rows, at, laws, load, mass, dx, f, y, (weight, size, span, CENTRAL_FORCE, CENTRAL), stored_matrix, pattern,
-            chosen,
-        )  # fmt: skip
+        _begin_cold(program, start.h, f, y)
+    keep_within_strength(program.joints.places, laws, f)
+    dashpots = (laws[:, DASHPOTS:] > 0.0).any()
+    for n in range(LINEAR if dashpots else 1):
+        linear = _without_dashpots(program, x) if dashpots else program
+        balanced, complementary = (ROUGHLY, ROUGHLY) if n == 0 else (accepted, closed)
+        more, force, _, product = _interior_point(linear, x, f, y, balanced, complementary)
         done += more
-        near[:] = 0.0
+        if not max(force, product) <= ROUGHLY:
+            return False, done, force, product, 0.0
+        more, force, _ = newton(program, x, x, f, y, accepted)
+        done += more
+        if force <= accepted:
+            return True, done, force, 0.0, 0.0
+    more, force, _, product = _interior_point(program, x, f, y, accepted, closed)
+    return force <= accepted and product <= closed, done + more, force, product, 0.0
+
+
+@compiled
+def solve_rigid(
+    program: OrderedProgram, x: Array, f: Array, y: Array, start: Start, accepted: float, closed: float, moves: bool,
+) -> tuple[bool, int, float, float, float]:  # fmt: skip
+    """Solve for displacements x (m,), forces f (j, 3) and gaps y (j, 4) of a step over rigid joints.
+
+    The interior point begins at the central iterate of the program before, if there is one, otherwise near x, f and y.
+    By Coulomb's law joints of blocks that move (`moves`) are solved as far as STALLED, or with lift. Returns whether it
+    is solved, the number of iterations, the residuals of forces and products, and the greatest lift, per span.
+    """
+    laws, weight, span, h = program.joints.law, program.weight, program.step, start.h
+    done, central, gap = 0, True, 0.0
+    if start.begins != NEAR:
+        _begin_cold(program, h, f, y)
+    elif start.near.any():
+        x[:] = h * start.speed
+        _begin_central(program, h, start.near, f, y)
+    else:
+        _begin_near(laws, weight, span, CENTRAL_RIGID, f, y)
+    keep_within_strength(program.joints.places, laws, f)
+    skew = len(laws) > 0 and laws[0, DILATION] < 1.0
+    if start.begins == NEAR:
+        done, force, gap, product = _interior_point(program, x, f, y, CENTRAL_FORCE, CENTRAL)
+        start.near[:] = 0.0
         central = force <= CENTRAL_FORCE and product <= CENTRAL
         if central:
-            near[:, :3], near[:, 3:], speed[:] = f, y / h, dx / h
+            start.near[:, :3], start.near[:, 3:], start.speed[:] = f, y / h, x / h
     if central or not skew:
-        more, force, gap, product = _interior_point(
-            rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, pattern, chosen
-        )
+        more, force, gap, product = _interior_point(program, x, f, y, accepted, closed)
         done += more
+        found = force <= accepted and product <= closed
         stalled = skew and moves and force <= STALLED_FORCE and product <= STALLED
-        if stalled or not skew or (force <= accepted and product <= closed):
-            return stalled or (force <= accepted and product <= closed), done, force, product, 0.0
-    solved, more, force, product, lifts = _take_lift_back(
-        rows, at, laws, load, mass, dx, f, y, scale, stored_matrix, pattern, chosen, central and gap <= RIGHT
-    )
+        if found or stalled or not skew:
+            return found or stalled, done, force, product, 0.0
+    known = central and gap <= RIGHT
+    solved, more, force, product, lifts = _take_lift_back(program, x, f, y, accepted, closed, known)
     return solved, done + more, force, product, lifts

@@ -11,17 +11,20 @@ that falls for the time of the step alone would have brought: that is a loss of 
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import Any
 
 import numpy as np
 
 from mechanics.kernels.dynamics.motion import (  # isort: skip
     ELASTIC, ENERGIES, FRICTION_WORK, GAPS, IMPACT, INPUT, LONGER, MIDDLE, N1, SPRING, STANDARD_GRAVITY,
-    STEPPING, SUNK, TURNED, VISCOUS, bed_under, elastic_beds, placed, posed, relative, sunk,
+    STEPPING, SUNK, TURNED, VISCOUS, Moving, Scheme, Structure, bed_under, elastic_beds, placed, posed, relative, sunk,
 )  # fmt: skip
-from mechanics.kernels.dynamics.program import COLD, solve
+from mechanics.kernels.dynamics.program import Start, solve_elastic, solve_rigid
+from mechanics.kernels.interior.iteration import OrderedProgram
+from mechanics.kernels.interior.joints import ProgramJoints
 from mechanics.kernels.jit import compiled
-from mechanics.kernels.joint import LENGTH, PHI, PLACE, TIED, H, U, V, friction_between
+from mechanics.kernels.joint import CURVED, LENGTH, PHI, PLACE, TIED, H, U, V, friction_between, place
 from mechanics.kernels.law import CRUSHED, FRICTION, SHEAR, SLID, STRENGTH, lift, most_shear
 from mechanics.kernels.matrix import motion
 from mechanics.types import Array
@@ -30,37 +33,39 @@ PRESSED = 1e-6  # of the weight of a block: a force that is one
 CLOSING = 2.0  # times the way of a step: gaps that are wider stay open, as a rule
 SLIDING = 0.999  # of the bound of friction: the force of an elastic joint that slides
 STILL = 1e-3  # of its speed before: a slide that has come to rest
+# what a step has found: whether it is `solved`, in how many `iterations`, to which residual of `force`; the energy
+# `taken` by it, that which its length leaves uncertain of slides that have `turned` back, that `held` by elastic
+# contacts, that which `errors` of velocities may have (kNm); the greatest `lift` of what slides by Coulomb's law, per
+# span
+Tried = namedtuple("Tried", "solved iterations force taken turned held errors lift")
+# all joints as a step begins, `start` (j, PLACE); those of its program: `which` (i,), forces f (i, 3), gaps y (i, 4)
+Met = namedtuple("Met", "start which places laws f y")
 
 
 @compiled
 def attempt(
-    a: Any, b: Any, faces: Array, basic: Array, row: Any, first: Any, mass: Array, load: Array,
-    blocks: Array, joints: Array, energy: Array, h: float, theta: float, beta: float, restitution: float, scale: Any,
-    resultants: Array, stored_matrix: Array, pattern: Any, begins: int,
-) -> tuple[bool, int, float, float, float, float, float, float]:  # fmt: skip
-    """A step of length h from the state of blocks (4, b, 3), joints (j, JOINT) and energy, changed in place if solved.
+    structure: Structure, scheme: Scheme, moving: Moving, h: float, load: Array, wanted: Any, resultants: Array,
+    begins: int,
+) -> Tried:  # fmt: skip
+    """A step of length h from the state of `moving`, which is changed in place if it is solved.
 
-    `load` (b, 3) kN at the share θ; `restitution` of velocities at which rigid ends meet; `scale`: weight, size and
-    span of the step, the accepted residual of forces and products, and the energy (kNm) that errors of velocities may
-    have; `resultants` (j, 3): N, P and T found; `begins`: where the program does (program.NEAR).
-    Returns whether a solution was found, the number of iterations, the energy that the step took, that which its length
-    leaves uncertain of slides that turn back, that of elastic contacts under way, the residual of force, the energy
-    (kNm) that errors of velocities may have, and the greatest lift of what slides by Coulomb's law, per span.
+    `load` (b, 3) kN at the share θ; `wanted`: span of the step, the accepted residual of forces and products, and the
+    energy (kNm) that errors of velocities may have; `resultants` (j, 3): N, P and T found; `begins`: where the program
+    does (program.NEAR).
 
     Joints that stay open bear nothing: those too far apart to close in the step are left out of its program, and it is
     solved again with those that its motion has closed all the same.
     """
-    weight, size, span, accepted, errors = scale
-    c, n, m = len(a), blocks.shape[1], 0
-    x, v, past = blocks[0], blocks[1], blocks[2]
-    for i in range(n):
-        m += 3 * (first[i] >= 0)
-    elastic = elastic_beds(basic)
-    places, start, law = np.empty((c, PLACE)), np.empty((c, PLACE)), basic.copy()
-    placed(a, b, faces, x, joints, start)
+    span, accepted, errors = wanted
+    a, b, basic, first, mass = structure.a, structure.b, structure.basic, structure.first, structure.mass
+    weight, size, theta, joints = structure.weight, structure.size, scheme.theta, moving.joints
+    n, m = len(mass), 3 * int((first >= 0).sum())
+    x, v, past = moving.blocks[0], moving.blocks[1], moving.blocks[2]
+    elastic, law = elastic_beds(basic), basic.copy()
+    start = placed(structure, x, joints)
     ahead = 0.5 * h if elastic else (1.0 - theta) * h
-    placed(a, b, faces, x + ahead * (v + 0.5 * ahead * past), joints, places)
-    touching = posed(a, b, start, v, joints, basic, h, theta, beta, restitution, size, places, law)
+    places = placed(structure, x + ahead * (v + 0.5 * ahead * past), joints)
+    touching = posed(structure, scheme, moving, h, start, places, law)
     inside = np.empty(len(touching), np.bool_)
     for q in range(len(touching)):
         k = touching[q]
@@ -74,39 +79,43 @@ def attempt(
         if j >= 0:
             for e in range(3):
                 scaled[j + e] = mass[i, e] / (share * h * h)
-                begun[j + e], central[j + e] = h * v[i, e], blocks[3, i, e]
+                begun[j + e], central[j + e] = h * v[i, e], moving.blocks[3, i, e]
                 pushed[j + e] = load[i, e] + scaled[j + e] * begun[j + e]
-    done, lifts = 0, 0.0
+    done = 0
     while True:
         chosen = touching[inside]
         at, laws, dx = places[chosen], law[chosen], begun.copy()
         friction_between(at, laws)
         f, y = joints[chosen][:, N1:GAPS].copy(), joints[chosen][:, GAPS:MIDDLE].copy()
         near = joints[chosen][:, MIDDLE:SPRING].copy()
+        program = OrderedProgram(
+            ProgramJoints(structure.row[chosen], at, laws, np.empty((0, CURVED)), chosen), pushed, np.empty(0), 0.0,
+            scaled, weight, size, span, structure.stored, structure.pattern,
+        )  # fmt: skip
+        begin = Start(begins, h, near, central)
         # the error of velocities has at most the energy of all products, for the program is strongly convex: where
         # forces balance and gaps are met, Δxᵀ M̄ Δx ≤ Σ products, M̄ = M/(θh²), Δx = θhΔv (rigid: θ = 1 in both)
         products = 4.0 * max(len(chosen), 1) * weight * span
         closed = max(accepted, errors / products)
-        solved, more, force, product, lifts = solve(
-            row[chosen], at, laws, pushed, scaled, dx, f, y, (weight, size, span, accepted, closed),
-            begins, elastic,
-            COLD * weight * span / (STANDARD_GRAVITY * h * h), stored_matrix, pattern, chosen, near, central, h,
-            errors > 0.0,
-        )  # fmt: skip
+        if elastic:
+            solved, more, force, product, lifts = solve_elastic(program, dx, f, y, begin, accepted, closed)
+        else:
+            solved, more, force, product, lifts = solve_rigid(
+                program, dx, f, y, begin, accepted, closed, errors > 0.0
+            )
         done += more
         joints[:, MIDDLE:SPRING] = 0.0
         for q in range(len(chosen)):
             joints[chosen[q], MIDDLE:SPRING] = near[q]
         if not solved:
-            return False, done, 0.0, 0.0, 0.0, force, 0.0, 0.0
-        if not _closed_all_the_same(touching, row, places, law, joints, dx, inside):
+            return Tried(False, done, force, 0.0, 0.0, 0.0, 0.0, 0.0)
+        if not _closed_all_the_same(touching, structure.row, places, law, joints, dx, inside):
             break
-    for i in range(n):
-        for e in range(3):
-            blocks[3, i, e] = central[first[i] + e] if first[i] >= 0 else 0.0
     moved, speed, jerked, work = np.zeros((n, 3)), np.zeros((n, 3)), 0.0, 0.0
     for i in range(n):
         j = first[i]
+        for e in range(3):
+            moving.blocks[3, i, e] = central[j + e] if j >= 0 else 0.0
         if j < 0:
             continue
         for e in range(3):
@@ -118,30 +127,12 @@ def attempt(
                 moved[i, e] = h * ((1.0 - theta) * v[i, e] + theta * speed[i, e])
             jerked += mass[i, e] * (speed[i, e] - v[i, e]) ** 2
             work += load[i, e] * moved[i, e]
-    spent, held = np.zeros(ENERGIES), 0.0
-    contact, turned = _worked(
-        a, b, chosen, start, at, laws, basic, f, y, v, moved, speed, h, theta, beta, weight, joints,
-        resultants, spent,
-    )  # fmt: skip
+    spent, held, met = np.zeros(ENERGIES), 0.0, Met(start, chosen, at, laws, f, y)
+    contact, turned = _worked(structure, scheme, moving, h, met, moved, speed, resultants, spent)
     if elastic:
-        closest, done_on = np.zeros(c), np.zeros(c)
-        for q in range(len(chosen)):
-            k = chosen[q]
-            normal = resultants[k, 0]
-            du, dphi, _ = relative(at[q], a[k], b[k], moved)
-            u = start[k, U] - joints[k, SUNK] + du - lift(laws[q], y[q, 2] + y[q, 3])
-            closest[k] = u - at[q, H] * abs(start[k, PHI] + dphi)
-            done_on[k] = -(normal * du + resultants[k, 1] * dphi)
-            if normal > PRESSED * weight:  # the blocks meet, or part, where the joint presses, at this speed
-                lightness = (first[a[k]] >= 0) / mass[a[k], 0] + (first[b[k]] >= 0) / mass[b[k], 0]
-                held += 0.5 * (done_on[k] / (normal * h)) ** 2 / lightness
-        end = np.empty((c, PLACE))
-        placed(a, b, faces, x + moved, joints, end)
-        more, plastic = sunk(start, end, basic, closest, done_on, joints, size)
-        spent[ELASTIC] += more
-        spent[FRICTION_WORK] += plastic
+        held = _borne_by_beds(structure, moving, h, met, moved, resultants, spent)
     else:
-        _yield(a, b, faces, x + moved, basic, resultants, joints)
+        _yield(structure, x + moved, resultants, joints)
     # computed from the forces, not as what is missing: the balance is a check
     taken = (theta - 0.5) * jerked - contact - spent[FRICTION_WORK] - spent[VISCOUS] - spent[ELASTIC]
     if not elastic and theta < 1.0:
@@ -149,11 +140,11 @@ def attempt(
     else:
         spent[STEPPING] = taken
     spent[INPUT], spent[TURNED] = work, turned
-    energy += spent
+    moving.energy[:] += spent
     x += moved
     past[:] = (speed - v) / h
     v[:] = speed
-    return True, done, taken, turned, held, force, product * products, lifts
+    return Tried(True, done, force, taken, turned, held, product * products, lifts)
 
 
 @compiled
@@ -182,28 +173,59 @@ def _closed_all_the_same(
 
 
 @compiled
-def _yield(a: Any, b: Any, faces: Array, x: Array, basic: Array, resultants: Array, joints: Array) -> None:
+def _yield(structure: Structure, x: Array, resultants: Array, joints: Array) -> None:
     """Rigid ties that bear their yield force (resultants, j × 3) are as long as the way at positions x (b, 3)."""
+    a, b, faces, basic = structure.a, structure.b, structure.faces, structure.basic
     for k in range(len(a)):
         if faces[k, LENGTH] > 0.0 and resultants[k, 0] > CRUSHED * basic[k, STRENGTH]:
             end = np.empty((1, PLACE))
-            placed(a[k : k + 1], b[k : k + 1], faces[k : k + 1], x, joints[k : k + 1], end)
-            joints[k, LONGER] += max(-end[0, U], 0.0)
+            place(a[k : k + 1], b[k : k + 1], faces[k : k + 1], x, end)
+            joints[k, LONGER] += max(-(end[0, U] + joints[k, LONGER]), 0.0)
+
+
+@compiled
+def _borne_by_beds(
+    structure: Structure, moving: Moving, h: float, met: Met, moved: Array, resultants: Array, spent: Array
+) -> float:
+    """Let beds end a step as they were pressed, see `sunk`; return the kinetic energy that they hold.
+
+    Blocks meet, or part, where a joint presses, at the speed of the way on which its forces do their work.
+    """
+    a, b, first, mass, joints = structure.a, structure.b, structure.first, structure.mass, moving.joints
+    closest, done_on, held = np.zeros(len(a)), np.zeros(len(a)), 0.0
+    for q in range(len(met.which)):
+        k, at = met.which[q], met.places[q]
+        normal = resultants[k, 0]
+        du, dphi, _ = relative(at, a[k], b[k], moved)
+        u = met.start[k, U] - joints[k, SUNK] + du - lift(met.laws[q], met.y[q, 2] + met.y[q, 3])
+        closest[k] = u - at[H] * abs(met.start[k, PHI] + dphi)
+        done_on[k] = -(normal * du + resultants[k, 1] * dphi)
+        if normal > PRESSED * structure.weight:
+            lightness = (first[a[k]] >= 0) / mass[a[k], 0] + (first[b[k]] >= 0) / mass[b[k], 0]
+            held += 0.5 * (done_on[k] / (normal * h)) ** 2 / lightness
+    end = placed(structure, moving.blocks[0] + moved, joints)
+    more, plastic = sunk(met.start, end, structure.basic, closest, done_on, joints, structure.size)
+    spent[ELASTIC] += more
+    spent[FRICTION_WORK] += plastic
+    return held
 
 
 @compiled
 def _worked(
-    a: Any, b: Any, chosen: Any, start: Array, at: Array, laws: Array, basic: Array, f: Array, y: Array, v: Array,
-    moved: Array, speed: Array, h: float, theta: float, beta: float, weight: float, joints: Array,
+    structure: Structure, scheme: Scheme, moving: Moving, h: float, met: Met, moved: Array, speed: Array,
     resultants: Array, spent: Array,
 ) -> tuple[float, float]:  # fmt: skip
     """Return the work of all joints on the blocks in a step, and the part that slides which turn back leave uncertain.
 
     `spent` (ENERGIES,) gets the energies of friction, dashpots, springs in shear and slow impacts, `resultants` (j, 3)
-    and `joints` (j, JOINT) the forces.
+    and the joints the forces. Nine arguments: the last two are results.
     """
+    start, chosen, at, laws, f, y = met
+    a, b, basic, v, joints, beta = (
+        structure.a, structure.b, structure.basic, moving.blocks[1], moving.joints, scheme.beta
+    )  # fmt: skip
     elastic = elastic_beds(basic)
-    stretch = theta + beta / h if elastic else 1.0
+    stretch = scheme.theta + beta / h if elastic else 1.0
     contact, turned = 0.0, 0.0
     shear = joints[:, SPRING].copy()
     joints[:, N1:GAPS], joints[:, SPRING:SUNK], resultants[:] = 0.0, 0.0, 0.0

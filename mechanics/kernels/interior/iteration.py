@@ -26,14 +26,15 @@ that touches has no slip at all.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
-from mechanics.kernels.interior.joint_law import CHANGES, CN1, KNOWN, LANES
+from mechanics.kernels.interior.joint_law import BM, C1, CHANGES, CN1, KNOWN, LANES
 
 from mechanics.kernels.interior.joints import (  # isort: skip
-    TO_THE_BOUND, ProgramJoints, advance, aim_all, assemble, change_all, clear_corrections, correct_stray, curve_all,
+    TO_THE_BOUND, ProgramJoints, advance, aim_all, assemble, change_all, correct_stray, curve_all,
     dot, evaluate, follow_all, predicted, push_all, unbalanced, within_strength,
 )  # fmt: skip
 from mechanics.kernels.jit import compiled, looped
@@ -56,6 +57,13 @@ FARTHER = 1.5  # times as far as a step leads, products are looked at
 TOUCHES = 1e-6  # of the step: a gap that is none, where friction is infinite
 PRESSES = 0.01  # of what a bed closes: a gap of faces that press there
 NEAR, GROWS = 0.5, 10.0  # share of its bound at which T raises it, and by how much
+# a program with its rows in the order of elimination: ProgramJoints, `load` (m,), `lateral` and `mass` (m,) or empty,
+# the `work` of the lateral load; weight, size of a block and step, by which residuals are measured; room for two
+# triangles of the matrix, `stored` in this pattern
+OrderedProgram = namedtuple("OrderedProgram", "joints load lateral work mass weight size step stored pattern")
+# the linear system of an iteration: what is `known` of joints, displacements `pushed` (m,) under the lateral load, its
+# `work` on them; weight per step, `stiff`; the factor
+Newton = namedtuple("Newton", "joints known lateral pushed work mass size stiff lower upper pattern")
 
 
 @looped
@@ -89,25 +97,6 @@ def _raise_bounds(places: Array, law: Array, given: Array, f: Array, y: Array, u
         y[j, 3] *= (mu * n - t) / (GROWS * mu * n - t)
 
 
-class Newton(NamedTuple):
-    """The linear system of an iteration: joints, what is known of them, its factor; its weight per step `stiff`.
-
-    `lateral` (m,), or empty; the displacements `pushed` (m,) under it, and its work on them; `mass` (m,), or empty.
-    """
-
-    joints: Any
-    known: Array
-    lateral: Array
-    pushed: Array
-    work: float
-    mass: Array
-    size: float
-    stiff: float
-    lower: Array
-    upper: Array
-    pattern: Any
-
-
 @compiled
 def _residuals(
     joints: Any, x: Array, alpha: float, f: Array, y: Array, load: Array, lateral: Array, mass: Array, curved: Array,
@@ -131,18 +120,24 @@ def _residuals(
 
 @compiled
 def _factorised(
-    joints: Any, known: Array, mass: Array, pushed: bool, skew: bool, size: float, stiff: float, holding: float,
-    two: bool, held: Array, stored: Array, pattern: Any,
-) -> tuple[float, bool]:  # fmt: skip
+    program: OrderedProgram,
+    joints: ProgramJoints,
+    known: Array,
+    skew: bool,
+    holding: float,
+    two: bool,
+    held: Array,
+) -> tuple[float, bool]:
     """The factor of the matrix, into `stored`; firmer where rounding outweighs the stiffness that holds blocks.
 
     Returns the stiffness `holding` that it took, negative if there is no factor, and whether it is of `two` triangles:
     of a `skew` matrix, and beyond the peak of a curve, where the work that is given holds one motion.
     """
-    half = len(stored) // 2
+    mass, stored, pattern = program.mass, program.stored, program.pattern
+    half, stiff = len(stored) // 2, 1.0 / (program.step / program.weight)
     while True:
         held[:] = holding * stiff
-        held[2::3] *= size**2
+        held[2::3] *= program.size**2
         if len(mass):
             held += mass
         lower, upper = stored[:half], stored[half:] if two else stored[:half]
@@ -154,7 +149,7 @@ def _factorised(
             found = bool(cholesky(lower, pattern))
         if found:
             return holding, two
-        if not two and pushed and len(joints.curved):
+        if not two and len(program.lateral) and len(joints.curved):
             two = True
         elif holding >= FIRM:
             return -1.0, two
@@ -222,22 +217,26 @@ def _refine(
 
 @compiled
 def iterate(
-    row: Any, places: Array, law: Array, load: Array, lateral: Array, work: float, mass: Array, curved: Array,
-    x: Array, alpha: float, f: Array, y: Array, scale: Any, limits: Any, stored: Array, pattern: Any, which: Any,
-) -> tuple[int, float, float, float, float]:  # fmt: skip
+    program: OrderedProgram,
+    x: Array,
+    alpha: float,
+    f: Array,
+    y: Array,
+    accepted: float,
+    closed: float,
+    limits: Any,
+) -> tuple[int, float, float, float, float]:
     """Iterate on x (m,), α, f (j, 3): N₁, N₂, T, and y (j, 4): y₁, y₂, λ₊, λ₋, in one geometry and in place.
 
-    `places` (j, PLACE), `law` (j, LAW); `lateral`, `mass` (m,) and `curved` (j, CURVED) may be empty;
-    `scale`: weight, size and step; what is accepted of unbalanced forces per weight and of gaps, 1/WIDE times as much,
-    per step; and of products per weight and step. `limits`: most iterations, and most without progress. `stored`: room
-    for two triangles; `which` (j,): their places among the joints of the pattern. Returns the number
-    of iterations, negative if no iteration leads on (with curvature: if equilibrium is not stable), α, and the
-    residuals of forces, gaps and products, scaled likewise.
+    `accepted` of unbalanced forces per weight and of gaps, 1/WIDE times as much, per step; `closed`: accepted of
+    products per weight and step. `limits`: most iterations, and most without progress. Returns the number of
+    iterations, negative if no iteration leads on (with curvature: if equilibrium is not stable), α, and the residuals
+    of forces, gaps and products, scaled likewise.
     """
-    weight, size, step, accepted, closed = scale
+    given_joints, load, lateral, work, mass, weight, size, step, stored, pattern = program
+    row, places, given, curved, which = given_joints
     most, idle = limits
-    count, c, unit = len(x), len(row), step / weight
-    given, law = law, law.copy()
+    count, c, unit, law = len(x), len(row), step / weight, given.copy()
     bounded = _bound_shear(places, law, f, step)
     joints = ProgramJoints(row, places, law, np.zeros_like(curved), which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
@@ -274,9 +273,7 @@ def iterate(
             return iteration, best_alpha, best_off[0], best_off[1], best_off[2]
         iteration += 1
 
-        holding, two = _factorised(
-            joints, known, mass, pushed, skew, size, stiff, holding, two, held, stored, pattern
-        )
+        holding, two = _factorised(program, joints, known, skew, holding, two, held)
         if holding < 0.0:
             return -iteration, alpha, force, gap, product
         lower, upper = stored[:half], stored[half:] if two else stored[:half]
@@ -288,7 +285,7 @@ def iterate(
             joints, known, lateral, lateral_solution, lateral_work, mass, size, stiff, lower, upper, pattern
         )
 
-        clear_corrections(known)
+        known[:, C1 : BM + LANES] = 0.0
         target, enough = 0.0, np.inf
         for correction in range(3):  # predictor, corrector, and one more of products that stray farther on
             most_f, most_g, dalpha = _changes(newton, residual, work_residual, target, enough, tied, dx, fine)
@@ -323,29 +320,27 @@ def iterate(
 
 
 @compiled
-def inertia(
-    row: Any, places: Array, law: Array, curved: Array, lateral: Array, x: Array, f: Array, y: Array,
-    step: float, least: float, held: Array, stored: Array, pattern: Any, which: Any,
-) -> tuple[int, float]:  # fmt: skip
+def inertia(program: OrderedProgram, f: Array, y: Array, held: Array) -> tuple[int, float]:
     """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
 
     Joints that slide by Coulomb's law do so under the friction that they have.
 
-    Arrays as in `iterate`; `step` (m) of the program; `least` (m/kN): compliance that bounds the stiffness; `held`
-    (m,): stiffness added to the diagonal.
+    Forces f (j, 3) and y (j, 4) as in `iterate`; `held` (m,): stiffness added to the diagonal.
     """
-    law = law.copy()
-    _bound_shear(places, law, f, step)
+    row, places, law, curved, which = program.joints
+    law, least = law.copy(), STIFFEST * program.step / program.weight
+    _bound_shear(places, law, f, program.step)
     joints = ProgramJoints(row, places, law, curved, which)
     known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
-    residual = np.zeros(len(x))
+    residual, x = np.zeros(len(held)), np.zeros(len(held))
     evaluate(joints, x, f, y, least, known, residual)
-    lower, upper = stored[: len(stored) // 2], stored[len(stored) // 2 :]
-    assemble(joints, known, held, lower, upper, False, pattern)
+    half = len(program.stored) // 2
+    lower, upper = program.stored[:half], program.stored[half:]
+    assemble(joints, known, held, lower, upper, False, program.pattern)
     upper[:] = lower
-    negative = lu(lower, upper, pattern)
-    if negative < 0 or len(lateral) == 0:
+    negative = lu(lower, upper, program.pattern)
+    if negative < 0 or len(program.lateral) == 0:
         return negative, 0.0
-    lateral_solution = lateral.copy()
-    substitute(lower, upper, pattern, lateral_solution)
-    return negative, dot(lateral, lateral_solution)
+    lateral_solution = program.lateral.copy()
+    substitute(lower, upper, program.pattern, lateral_solution)
+    return negative, dot(program.lateral, lateral_solution)

@@ -6,7 +6,8 @@ side by side, so that loops over the lanes `k` of a row `s` become vector instru
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
@@ -26,19 +27,9 @@ LEAST = 0.1  # of the target: smaller products are corrected
 MOST = 10.0  # of the target: larger products are corrected
 UNDER_STRENGTH = 0.9  # of the strength of a joint: the most of its force where a search begins
 SHORTER = 100  # times that an iteration is shortened for joints not to be crushed
-
-
-class ProgramJoints(NamedTuple):
-    """What does not change: `row` (j, 2), `places` (j, PLACE), `law` (j, LAW), `curved` (j, CURVED) or empty.
-
-    `which` (j,): their places among the joints of the pattern.
-    """
-
-    row: Any
-    places: Array
-    law: Array
-    curved: Array
-    which: Any
+# what does not change: `row` (j, 2), `places` (j, PLACE), `law` (j, LAW), `curved` (j, CURVED) or empty; `which` (j,):
+# their places among the joints of the pattern
+ProgramJoints = namedtuple("ProgramJoints", "row places law curved which")
 
 
 @looped
@@ -240,13 +231,6 @@ def _stray(product: float, target: float) -> float:
     """Addition to the correction of a product that would become this."""
     wanted = -larger(-larger(product, LEAST * target), -MOST * target)
     return -larger(wanted - product, -MOST * target)
-
-
-@looped
-def clear_corrections(known: Array) -> None:
-    """No corrections of the products, as an iteration begins."""
-    for r in range(len(known)):
-        known[r, C1 : BM + LANES] = 0.0
 
 
 @looped

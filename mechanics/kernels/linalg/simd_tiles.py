@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numba
 from llvmlite import ir
 from numba.core import types
-from numba.extending import intrinsic
 
 ROWS, COLUMNS = 8, 6
 BYTES = 8  # of a number
-_intrinsic: Any = intrinsic
+_intrinsic: Any = numba.extending.intrinsic
 
 VECTOR, WHOLE = ir.VectorType(ir.DoubleType(), ROWS), ir.IntType(64)
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics.kernels.bed import stiffened, stored
-from mechanics.kernels.crushing import crushed, leave, softness, under, worked
+from mechanics.kernels.bed import crushed, leave, softness, stiffened, stored, under, worked
 from mechanics.kernels.dynamics.motion import JOINT, REMAINS, bed_under, work_on_bed
 from mechanics.kernels.joint import PHI, PLACE, TIED, H
 from mechanics.kernels.law import BED, LAW, LEFT, SEGMENTS, STRENGTH, bed_forces, ends_under, gaps_under

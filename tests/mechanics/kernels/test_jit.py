@@ -52,7 +52,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A home, a folder for temporary files and nothing told to numba."""
     for name in ("home", "temporary"):
         (tmp_path / name).mkdir()
-    monkeypatch.setattr(jit._config, "CACHE_DIR", "")
+    monkeypatch.setattr(jit._numba.config, "CACHE_DIR", "")
     monkeypatch.setattr(jit.tempfile, "tempdir", str(tmp_path / "temporary"))
     monkeypatch.setattr(jit.sys, "platform", "linux")
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
@@ -119,7 +119,7 @@ def double(x: float) -> float:
 
 
 def test_what_is_not_kept_is_told_once_before_it_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jit._FunctionCache, "load_overload", lambda *_: None)
+    monkeypatch.setattr(jit._numba.core.caching.FunctionCache, "load_overload", lambda *_: None)
     told: list[str] = []
     before_compiling(lambda: told.append("compiling"))
     loop = jit.compiler()(double)

@@ -9,8 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mechanics import Assembly, Block, Material
-from mechanics.kernels.bed import pressed, stored
-from mechanics.kernels.crushing import crushed
+from mechanics.kernels.bed import crushed, pressed, stored
 from mechanics.kernels.joint import (
     A1,
     A2,

@@ -7,7 +7,7 @@ from scipy.spatial import Delaunay
 from mechanics import time_history
 from mechanics.kernels.joint import PLACE
 from mechanics.kernels.linalg import factors
-from mechanics.kernels.linalg.pattern import Pattern
+from mechanics.kernels.linalg.factors import Pattern
 from mechanics.kernels.matrix import diagonal, stiffen
 from mechanics.solvers.elimination import BANDED, CHEAPER, SMALLEST, Elimination, Storage, dissected, fronts
 from mechanics.steps.static_system import static_system

@@ -12,7 +12,7 @@ from mechanics.kernels.dynamics import newton as loops
 from mechanics.kernels.joint import H
 from mechanics.kernels.law import BED, DILATION, FRICTION, LAW, LEFT, SEGMENTS, SHEAR, STRENGTH, bed_forces
 from mechanics.program import certify
-from mechanics.solvers import solve
+from mechanics.solvers import interior, solve
 from tests.support.reference_loops import bed_of_points
 from tests.support.steps import euler_step, shaken
 from tests.support.structures import arch_on_piers, running_bond
@@ -85,12 +85,8 @@ def test_where_it_converges_it_finds_the_solution_of_the_interior_point(model, b
     program = replace(program, law=law)
     solution, iterate = solve(program, layout)
     assert iterate is not None and program.mass is not None
-    count, order = len(law), layout.order
-    x, f, y = solution.displacement[order], iterate.forces.copy(), iterate.gaps.copy()
-    _, force, _ = loops.newton(
-        layout.row, program.places, law, program.load[order], program.mass[order], x, x, f, y,
-        (program.weight, program.size, program.step, 1e-7), layout.work_space, layout.pattern, np.arange(count),
-    )  # fmt: skip
+    x, f, y = solution.displacement[layout.order], iterate.forces.copy(), iterate.gaps.copy()
+    _, force, _ = loops.newton(interior.ordered(program, layout), x, x, f, y, 1e-7)
     assert force <= 1e-7
     moved = x[layout.back]
     forces = np.column_stack([f[:, 0] + f[:, 1], program.places[:, H] * (f[:, 1] - f[:, 0]), f[:, 2]])

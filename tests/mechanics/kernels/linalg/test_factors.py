@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import lapack
 
 from mechanics.kernels.linalg import factors
-from mechanics.kernels.linalg.pattern import NO_FRONTS, Pattern
+from mechanics.kernels.linalg.factors import NO_FRONTS, Pattern
 from mechanics.solvers.elimination import PADDING, Elimination
 from mechanics.types import Array, Index
 
