@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -117,7 +117,24 @@ def check_arguments(
             "0 except with rigid contacts and an integrator of second order")  # fmt: skip
 
 
-def chosen_integrator(
+class Rule(NamedTuple):
+    """The integrator that is used, how often its steps are halved, and what there is to say of both."""
+
+    integrator: Integrator
+    halving: Halving
+    why: str
+
+
+def chosen_rule(
+    model: Assembly, contacts: Behaviour, integrator: Integrator, time_step: float, tolerances: HistoryTolerances
+) -> Rule:  # fmt: skip
+    """Return by what rule a motion in steps of a length (s) is integrated."""
+    used, why = _chosen_integrator(model, contacts, integrator, tolerances.few)
+    halving, resolved = _chosen_halving(model, contacts, used, time_step, tolerances)
+    return Rule(used, halving, why + resolved)
+
+
+def _chosen_integrator(
     model: Assembly, contacts: Behaviour, integrator: Integrator, few: int
 ) -> tuple[Integrator, str]:
     """Return the integrator that is used, and why; `few`: see HistoryTolerances."""
@@ -132,21 +149,13 @@ def chosen_integrator(
 
 
 def begun_motion(
-    model: Assembly,
-    contacts: Behaviour,
-    sliding: Sliding,
-    state: State,
-    integrator: Integrator,
-    halving: Halving,
-    damping_ratio: float,
-    restitution: float,
-    tolerances: HistoryTolerances,
-) -> tuple[DynamicSystem, State, Motion, Message | None]:
+    model: Assembly, contacts: Behaviour, sliding: Sliding, state: State, rule: Rule, damping_ratio: float,
+    restitution: float, tolerances: HistoryTolerances,
+) -> tuple[DynamicSystem, State, Motion, Message | None]:  # fmt: skip
     """Return the system, the state in which the motion begins, the motion, and a warning about that state.
 
     Raises ArgumentError for a damping ratio where nothing holds some block.
     """
-    # nine arguments: the system and the beginning, as time_history has them
     start, forces, undecided = _settled(model, contacts, sliding, state)
     statics = static_system(model, contacts, sliding).around(start.positions, 0.0)
     gaps = np.zeros(len(statics.contacts))
@@ -154,9 +163,11 @@ def begun_motion(
         # dilatant sliding leaves gaps in joints that carry: loose blocks must not fall through them
         gap = end_gaps(statics.places(start.positions, start)).min(axis=1).clip(0.0)
         gaps = np.where(carried(statics.contacts, start), gap, 0.0)
-    theta = 1.0 if integrator == "implicit-euler" else 0.5
+    theta = 1.0 if rule.integrator == "implicit-euler" else 0.5
     damping, accepted = _damping(model, damping_ratio), tolerances.accepted
-    system = DynamicSystem(statics, theta, damping, restitution, halving, accepted, skips=tolerances.skips)
+    system = DynamicSystem(
+        statics, theta, damping, restitution, rule.halving, accepted, skips=tolerances.skips
+    )
     if forces is not None and len(forces) != len(statics.contacts):
         forces = None
     return system, start, system.begun(start, forces, gaps), undecided
@@ -172,13 +183,9 @@ def _damping(model: Assembly, damping_ratio: float) -> float:
     return 2.0 * damping_ratio / frequency
 
 
-def chosen_halving(
-    model: Assembly,
-    contacts: Behaviour,
-    integrator: Integrator,
-    time_step: float,
-    tolerances: HistoryTolerances,
-) -> tuple[Halving, str]:
+def _chosen_halving(
+    model: Assembly, contacts: Behaviour, integrator: Integrator, time_step: float, tolerances: HistoryTolerances
+) -> tuple[Halving, str]:  # fmt: skip
     """Return when steps are halved, and how often, and what there is to say of it."""
     if integrator == "implicit-euler":
         return tolerances.unsolved, ""
@@ -192,15 +199,13 @@ def chosen_halving(
     half_period = np.pi * contact_period(model)
     asked = max(int(np.ceil(np.log2(tolerances.steps_a_contact * time_step / half_period))), 0)
     levels = min(asked, tolerances.contacts)
-    shortest = 1e3 * time_step / 2**levels
+    halving, shortest = replace(halving, levels=levels), 1e3 * time_step / 2**levels
     if levels < asked:
-        return replace(halving, levels=levels), (
+        return halving, (
             f"; down to {shortest:.2g} ms: contacts of the stiffest joint last {1e3 * half_period:.2g} ms and are "
             "impacts without bounce"
         )
-    return replace(
-        halving, levels=levels
-    ), f"; down to {shortest:.2g} ms, contacts of the stiffest joint are resolved"
+    return halving, f"; down to {shortest:.2g} ms, contacts of the stiffest joint are resolved"
 
 
 def contact_period(model: Assembly) -> float:

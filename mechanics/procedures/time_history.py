@@ -20,11 +20,11 @@ from mechanics.procedures.motion_start import (
     HISTORY,
     HistoryTolerances,
     Integrator,
+    Rule,
     base_acceleration,
     begun_motion,
     check_arguments,
-    chosen_halving,
-    chosen_integrator,
+    chosen_rule,
 )
 from mechanics.progress import tell
 from mechanics.steps.dynamic_system import DynamicSystem, Motion, Recorded
@@ -175,15 +175,28 @@ def time_history(
     base = base_acceleration(acceleration, vertical_acceleration, time_step)
     check_arguments(model, contacts, integrator, damping_ratio, restitution)
     point = _control_point(model, control, ultimate)
-    used, chosen = chosen_integrator(model, contacts, integrator, tolerances.few)
-    halving, resolved = chosen_halving(model, contacts, used, time_step, tolerances)
+    rule = chosen_rule(model, contacts, integrator, time_step, tolerances)
     system, start, motion, undecided = begun_motion(
-        model, contacts, sliding, model.starting(state), used, halving, damping_ratio, restitution, tolerances
+        model, contacts, sliding, model.starting(state), rule, damping_ratio, restitution, tolerances
     )
+    begun = start.positions if start.motion is None else start.motion.begun
+    system, record, reason = _followed(system, motion, begun, base, time_step, point, tolerances)
+    final = _final_state(system, motion, begun, record, bool(reason))
+    found = _result(system, start, final, record, time_step, point, reason, rule, tolerances)
+    notes = (undecided, *found.notes, unfinished(found))
+    return replace(found, notes=tuple(note for note in notes if note is not None))
 
+
+def _followed(
+    system: DynamicSystem, motion: Motion, begun: Array, base: Array, time_step: float, point: ControlPoint | None,
+    tolerances: HistoryTolerances,
+) -> tuple[DynamicSystem, Recorded, Message | None]:  # fmt: skip
+    """Return the system of the last contacts, the record of a motion to its end or to collapse, and why it collapsed.
+
+    Forces are those of the drawn joints.
+    """
     parts: list[Recorded] = []
     done, reason = 0, None
-    begun = start.positions if start.motion is None else start.motion.begun
     while done < len(base) - 1 and not reason:
         system = system.around(motion)
         ahead = (float(base[done:, 0].min()), float(base[done:, 0].max()))
@@ -192,14 +205,14 @@ def time_history(
         part, reason = _until_collapse(system, marched, begun, point)
         if broken := broken_tie(system.system, part.x):
             part, reason = part.until(max(broken[0], 1)), broken[1]
-        parts.append(part._replace(forces=part.forces[:, : len(model.contacts)]))
+        parts.append(part._replace(forces=part.forces[:, : len(system.model.contacts)]))
         done += len(part.x) - 1
         tell(done / (len(base) - 1))
-    found = _history(
-        system, start, begun, motion, parts, time_step, point, reason, used, chosen + resolved, tolerances
+    whole = (
+        np.concatenate([first[:1], *(part[1:] for part in (first, *more))])
+        for first, *more in zip(*parts, strict=True)
     )
-    notes = (undecided, *found.notes, unfinished(found))
-    return replace(found, notes=tuple(note for note in notes if note is not None))
+    return system, Recorded(*whole), reason
 
 
 def unfinished(*parts: TimeHistory) -> Message | None:
@@ -250,57 +263,43 @@ def _until_collapse(
     return part, None
 
 
-def _history(
-    system: DynamicSystem, start: State, begun: Array, motion: Motion, parts: list[Recorded], time_step: float,
-    point: ControlPoint | None, reason: Message | None, integrator: Integrator, chosen: str,
-    tolerances: HistoryTolerances,
-) -> TimeHistory:  # fmt: skip
-    """Join the recorded parts of a motion to its result."""
-    # eleven arguments: all that the run has, used once
-    model, drawn = system.model, len(system.model.contacts)
-    x, v, forces, energies = (
-        np.concatenate([first[:1], *(steps[1:] for steps in (first, *further))])
-        for first, *further in zip(*parts, strict=True)
-    )
-    energy = Energy.of(model, x, v, energies)
-    sliding_error = _sliding_error(model, energy, float(energies[-1, TURNED]), integrator, tolerances)
-    lengthened = None
+def _final_state(
+    system: DynamicSystem, motion: Motion, begun: Array, record: Recorded, collapsed: bool
+) -> State:
+    """Return the state in which a recorded motion ends."""
+    model, lengthened = system.model, None
     if model.ties:  # one that breaks does so within a chunk of steps
         yielded = motion.joints[system.system.ties, LONGER] + system.system.stretched
         lengthened = np.minimum(yielded, [tie.longest for tie in model.ties])
-    final = State(x[-1], v[-1], lengthened=lengthened)
+    final = State(record.x[-1], record.v[-1], lengthened=lengthened)
     if not system.system.rigid:
-        final = with_springs(system.contacts, final, drawn, motion.joints[:, SPRING])
-    if not reason:  # at collapse the last steps are left out of the record
-        final = replace(final, motion=system.remembered(motion, begun))
+        final = with_springs(system.contacts, final, len(model.contacts), motion.joints[:, SPRING])
+    # at collapse the last steps are left out of the record
+    return final if collapsed else replace(final, motion=system.remembered(motion, begun))
+
+
+def _result(
+    system: DynamicSystem, start: State, final: State, record: Recorded, time_step: float, point: ControlPoint | None,
+    reason: Message | None, rule: Rule, tolerances: HistoryTolerances,
+) -> TimeHistory:  # fmt: skip
+    """Return the result of a recorded motion."""
+    # nine arguments: all that the run has, used once
+    model = system.model
+    energy = Energy.of(model, record.x, record.v, record.energy)
+    turned = float(record.energy[-1, TURNED])
+    sliding_error = _sliding_error(model, energy, turned, rule.integrator, tolerances)
     programs, iterations, halvings, cold = (int(value) for value in system.counts[:4])
-    time: Array = time_step * np.arange(len(x), dtype=float)
+    lifting, time = system.counts[6], time_step * np.arange(len(record.x), dtype=float)
+    notes = _notes(model, record.x[-1], energy, lifting / max(programs, 1), sliding_error, tolerances)
     return TimeHistory(
-        time=time,
-        positions=x,
-        velocities=v,
-        forces=forces,
-        start=start,
-        final=final,
-        displacement=None if point is None else point.displacement(model, start.positions, x),
-        collapsed=bool(reason),
-        time_of_collapse=float(time[-1]) if reason else None,
-        collapse_reason=reason or "",
-        energy=energy,
-        integrator=integrator,
-        chosen=chosen,
-        programs=programs,
-        iterations=iterations,
-        halvings=halvings,
-        cold=cold,
-        worst=float(system.counts[4]),
+        time=time, positions=record.x, velocities=record.v, forces=record.forces, start=start, final=final,
+        displacement=None if point is None else point.displacement(model, start.positions, record.x),
+        collapsed=bool(reason), time_of_collapse=float(time[-1]) if reason else None, collapse_reason=reason or "",
+        energy=energy, integrator=rule.integrator, chosen=rule.why, programs=programs, iterations=iterations,
+        halvings=halvings, cold=cold, worst=float(system.counts[4]),
         unsure=float(system.counts[5]) / max(energy.turnover, tolerances.nothing * model.weight * model.size),
-        sliding_error=sliding_error,
-        notes=_notes(model, x[-1], energy, system.counts[6] / max(programs, 1), sliding_error, tolerances),
-        lifting=int(system.counts[6]),
-        skipped=int(system.counts[7]),
-        model=model,
-    )
+        sliding_error=sliding_error, notes=notes, lifting=int(lifting), skipped=int(system.counts[7]), model=model,
+    )  # fmt: skip
 
 
 def _sliding_error(
@@ -320,13 +319,8 @@ def _sliding_error(
 
 
 def _notes(
-    model: Assembly,
-    last: Array,
-    energy: Energy,
-    lifting: float,
-    sliding_error: float,
-    tolerances: HistoryTolerances,
-) -> tuple[Message, ...]:
+    model: Assembly, last: Array, energy: Energy, lifting: float, sliding_error: float, tolerances: HistoryTolerances
+) -> tuple[Message, ...]:  # fmt: skip
     """Return warnings: of blocks that overlap, of steps, and of an energy balance with an error.
 
     `lifting`: share of the steps that lift; `sliding_error`: see TimeHistory.
