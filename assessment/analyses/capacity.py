@@ -89,51 +89,51 @@ def refused(reason: str) -> Message:
     return message("no capacity: {reason}", reason=reason)
 
 
-def _assessed(
-    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands
-) -> Found[Assessed]:
-    """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
-    assessment, rigid, elastic = known(project.assessment), curves.rigid, curves.elastic
+def _sound(project: Project, curves: Pushovers) -> RigidPush:
+    """Return the rigid curve if a capacity may be taken from the curves. Raises CapacityError that says why not."""
+    rigid, model = curves.rigid, known(project.assessment).model
     if rigid is None:
         raise CapacityError(message("it needs the rigid pushover curve"))
     # no finite multiplier is a contradiction too: the horizontal load does no work on the mechanism
-    alpha, by_work = rigid.mechanism.alpha, rigid.virtual_work_alpha
-    virtual_work = math.inf if by_work is None else by_work
-    if abs(virtual_work - alpha) > CONTRADICTION * abs(alpha):
-        raise CapacityError(other_mechanism(virtual_work, alpha))
+    alpha, work = rigid.mechanism.alpha, math.inf if (w := rigid.virtual_work_alpha) is None else w
+    if abs(work - alpha) > CONTRADICTION * abs(alpha):
+        raise CapacityError(other_mechanism(work, alpha))
     loss, way = rigid.local_loss, np.array(rigid.curve.displacement_m[: rigid.peak + 1])
     if loss is not None and abs(way).max() >= loss.displacement_m:
         raise CapacityError(message(
             "α0 = {alpha:.4g} is reached after {lost}: the curve up to there alone counts",
             alpha=rigid.alpha_0, lost=loss_sentence(loss),
         ))  # fmt: skip
-    asked = project.pushover is not None and "elastic" in project.pushover.contacts
-    if elastic is None and assessment.model != "none" and asked:
-        missing = message(
+    asked = project.pushover.contacts if project.pushover else ()
+    if curves.elastic is None and model != "none" and "elastic" in asked:
+        raise CapacityError(message(
             "the elastic pushover was asked for and gave no curve (the warnings say why), and the "
-            '{model} curve needs it; mend that, or set model = "none" (rigid branch alone)', model=assessment.model,
-        )  # fmt: skip
-        raise CapacityError(missing)
+            '{model} curve needs it; mend that, or set model = "none" (rigid branch alone)', model=model,
+        ))  # fmt: skip
+    return rigid
+
+
+def _assessed(
+    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands
+) -> Found[Assessed]:
+    """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
+    assessment, rigid, elastic = known(project.assessment), _sound(project, curves), curves.elastic
     curve = project, model, direction, curves, demands
-    first = activation_of(model, rigid.alpha_onset, rigid.onset)
-    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, first))
-    other = None
+    activation, other = activation_of(model, rigid.alpha_onset, rigid.onset), None
+    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation))
     with suppress(CapacityError):
         if (law := _other_law(model, rigid)) is not None:
             other = _by_law(*curve, law)
-    capacity, checks, method = own.capacity, own.checks, own.method
+    capacity, fit, checks, method = own.capacity, own.capacity.fit, own.checks, own.method
     said = dict.fromkeys(note for check in checks.values() for note in check.notes)
     notes = cast("list[Message]", [*said])  # what is not read from a file is none but messages
-    given = assessment.local_displacement_limit_m
+    loss, given = rigid.local_loss, assessment.local_displacement_limit_m
     if loss is not None and given is not None and given > loss.displacement_m:
-        beyond = message("local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
-                         given=given, reason=loss_sentence(loss))  # fmt: skip
-        notes.insert(0, beyond)
-
-    fit, moving = capacity.fit, own.law.mechanism
+        notes.insert(0, message("local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
+                                given=given, reason=loss_sentence(loss)))  # fmt: skip
     made = Capacity(
         sliding=own.law.sliding,
-        mechanism=parts.Count(hinges=moving.hinges, sliding_joints=len(moving.sliding_joints)),
+        mechanism=parts.Count(hinges=own.law.mechanism.hinges, sliding_joints=len(own.law.mechanism.sliding_joints)),
         alpha_0=fit.alpha_0, e_star=own.part.e_star, gamma_star=own.part.gamma_star,
         T_0_s=finite(capacity.T_0), model=fit.model, d_0_star_m=finite(capacity.d_0_star),
         notes=list(fit.notes), curve=curve_of(capacity),
