@@ -71,10 +71,8 @@ def collapse(
     turned = abs(x[:, 2] - model.initial.positions[:, 2])
     if turned.max() > TURNED:
         return message(
-            "block {block} has turned by {angle:.2f} rad",
-            block=int(turned.argmax()),
-            angle=float(turned.max()),
-        )
+            "block {block} has turned by {angle:.2f} rad", block=int(turned.argmax()), angle=float(turned.max()),
+        )  # fmt: skip
     fallen = (-moved[:, 1] > size) & (v[:, 1] < 0.0)
     if fallen.any():
         block = int(np.argmax(np.where(fallen, -moved[:, 1], -np.inf)))
@@ -99,10 +97,8 @@ def broken_tie(system: StaticSystem, x: Array) -> tuple[int, Message] | None:
         if broken.size:
             tie = ties[broken[0]]
             return k, message(
-                "the tie {tie} breaks: it has yielded by more than {longest:.3g} m",
-                tie=tie.name,
-                longest=tie.longest,
-            )
+                "the tie {tie} breaks: it has yielded by more than {longest:.3g} m", tie=tie.name, longest=tie.longest,
+            )  # fmt: skip
     return None
 
 

@@ -56,16 +56,17 @@ def stands(
 
 
 def borne(
-    alpha: Array, jumps: Mask, flat: float, model: Assembly, direction: Direction, contacts: Behaviour,
+    alpha: Array, unled: Mask, flat: float, model: Assembly, direction: Direction, contacts: Behaviour,
     sliding: Sliding, state: State,
 ) -> float:  # fmt: skip
     """Return the largest multiplier that, held, does not fell a structure pushed from a state; ∞: all of its curve.
 
-    `alpha` (k,) of the points of the curve, and whether blocks have jumped to them, `jumps` (k,). Up to where α has
-    come down by more than `flat`, or blocks have jumped, no motion is needed. What exceeds that is searched by
-    bisection, as if what bears a load bore any smaller one: RESOLVED times what fells the structure is borne.
+    `alpha` (k,) of the points of the curve; `unled` (k,): to which blocks have jumped, or whose flow is another than
+    that of the path. Up to these, or where α has come down by more than `flat`, no motion is needed. What exceeds that
+    is searched by bisection, as if what bears a load bore any smaller one: RESOLVED times what fells the structure is
+    borne.
     """
-    left = jumps | (alpha < np.maximum.accumulate(alpha) - flat)
+    left = unled | (alpha < np.maximum.accumulate(alpha) - flat)
     low = float(alpha[: int(np.argmax(left)) if left.any() else len(alpha)].max())
     if alpha.max() <= low + flat:
         return np.inf

@@ -151,13 +151,10 @@ def _limit(
     if sliding == "coulomb" and model.crushes:
         found, central, dilation = _no_more_than_whole(on_edges, (found, central, dilation))
     if abs(found.alpha) > BOUNDED:
-        raise NoEquilibriumError(
-            message(
-                "{direction}: no mechanism, the load only wedges the blocks (α > {bound:g})",
-                direction=direction,
-                bound=LARGEST_MULTIPLIER,
-            )
-        )
+        raise NoEquilibriumError(message(
+            "{direction}: no mechanism, the load only wedges the blocks (α > {bound:g})",
+            direction=direction, bound=LARGEST_MULTIPLIER,
+        ))  # fmt: skip
     mechanism = np.zeros((len(model.blocks), 3))
     mechanism[model.movable] = found.displacement.reshape(-1, 3)
     forces = np.zeros((len(closed.contacts), 3))

@@ -286,8 +286,7 @@ def _settled(
     except ConvergenceError as error:
         released = message(
             "whether the structure rests on its elastic joints before the motion was not decided: {reason}; it is "
-            "released as it is",
-            reason=error.message,
-        )
+            "released as it is", reason=error.message,
+        )  # fmt: skip
         return state, None, released
     return replace(step.state, motion=None), step.forces, None

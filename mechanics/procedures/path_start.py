@@ -65,10 +65,10 @@ def mechanism_start(
     """
     limit = limit_analysis(model, direction, state, sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
-    return PathStart(_onset(limit, increment), rate, 1.0 if state is None else START.settled, limit.alpha)
+    return PathStart(onset(limit, increment), rate, 1.0 if state is None else START.settled, limit.alpha)
 
 
-def _onset(limit: Limit, increment: float) -> Equilibrium:
+def onset(limit: Limit, increment: float) -> Equilibrium:
     """Return the onset of a limit analysis as the start of a step in which a block moves by an increment (m).
 
     By Coulomb's law it has the gaps and slips of its flow: other flows have other multipliers, and a step that begins
@@ -149,13 +149,10 @@ def no_way_from_rest(model: Assembly, why: Message) -> UnstableError | ArgumentE
             f"normal_stiffness: joints are so stiff that the last digit of a position is {model.rounding:.1g} of their "
             "compression; make it smaller, use rigid contacts, or move the structure nearer to the origin"
         )
-    return UnstableError(
-        message(
-            "with elastic joints no equilibrium leads away from rest: {reason}; joints too soft to keep the structure "
-            "upright (check normal_stiffness, in kN/m³), or the increment is too large",
-            reason=why,
-        )
-    )
+    return UnstableError(message(
+        "with elastic joints no equilibrium leads away from rest: {reason}; joints too soft to keep the structure "
+        "upright (check normal_stiffness, in kN/m³), or the increment is too large", reason=why,
+    ))  # fmt: skip
 
 
 def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") -> Equilibrium:
@@ -173,13 +170,11 @@ def settled(model: Assembly, state: State | None, sliding: Sliding = "coulomb") 
         if len(unpressed(model)):
             why = message(
                 "with elastic joints the structure cannot stand under its own weight: {reason}; rigid joints would "
-                "hold it by friction of faces that nothing presses; draw what bears these blocks",
-                reason=fall.message,
-            )
+                "hold it by friction of faces that nothing presses; draw what bears these blocks", reason=fall.message,
+            )  # fmt: skip
         else:
             why = message(
                 "with elastic joints the structure cannot stand under its own weight: {reason}; "
-                "rigid joints would hold it, these are too soft: check normal_stiffness, in kN/m³",
-                reason=fall.message,
-            )
+                "rigid joints would hold it, these are too soft: check normal_stiffness, in kN/m³", reason=fall.message,
+            )  # fmt: skip
         raise UnstableError(why) from fall

@@ -13,7 +13,7 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.procedures.held_load import borne
 from mechanics.procedures.limit_analysis import Limit, limit_in
-from mechanics.procedures.path_start import PathStart, elastic_start, mechanism_start
+from mechanics.procedures.path_start import PathStart, elastic_start, mechanism_start, onset
 from mechanics.procedures.peaks import behind_closing, closes, may_peak
 from mechanics.procedures.step_control import PATH, reach
 from mechanics.steps.rest import motion_to_rest
@@ -63,11 +63,15 @@ class PushInput:
 
 @dataclass(frozen=True, eq=False)
 class PushPoint:
-    """A point of a curve: an equilibrium, the displacement (m) of the control point, whether blocks `jumped` to it."""
+    """A point of a curve: an equilibrium, the displacement (m) of the control point, whether blocks `jumped` to it.
+
+    `least`: whether the equilibrium is that of limit analysis in the state.
+    """
 
     step: Equilibrium
     displacement: float
     jumped: bool = False
+    least: bool = False
 
 
 class PushPath:
@@ -88,7 +92,7 @@ class PushPath:
         self.control_rate = self._control_rate()
         self.slope = np.inf  # what α has changed per unit work in the last step
         self.plateau = (0.0, self.alpha)  # displacement at which α last changed, and its value since
-        self.limits: dict[tuple[Equilibrium, Assembly], Limit | None] = {}
+        self.limits: dict[tuple[State, Assembly], Limit | None] = {}
         self.end: Message | None = None
         self.reached, self.lost, self.endless = False, False, False
 
@@ -342,17 +346,15 @@ class PushPath:
             self.endless = True
             self.end = message(
                 "the structure slides: α stays {alpha:.4g} over {distance:.3g} m, and nothing ends that",
-                alpha=alpha,
-                distance=self.model.size,
-            )
+                alpha=alpha, distance=self.model.size,
+            )  # fmt: skip
         elif now > 0.5 * self.push.increment and alpha <= self.push.until * largest:
             self.end = message("α has come down to {until:g} of its peak", until=self.push.until)
         elif len(self.points) == self.tolerances.points:
             self.end = message(
                 "a curve has {count} points at most; write a larger {key}",
-                count=self.tolerances.points,
-                key="increment_m",
-            )
+                count=self.tolerances.points, key="increment_m",
+            )  # fmt: skip
 
     @property
     def share(self) -> float:
@@ -381,65 +383,72 @@ class PushPath:
         for point in sorted(added, reverse=True):
             self.points.insert(point, PushPoint(added[point], self.along(added[point].state.positions)))
 
-    def drop_other_flow(self) -> bool:
-        """Drop the points of another flow about the peak; return whether there are any.
+    def take_least_flow(self) -> bool:
+        """Put the flow of limit analysis in place of points of another one about the peak; return if there are any.
 
-        In their states there is a lesser multiplier, or only one that lifts what slides: slides leave forces open, that
-        may balance what nothing leads to. A finite strength raises no multiplier: that without it is the bound.
+        Each point that is looked at is twice as far as the last one: a flow may go on for hundreds of points.
         """
         end, peak = len(self.points) - 1, peak_of(self.multiplier)
-        if not (self.system.rigid and 0 < peak < end) or self._has_flow(peak):
-            return False
-        first, after = peak, peak
+        others: dict[int, PushPoint | None] = {}
         for way in (-1, 1):
-            reach = way  # each twice as far as the last one: a flow may go on for hundreds of points
-            while 0 < peak + reach < end and not self._has_flow(peak + reach):
-                first, after = min(first, peak + reach), max(after, peak + reach)
-                reach *= 2
-        jumped = any(point.jumped for point in self.points[first : after + 2])
-        self.dropped += [(point.displacement, point.step.alpha) for point in self.points[first : after + 1]]
-        self.points[first : after + 2] = [replace(self.points[after + 1], jumped=jumped)]
+            at, reach = peak, way
+            while self.system.rigid and 0 < at < end and (flow := self._flow(at)) is not self.points[at]:
+                others[at], at, reach = flow, peak + reach, 2 * reach
+        if not others:
+            return False
+        first, after = min(others), max(others) + 1
+        kept = [*(k for k in sorted(others) if others[k]), after]
+        self.dropped += [(point.displacement, point.step.alpha) for point in self.points[first:after]]
+        jumped = [any(p.jumped for p in self.points[a + 1 : b + 1]) for a, b in pairwise([first - 1, *kept])]
+        flows = [others.get(k) or self.points[k] for k in kept]
+        self.points[first : after + 1] = [replace(p, jumped=j) for p, j in zip(flows, jumped, strict=True)]
         return True
 
-    def _has_flow(self, point: int) -> bool:
-        """Whether the multiplier of a point is that of limit analysis in its state, without crushing."""
-        step, least = self.points[point].step, LIMIT.closed * self.model.size
-        if self.model.crushes and step.penetration > least:  # without crushing such a joint is not closed
-            return True
-        limit = self.limit_at(point, self.model.uncrushed)
-        if limit is None:
-            return True
-        most = (1.0 + self.tolerances.flat) * limit.alpha
-        return limit.dilation <= max(self.system.dilation, *LIMIT.slight) and self.multiplier[point] <= most
+    def _flow(self, point: int) -> PushPoint | None:
+        """Return a point if its flow is that of limit analysis in its state, else the point with that flow.
+
+        None if that lifts what slides. Where there is a lesser multiplier, slides have left forces open, that may
+        balance what nothing leads to. A finite strength raises no multiplier: that without it is the bound.
+        """
+        own, closed = self.points[point], LIMIT.closed * self.model.size
+        if own.least or (self.model.crushes and own.step.penetration > closed):
+            return own  # without crushing such a joint is not closed
+        bound = self.limit_at(point, self.model.uncrushed)
+        if bound is None:
+            return own
+        if bound.dilation > max(self.system.dilation, *LIMIT.slight):
+            return None
+        if own.step.alpha <= (1.0 + self.tolerances.flat) * bound.alpha:
+            return own
+        least = self.limit_at(point, self.model)
+        return None if least is None else replace(own, step=onset(least, self.push.increment), least=True)
 
     def limit_at(self, point: int, model: Assembly) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there.
 
         `model`: that of the curve, or the one whose joints cannot be crushed.
         """
-        step = self.points[point].step
-        if (step, model) not in self.limits:
-            self.limits[step, model] = None
+        state = self.points[point].step.state
+        if (state, model) not in self.limits:
+            self.limits[state, model] = None
             with suppress(NoEquilibriumError, ConvergenceError):
-                self.limits[step, model] = limit_in(
-                    model, self.push.direction, step.state, self.system.sliding
-                )
-        return self.limits[step, model]
+                self.limits[state, model] = limit_in(model, self.push.direction, state, self.system.sliding)
+        return self.limits[state, model]
 
     def peak_that_counts(self) -> tuple[int, float]:
         """Return the point of α_0, and α_0: the largest multiplier that, held, does not fell the structure.
 
         What exceeds it behind a trough is reached by a push that is taken back alone: the curve has it, α_0 does not
         count it. Where α vanishes in that trough the curve ends, if the control point has moved: without it hinges of a
-        settlement close. Before, points of other flows are dropped.
+        settlement close. Before, limit analysis replaces points of other flows.
         """
-        while self.drop_other_flow():
+        while self.take_least_flow():
             pass
-        alpha, jumps = self.multiplier, np.array([point.jumped for point in self.points])
+        alpha, unled = self.multiplier, np.array([point.jumped or point.least for point in self.points])
         flat, zero = self.tolerances.flat * float(alpha.max()), self.tolerances.zero * float(alpha.max())
         behaviour: Behaviour = "rigid" if self.system.rigid else "elastic"
         held = borne(
-            alpha, jumps, flat, self.model, self.push.direction, behaviour, self.system.sliding,
+            alpha, unled, flat, self.model, self.push.direction, behaviour, self.system.sliding,
             self.points[0].step.state,
         )  # fmt: skip
         peak = int(np.argmax(alpha >= held)) if held < np.inf else peak_of(alpha)

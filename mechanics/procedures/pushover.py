@@ -51,10 +51,10 @@ class Pushover:
     control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
     there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
     points solved with a dilation where the latter was not; `dropped` (n, 2): displacements (m) and multipliers of those
-    left out, which limit analysis does not find in their states. Of the `model`, pushed in a `direction`. `peak`: index
-    of the first point of the largest multiplier, or that is no less than `alpha_0`: the largest multiplier that, held,
-    does not fell the structure, where that is less (α_0 of results with rigid joints, α_u with elastic ones). In a
-    settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then rises
+    replaced or left out, as limit analysis has less in their states. Of the `model`, pushed in a `direction`. `peak`:
+    index of the first point of the largest multiplier, or that is no less than `alpha_0`: the largest multiplier that,
+    held, does not fell the structure, where that is less (α_0 of results with rigid joints, α_u with elastic ones). In
+    a settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then rises
     before it falls.
     """
 

@@ -222,9 +222,8 @@ def unfinished(*parts: TimeHistory) -> Message | None:
         return None
     return message(
         "blocks still move at the end, at {speed:.2g} m/s, and may fall after it: collapse and residual displacement "
-        "are not known; continue the base motion with zeros",
-        speed=speed,
-    )
+        "are not known; continue the base motion with zeros", speed=speed,
+    )  # fmt: skip
 
 
 def _check_motion(system: DynamicSystem, part: Recorded, done: int, step: float, every: int) -> None:
@@ -335,16 +334,14 @@ def _notes(
     if sliding_error > tolerances.slides:
         text = message(
             "steps are long beside the slides of joints: displacements by sliding may be wrong by {share:.0%} or more; "
-            "take a shorter step",
-            share=sliding_error,
-        )
+            "take a shorter step", share=sliding_error,
+        )  # fmt: skip
         notes = (*notes, text)
     moves = energy.turnover > tolerances.nothing * model.weight * model.size
     if moves and energy.imbalance > tolerances.balanced:
         text = message(
             "the energy balance leaves {share:.1%} of what was turned over open: "
-            "a step is not solved as accurately as it should be; take a shorter one",
-            share=energy.imbalance,
-        )
+            "a step is not solved as accurately as it should be; take a shorter one", share=energy.imbalance,
+        )  # fmt: skip
         return (*notes, text)
     return notes

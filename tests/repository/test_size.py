@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3508,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3554,
+    "mechanics/procedures": 3548,
     "mechanics/records": 996,
     "mechanics/solvers": 923,
     "mechanics/steps": 1766,

@@ -66,25 +66,29 @@ def test_the_least_dilation_that_has_a_flow_decides(increment):
     )
 
 
-def test_a_peak_of_another_flow_goes_with_its_flow(monkeypatch):
-    """A flow is dropped by one call."""
+@pytest.mark.parametrize(("dilation", "placed"), [(0.0, [0.3] * 6), (1.0, [])])
+def test_limit_analysis_replaces_a_peak_of_another_flow(monkeypatch, dilation, placed):
+    """Points looked at have the multiplier of their state, those between go; so do all where only lifting has one."""
     told = (0.4, 0.61, 0.62, 0.63, 0.62, 0.61, 0.61, 0.6, 0.5, 0.3)
     model = block_on_base()
     push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
     path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
     path.points = [
-        PushPoint(replace(path.points[0].step, alpha=alpha), 0.01 * k) for k, alpha in enumerate(told)
+        PushPoint(replace(path.points[0].step, alpha=alpha), 0.01 * k, k == 6) for k, alpha in enumerate(told)
     ]
-    of_state = replace(limit_analysis(model, "+x"), dilation=0.0)
+    of_state = limit_analysis(model, "+x")
 
     def limit_at(own, point, model):
-        return replace(of_state, alpha=0.3 if 0.6 <= own.multiplier[point] < 0.7 else 1.0)
+        other = 0.6 <= own.multiplier[point] < 0.7
+        return replace(of_state, alpha=0.3 if other else 1.0, dilation=dilation if other else 0.0)
 
     monkeypatch.setattr(PushPath, "limit_at", limit_at)
-    assert path.drop_other_flow()
-    assert path.multiplier.tolist() == [0.4, 0.5, 0.3]
+    assert path.take_least_flow()
+    assert path.multiplier.tolist() == [0.4, *placed, 0.5, 0.3]
+    jumped = [k for k, point in enumerate(path.points) if point.jumped]
+    assert jumped == [6 if placed else 1]  # the first point behind the one that has gone
     assert [alpha for _, alpha in path.dropped] == list(told[1:8])
-    assert not path.drop_other_flow()
+    assert not path.take_least_flow()
 
 
 def test_points_beside_a_peak_of_another_flow_are_their_own():
