@@ -327,12 +327,10 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
     [best] = search.followed(unknowns, [fit.u], FINE, "best movement")
     rows = []
     for each, off in zip(project.measurement, fit.residual.tolist(), strict=True):
-        shown = {
-            "measured": each.value,
-            "predicted": each.value + off * each.sigma,
-            "residual": off * each.sigma,
-        }
-        rows.append(as_part(parts.Fitted, each, measurement=each.name, residual_in_sigma=off, **shown))
+        rows.append(as_part(
+            parts.Fitted, each, measurement=each.name, measured=each.value, predicted=each.value + off * each.sigma,
+            residual=off * each.sigma, residual_in_sigma=off,
+        ))  # fmt: skip
     return parts.Explanation(
         hypothesis=unknowns.title,
         unknowns=n,

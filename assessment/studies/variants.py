@@ -191,12 +191,9 @@ def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
         for direction, capacities in found_there.items()
     ]
     return studies.Scenarios(
-        quantity=by,
-        limit_state=quoted_limit_state(project),
-        points=points,
-        worst=worst(points, by),
+        quantity=by, limit_state=quoted_limit_state(project), points=points, worst=worst(points, by),
         warnings=list(study.warnings),
-    )
+    )  # fmt: skip
 
 
 def part(whole: SettlementTable, share: float) -> SettlementTable:
@@ -227,11 +224,9 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
     "depth": ("depth_m",),
 }
 NAMES = {
-    "friction": message("friction"),
-    "stiffness": message("stiffness"),
-    "unit_weight": message("unit weight"),
+    "friction": message("friction"), "stiffness": message("stiffness"), "unit_weight": message("unit weight"),
     "depth": message("depth"),
-}
+}  # fmt: skip
 
 
 def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
