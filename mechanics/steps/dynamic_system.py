@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from mechanics.errors import ConvergenceError
-from mechanics.kernels.dynamics.march import FAR, RESTS, UNSOLVED, march
 from mechanics.kernels.dynamics.motion import (
     ELASTIC,
     ENERGIES,
@@ -27,6 +26,7 @@ from mechanics.kernels.dynamics.motion import (
     remember,
     strain_energy,
 )
+from mechanics.kernels.dynamics.step import FAR, RESTS, UNSOLVED, march
 from mechanics.kernels.joint import H, U
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, MotionMemory, State
@@ -303,7 +303,7 @@ class DynamicSystem:
     def _compute(
         self, motion: Motion, base: Array, step: float, begun: Array, found: Recorded
     ) -> tuple[int, int]:
-        """Compute steps into `found`; how many, and why they end, see kernels.dynamics.march."""
+        """Compute steps into `found`; how many, and why they end, see kernels.dynamics.step."""
         halving = self.halving
         scheme = Scheme(
             step, self.theta, self.damping, self.restitution, self.accepted, halving.levels, halving.share,

@@ -15,8 +15,8 @@ ROW = re.compile(r"^\| [^|]+ \| `([\w.]+)` \| ([^|]+) \| [^|]+ \|$", re.MULTILIN
 
 # columns of arrays, entries of a record, codes: they count, and decide nothing
 COUNTS = {
-    "kernels.bed.LINES", "kernels.dynamics.march.FAR", "kernels.dynamics.march.RESTS",
-    "kernels.dynamics.march.UNSOLVED", "kernels.dynamics.motion.ENERGIES", "kernels.dynamics.motion.GAPS",
+    "kernels.bed.LINES", "kernels.dynamics.step.FAR", "kernels.dynamics.step.RESTS",
+    "kernels.dynamics.step.UNSOLVED", "kernels.dynamics.motion.ENERGIES", "kernels.dynamics.motion.GAPS",
     "kernels.dynamics.motion.JOINT", "kernels.dynamics.motion.LONGER", "kernels.dynamics.motion.MIDDLE",
     "kernels.dynamics.motion.N1", "kernels.dynamics.motion.REMAINS", "kernels.dynamics.motion.SPRING",
     "kernels.dynamics.motion.SUNK", "kernels.dynamics.newton.KNOWN", "kernels.interior.joint_law.KNOWN",

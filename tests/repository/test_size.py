@@ -23,7 +23,7 @@ LINES = {
     "assessment/studies": 2262,
     "assessment/workflow": 917,
     "mechanics": 935,
-    "mechanics/kernels": 3508,
+    "mechanics/kernels": 3507,
     "mechanics/model": 2992,
     "mechanics/procedures": 3548,
     "mechanics/records": 996,
