@@ -1,8 +1,10 @@
 """The calculation report, as NTC 2018 ch. 10 asks, of results alone: HTML, PDF and Word from one template; tables."""
 
 import base64
+import csv
 import io
 import itertools
+import math
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -238,18 +240,24 @@ def write_tables(results: Results, folder: Path) -> None:
 
     A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
     """
-    import pandas as pd  # late: the report needs the rows only
-
     if model := fragility_model(results):
         write_atomically(folder / "fragility.xml", model)
     for each in tables(results):
         if each.rows:
-            frame = pd.DataFrame(each.rows, columns=list(each.columns))
-            words = [name for name, kind in frame.dtypes.items() if not pd.api.types.is_numeric_dtype(kind)]
-            frame = frame.assign(**{str(name): frame[name].map(inert) for name in words})
-            frame.columns = frame.columns.map(inert)
-            path = folder / f"{each.name}.csv"
-            write_atomically(path, frame.to_csv(index=False, lineterminator="\n").encode())
+            columns = [
+                [inert(name), *_of_one_kind([row.get(name) for row in each.rows])] for name in each.columns
+            ]
+            text = io.StringIO()
+            csv.writer(text, lineterminator="\n").writerows(zip(*columns, strict=True))
+            write_atomically(folder / f"{each.name}.csv", text.getvalue().encode())
+
+
+def _of_one_kind(column: Sequence[Any]) -> list[Any]:
+    """Return cells that no spreadsheet runs, NaN as gaps, whole numbers beside these or fractions as such."""
+    known = [None if isinstance(cell, float) and math.isnan(cell) else cell for cell in column]
+    kinds = set(map(type, known))
+    as_fractions = kinds - {type(None)} <= {int, float} and kinds != {int}
+    return [float(cell) if as_fractions and cell is not None else inert(cell) for cell in known]
 
 
 def inert(cell: Any) -> Any:

@@ -17,7 +17,7 @@ LINES = {
     "assessment/cli": 630,
     "assessment/ntc": 2116,
     "assessment/project": 4578,
-    "assessment/report": 5976,
+    "assessment/report": 5972,
     "assessment/results": 3203,
     "assessment/runtime": 1438,
     "assessment/studies": 2262,

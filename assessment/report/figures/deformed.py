@@ -173,16 +173,10 @@ class MechanismView:
     """
 
     def __init__(
-        self,
-        results: Results,
-        state: str,
-        displacements: Configuration,
-        hinges: Sequence[Point],
-        sliding: Sequence[int],
-        configuration: Configuration,
-        met: Sequence[Face],
+        self, results: Results, state: str, displacements: Configuration, hinges: Sequence[Point],
+        sliding: Sequence[int], configuration: Configuration, met: Sequence[Face],
         numbered: Sequence[hand_check.MacroBlock] = (),
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.state, self.macro_blocks = state, numbered
         self.configuration = np.asarray(configuration, dtype=float)
         self.velocity = np.asarray(displacements, dtype=float)

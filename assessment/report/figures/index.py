@@ -72,15 +72,9 @@ def pictures(results: Results) -> list[Picture]:
     made: list[Picture] = []
 
     def show(
-        name: str,
-        section: str,
-        draw: Callable[..., Figure],
-        /,
-        *what: Any,
-        caption: str = "",
-        full: bool = False,
+        name: str, section: str, draw: Callable[..., Figure], /, *what: Any, caption: str = "", full: bool = False,
         **fields: object,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Add the picture of what a function draws of the results; its caption is named as the picture by default."""
         drawing = partial(draw, results, words_of(results), *what)
         made.append(Picture(name, section, drawing, caption or name, fields, full))
