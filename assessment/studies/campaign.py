@@ -159,7 +159,7 @@ def campaign(
             shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
             shakings.append((state.settlement, shaking, each, state))
     asked = asked_for(shakings, table.signs, reach, image)
-    scans.settle("campaign", asked, 0 if table.levels_g else len(table.signs), study)
+    scans.settle("campaign", asked, not table.levels_g, study)
     rows = _rows(asked, scans, table, study)
     measures = sets.Measures.of(project, records)
     by_state = {

@@ -332,21 +332,13 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
             residual=off * each.sigma, residual_in_sigma=off,
         ))  # fmt: skip
     return parts.Explanation(
-        hypothesis=unknowns.title,
-        unknowns=n,
-        movement=_movement(unknowns, fit, sure),
-        chi_squared=fit.chi_squared,
-        degrees_of_freedom=freedom,
-        probability=probability(fit.chi_squared, freedom) if freedom else None,
-        aic=fit.chi_squared + 2.0 * n,
-        distinguished=False,
-        undetermined=[*open_movements(unknowns, sure.open)],
-        kinked=[*kinked_components(unknowns, kinked)],
+        hypothesis=unknowns.title, unknowns=n, movement=_movement(unknowns, fit, sure), chi_squared=fit.chi_squared,
+        degrees_of_freedom=freedom, probability=probability(fit.chi_squared, freedom) if freedom else None,
+        aic=fit.chi_squared + 2.0 * n, distinguished=False, undetermined=[*open_movements(unknowns, sure.open)],
+        kinked=[*kinked_components(unknowns, kinked)], at_collapse=fit.stopped, fit=rows,
         contradicting=[row.measurement for row in rows if abs(row.residual_in_sigma) > CONTRADICTS],
-        at_collapse=fit.stopped,
-        fit=rows,
         configuration=best.configuration,
-    )
+    )  # fmt: skip
 
 
 def probability(chi_squared: float, freedom: int) -> float:

@@ -22,7 +22,8 @@ from mechanics import Assembly
 from mechanics.messages import Message, headed, message, visible
 from mechanics.procedures import Mirror
 
-LOOKS, LOOKED_TO = 2, 0.05  # without an accuracy: halvings of the time step, and by how much levels may move
+# without an accuracy: scans at which the time step is halved, how often, and by how much their levels may move
+LOOKED_AT, LOOKS, LOOKED_TO = 3, 2, 0.05
 SCALED = 3.0  # factor on a record beyond which its level is no longer that of such an earthquake
 
 
@@ -188,8 +189,8 @@ class Scans:
                 waiting = [each for each in waiting if (self._moved(each) or 0.0) > accuracy.tolerance]
         return [self._row(each, accuracy.tolerance, study) for each in known]
 
-    def settle(self, stage: str, asked: Sequence[Asked], first: int, study: Study) -> None:
-        """Scan all at the time step that the first ones need, or those known at several; first = 0: as given."""
+    def settle(self, stage: str, asked: Sequence[Asked], looks: bool, study: Study) -> None:
+        """Scan all at the time step that some of them need, or those known at several; not `looks`: as given."""
         tables = (each.shaking.setting.table for each in asked)
         if any(table.contacts == "elastic" and not table.damping_ratio for table in tables):
             study.warnings.append(message(
@@ -200,7 +201,7 @@ class Scans:
         looked = [each for each in asked if len(self._by_step(each)) > 1]
         if not looked:
             self.run(stage, asked)
-            looked = list(asked[:first])
+            looked = self._spread(asked) if looks else []
             for halvings in range(1, LOOKS + 1 if looked else 1):
                 self.run(f"finer: {stage}", looked, halvings)
                 if self.needed(looked)[0] < halvings:
@@ -214,19 +215,25 @@ class Scans:
                 "in the mean", stage=stage, moved=math.exp(moved) - 1.0, count=halvings,
             ))  # fmt: skip
 
+    def _spread(self, asked: Sequence[Asked]) -> list[Asked]:
+        """Return LOOKED_AT scans, evenly spaced among those that collapse: of several records and of several states."""
+        each_once = {each.key: each for each in asked if each.starts}.values()
+        every = [each for each in each_once if observed_in(self.of(each)).lowest] or list(each_once)
+        return every[:: max(len(every) // LOOKED_AT, 1)][:LOOKED_AT]
+
     def needed(self, asked: Sequence[Asked]) -> tuple[int, float]:
         """Return how often the time step has to be halved, and by how much, in ln, the one given moves the levels.
 
         That is as often as the mean of the lowest collapses differs from that of the finest step by more than the
-        tolerance: a level by itself may turn on the last digits. Of what was scanned at several steps alone.
+        tolerance: a level by itself may turn on the last digits. Of what was scanned at several steps alone; where none
+        collapses, the largest level stands for it.
         """
         moved: dict[int, list[float]] = {}
         for found in {each.key: self._by_step(each) for each in asked}.values():
-            lowest = {n: observed_in(each).lowest for n, each in found.items()}
-            last = lowest[max(lowest)] if len(lowest) > 1 else None
-            for n, level in lowest.items():
-                if last is not None and level is not None:
-                    moved.setdefault(n, []).append(math.log(level / last))
+            seen = {n: observed_in(each) for n, each in found.items()}
+            lowest = {n: each.lowest or each.safe for n, each in seen.items() if each.lowest or each.safe}
+            for n, level in lowest.items() if len(lowest) > 1 else ():
+                moved.setdefault(n, []).append(math.log(level / lowest[max(lowest)]))
         mean = {n: sum(moved[n]) / len(moved[n]) for n in sorted(moved)}
         tolerance = accuracy_of(self.project).tolerance or LOOKED_TO
         wrong = [n for n in mean if abs(mean[n]) > tolerance]

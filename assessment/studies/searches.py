@@ -253,8 +253,7 @@ def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scan
     drawn, found = inputs.starts[ORIGINAL, table.contacts][0], Searched()
     tasks = [("", task, 1.0, None) for task in inputs.tasks(table, motions, own_setting(table))]
     asked = asked_for(tasks, tuple(DIRECTIONS), reach_of(project), mirror_image(project, drawn, table))
-    first = len(DIRECTIONS) if accuracy_of(project).tolerance is None else 0
-    scans.settle("incremental", asked, first, found)
+    scans.settle("incremental", asked, accuracy_of(project).tolerance is None, found)
     found.errors = scans.refine(asked, found)
     measures = Measures.of(project, motions)
     by_state: dict[str, list[Asked]] = {}

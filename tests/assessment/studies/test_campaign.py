@@ -3,6 +3,7 @@
 import math
 from contextlib import suppress
 from dataclasses import replace
+from itertools import permutations
 from types import SimpleNamespace
 
 import numpy as np
@@ -355,6 +356,7 @@ def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
         ([(0.5, 0.51, 0.5), (0.52, 0.49, 0.5)], 0),
         ([(0.55, 0.5, 0.5), (0.46, 0.5, 0.5)], 0),  # by chance this way and that
         ([(None, None, None)], 0),
+        ([(None, 0.5, 0.5)], 1),  # at the step given it stands up to the largest level
         ([(0.5,)], 0),
     ],
 )
@@ -379,7 +381,30 @@ def test_elastic_joints_without_damping_are_warned_of(monkeypatch, contacts, dam
     table, study = SimpleNamespace(contacts=contacts, damping_ratio=damping), Study()
     asked = Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0))
     asked.__dict__["key"] = ""
-    Scans(SimpleNamespace(accuracy="fast"), None).settle("campaign", [asked], 0, study)
+    Scans(SimpleNamespace(accuracy="fast"), None).settle("campaign", [asked], False, study)
     assert [
         str(note).startswith("campaign: elastic joints without damping_ratio") for note in study.warnings
     ] == [True] * told
+
+
+@pytest.mark.parametrize("order", list(permutations(["stands", "falls", "falls too"])))
+def test_the_time_step_is_judged_where_records_collapse(monkeypatch, order):
+    """With a record that never collapses first, all had the step given: a block fell at 1.54 g, not at 1.07."""
+    by_step = {"stands": (None, None, None), "falls": (1.65, 1.07, 1.07), "falls too": (1.9, 1.7, 1.7)}
+
+    def run(self, stage, asked, halvings=0):
+        for each in asked:
+            level = by_step[each.key][halvings]
+            point = made(Level, {"pga_g": level or 3.0, "collapsed": level is not None})
+            self.found.setdefault(each.key, {})[halvings] = Scan([point])
+
+    monkeypatch.setattr(Scans, "run", run)
+    table = SimpleNamespace(contacts="rigid", damping_ratio=None)
+    scans, asked = Scans(SimpleNamespace(accuracy="fast"), None), []
+    for record in order:
+        asked.append(
+            Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0))
+        )
+        asked[-1].__dict__["key"] = record
+    scans.settle("incremental", asked, True, Study())
+    assert scans.counts == 1
