@@ -358,18 +358,18 @@ def second_solver(
     began = time.perf_counter()
     found = Found[static.SecondSolver]()
     title = pushover_title(name, direction, "rigid")
-    try:
-        linear = procedures.static_theorem(model, direction, activated)
-    except mechanics.ArgumentError:
-        return found
+    linear: float | None = None
     own: float | None = None
     try:
+        linear = procedures.static_theorem(model, direction, activated)
+        if linear is None:
+            note = message("the linear program of limit analysis has no optimum by HiGHS")
+            found.warnings.append(headed(title, note))
         own = procedures.limit_in(model, direction, activated, "associative").alpha
+    except mechanics.ArgumentError:
+        return found
     except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
         note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
-        found.warnings.append(headed(title, note))
-    if linear is None:
-        note = message("the linear program of limit analysis has no optimum by HiGHS")
         found.warnings.append(headed(title, note))
     difference = None
     if own is not None and linear is not None:

@@ -32,7 +32,7 @@ def static_theorem(model: Assembly, direction: Direction = "+x", state: State | 
     It is the α of limit_analysis with associative friction, from a linear program written apart: forces at the closed
     ends of joints, equilibrium of each block about its centroid. Contacts, which of their ends are closed, and loads
     are those of the model; a tie bears up to its yield force. None if HiGHS finds no optimum. Raises ArgumentError for
-    joints that crush: their bound on N and P is not linear.
+    joints that crush, whose bound is not linear; ConvergenceError where it is not known whether the state stands.
     """
     state = model.starting(state)
     closed = standing_program(model, state)

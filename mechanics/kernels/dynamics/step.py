@@ -280,9 +280,9 @@ def _worked(
         else:
             spent[FRICTION_WORK] -= t * dv
             # faces that meet no faster than a step makes a block that falls may not have met at all
-            met = -(normal * du + moment * dphi)
+            taken = -(normal * du + moment * dphi)
             unsure = 0.5 * STANDARD_GRAVITY * h * h * normal
-            spent[STEPPING] += min(max(met, -unsure), unsure)
+            spent[STEPPING] += min(max(taken, -unsure), unsure)
         # of a slide that turns back, or comes to rest and may turn, the friction is not that of the whole step
         _, _, v0 = relative(start[k], a[k], b[k], v)
         _, _, v1 = relative(at[q], a[k], b[k], speed)

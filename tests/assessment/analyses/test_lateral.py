@@ -21,7 +21,7 @@ from assessment.results.schema.part import plain
 from assessment.results.schema.static import RigidPush
 from assessment.workflow.stages import run as analyse
 from mechanics import Material, Pushover, limit_analysis, pushdown, pushover
-from mechanics.errors import NoEquilibriumError
+from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.messages import Message, message
 from mechanics.procedures import limit_in
 from tests.support.analysed import SETTLED, analysed
@@ -287,6 +287,16 @@ def test_an_optimum_that_highs_does_not_find_is_warned_of(monkeypatch):
     assert part.value.alpha_program == pytest.approx(0.2)
     [warning] = part.warnings
     assert "ottimo" in in_italian(warning)
+
+
+def test_a_state_that_may_not_stand_is_warned_of(monkeypatch):
+    def undecided(*_):
+        raise ConvergenceError(message("does not settle"))
+
+    monkeypatch.setattr(module.procedures, "static_theorem", undecided)
+    part = second_solver(block_on_base(), "original", "+x", block_on_base().initial, 0.2)
+    assert part.value.alpha_program is None and part.value.alpha_linear_program is None
+    assert ["does not settle" in str(each) for each in part.warnings] == [True]
 
 
 def test_joints_that_crush_have_no_comparison():
