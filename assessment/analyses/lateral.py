@@ -306,8 +306,8 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
         )  # fmt: skip
     if len(path.dropped):
         yield message(
-            "points left out of the curve: {count}, up to α = {multiplier:.4g}; in their states limit analysis finds "
-            "less, which stands in their place, or only a mechanism that lifts what slides",
+            "points left out of the curve or replaced: {count}, up to α = {multiplier:.4g}; in their states limit "
+            "analysis finds less, which stands in their place, or only a mechanism that lifts what slides",
             count=len(path.dropped), multiplier=float(path.dropped[:, 1].max()),
         )  # fmt: skip
     other = curve.other_law  # it may be the onset alone that differs

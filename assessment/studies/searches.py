@@ -285,14 +285,10 @@ def _search(both: Sequence[Asked], scans: Scans) -> dynamic.Search:
     seen, motion = observed_in(scans.of(counted)), counted.shaking.motion
     shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)} | motion.told_vertical
     return dynamic.Search(
-        record=motion.name,
-        record_pga_g=motion.pga,
-        sign=None if failed else worse.sign,
+        record=motion.name, record_pga_g=motion.pga, sign=None if failed else worse.sign, signs=signs,
         pga_collapse_g_range=None if seen.lowest is None else [seen.capacity, seen.certain],
-        signs=signs,
-        seconds=sum(scans.of(each).seconds for each in both if each.sign == each.run_sign),
-        **shown,
-    )
+        seconds=sum(scans.of(each).seconds for each in both if each.sign == each.run_sign), **shown,
+    )  # fmt: skip
 
 
 def summarise(

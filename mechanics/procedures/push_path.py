@@ -407,8 +407,8 @@ class PushPath:
     def _flow(self, point: int) -> PushPoint | None:
         """Return a point if its flow is that of limit analysis in its state, else the point with that flow.
 
-        None if that lifts what slides. Where there is a lesser multiplier, slides have left forces open, that may
-        balance what nothing leads to. A finite strength raises no multiplier: that without it is the bound.
+        None if that lifts what slides, or joints that crush have none. Where there is a lesser multiplier, slides left
+        forces open, that may balance what nothing leads to. Strength raises no multiplier: that without is the bound.
         """
         own, closed = self.points[point], LIMIT.closed * self.model.size
         if own.least or (self.model.crushes and own.step.penetration > closed):

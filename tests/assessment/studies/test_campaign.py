@@ -356,6 +356,7 @@ def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
         ([(0.5, 0.51, 0.5), (0.52, 0.49, 0.5)], 0),
         ([(0.55, 0.5, 0.5), (0.46, 0.5, 0.5)], 0),  # by chance this way and that
         ([(None, None, None)], 0),
+        ([(0.55, 0.5, 0.5), (None, None, None)], 1),  # what never collapses says nothing
         ([(None, 0.5, 0.5)], 1),  # at the step given it stands up to the largest level
         ([(0.5,)], 0),
     ],
@@ -378,7 +379,8 @@ def test_the_time_step_is_halved_as_often_as_the_mean_of_the_levels_needs(levels
 def test_elastic_joints_without_damping_are_warned_of(monkeypatch, contacts, damping, told):
     """Of an arch of nine blocks levels at 2.5 ms were 20 % above those at 0.1 ms, and of an explicit code."""
     monkeypatch.setattr(Scans, "run", lambda *arguments: None)
-    table, study = SimpleNamespace(contacts=contacts, damping_ratio=damping), Study()
+    table = SimpleNamespace(contacts=contacts, damping_ratio=damping, integrator="second-order")
+    study = Study()
     asked = Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0))
     asked.__dict__["key"] = ""
     Scans(SimpleNamespace(accuracy="fast"), None).settle("campaign", [asked], False, study)
@@ -399,7 +401,7 @@ def test_the_time_step_is_judged_where_records_collapse(monkeypatch, order):
             self.found.setdefault(each.key, {})[halvings] = Scan([point])
 
     monkeypatch.setattr(Scans, "run", run)
-    table = SimpleNamespace(contacts="rigid", damping_ratio=None)
+    table = SimpleNamespace(contacts="rigid", damping_ratio=None, integrator=None)
     scans, asked = Scans(SimpleNamespace(accuracy="fast"), None), []
     for record in order:
         asked.append(

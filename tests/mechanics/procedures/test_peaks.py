@@ -1,4 +1,4 @@
-"""The peak of a curve is that of its own flow: what another flow, a lift or forces left open would bear is dropped."""
+"""The peak of a curve is that of its own flow: what another flow, a lift or forces left open would bear is not."""
 
 from dataclasses import replace
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mechanics import Assembly, Material, limit_analysis, pushdown, pushover
+from mechanics.procedures import held_load
 from mechanics.procedures.limit_analysis import limit_in
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
 from mechanics.steps.static_system import static_system
@@ -89,6 +90,22 @@ def test_limit_analysis_replaces_a_peak_of_another_flow(monkeypatch, dilation, p
     assert jumped == [6 if placed else 1]  # the first point behind the one that has gone
     assert [alpha for _, alpha in path.dropped] == list(told[1:8])
     assert not path.take_least_flow()
+
+
+@pytest.mark.parametrize(("least", "told"), [(False, 0.6), (True, 0.45)])
+def test_a_motion_decides_on_what_limit_analysis_has_replaced(monkeypatch, least, told):
+    """A curve that rises up to its peak: only behind a point that limit analysis has placed it is asked for."""
+    model = block_on_base()
+    push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
+    path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
+    step = path.points[0].step
+    path.points = [
+        PushPoint(replace(step, alpha=alpha), 0.01 * k, least=least and k == 2)
+        for k, alpha in enumerate((0.3, 0.4, 0.5, 0.6, 0.2))
+    ]
+    monkeypatch.setattr(PushPath, "limit_at", lambda *_: None)
+    monkeypatch.setattr(held_load, "stands", lambda *given: given[-1] <= 0.45)
+    assert path.peak_that_counts()[1] == pytest.approx(told, rel=0.05)
 
 
 def test_points_beside_a_peak_of_another_flow_are_their_own():
