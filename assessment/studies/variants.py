@@ -224,9 +224,11 @@ KEYS = {  # property: the keys of [material], [geometry] and [layers] that it st
     "depth": ("depth_m",),
 }
 NAMES = {
-    "friction": message("friction"), "stiffness": message("stiffness"), "unit_weight": message("unit weight"),
+    "friction": message("friction"),
+    "stiffness": message("stiffness"),
+    "unit_weight": message("unit weight"),
     "depth": message("depth"),
-}  # fmt: skip
+}
 
 
 def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:

@@ -20,7 +20,7 @@ LINES = {
     "assessment/report": 5972,
     "assessment/results": 3203,
     "assessment/runtime": 1438,
-    "assessment/studies": 2259,
+    "assessment/studies": 2261,
     "assessment/workflow": 917,
     "mechanics": 935,
     "mechanics/kernels": 3507,

@@ -124,8 +124,8 @@ def test_incremental_analysis_and_campaign_are_one_set_of_motions_and_have_the_s
     loss = results["states"]["base turned"]["incremental"]["loss"]
     low, high = loss["dynamic_range"]
     assert low <= loss["dynamic"] <= high and loss["left_out"] == 0
-    # both signs from two states, at half the time step, too; the campaign's are among them
-    assert outcome.computed == 4 + 2 + len(STATICS) and results["timing_s"]["campaign"] == 0.0
+    # both signs from two states, and three of these at half the time step; the campaign's are among them
+    assert outcome.computed == 4 + 3 + len(STATICS) and results["timing_s"]["campaign"] == 0.0
     again = run(project, build_model(project), 1, Store(tmp_path / "store"))
     assert again.computed == 0 and again.results.states == outcome.results.states
 

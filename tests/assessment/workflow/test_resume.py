@@ -70,7 +70,7 @@ EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
     # one state of the two
     "the movement": (
         "rotation_rad = -0.02", "rotation_rad = -0.03",
-        {"self-weight": 0.0, "pushdown": 1.0, "finer: incremental": 0.0, OTHER: 0.5},
+        {"self-weight": 0.0, "pushdown": 1.0, OTHER: 0.5},
     ),
     # a scan runs the levels of the histories too
     "the record's scale": (
