@@ -227,8 +227,8 @@ class Scans:
         """Return how often the time step has to be halved, and by how much, in ln, the one given moves the levels.
 
         That is as often as the mean of the lowest collapses differs from that of the finest step by more than the
-        tolerance: a level by itself may turn on the last digits. Of what was scanned at several steps alone, one of
-        which it collapses at; where it does not, the largest level stands for its lowest collapse.
+        tolerance: a level by itself may turn on the last digits. A scan counts that was run at
+        several steps and collapses at one; at the others its largest level stands for the lowest collapse.
         """
         moved: dict[int, list[float]] = {}
         for found in {each.key: self._by_step(each) for each in asked}.values():

@@ -56,17 +56,16 @@ def stands(
 
 
 def borne(
-    alpha: Array, unled: Mask, flat: float, model: Assembly, direction: Direction, contacts: Behaviour,
+    alpha: Array, discontinuous: Mask, flat: float, model: Assembly, direction: Direction, contacts: Behaviour,
     sliding: Sliding, state: State,
 ) -> float:  # fmt: skip
     """Return the largest multiplier that, held, does not fell a structure pushed from a state; ∞: all of its curve.
 
-    `alpha` (k,) of the points of the curve; `unled` (k,): to which blocks have jumped, or whose flow is another than
-    that of the path. Up to these, or where α has come down by more than `flat`, no motion is needed. What exceeds that
-    is searched by bisection, as if what bears a load bore any smaller one: RESOLVED times what fells the structure is
-    borne.
+    `alpha` (k,) of the points of the curve; `discontinuous` (k,): to which blocks have jumped, or that limit analysis
+    has placed. Up to these, or where α has come down by more than `flat`, no motion is needed. What exceeds that is
+    searched by bisection, as if what bears a load bore any smaller one, down to RESOLVED times what fells it.
     """
-    left = unled | (alpha < np.maximum.accumulate(alpha) - flat)
+    left = discontinuous | (alpha < np.maximum.accumulate(alpha) - flat)
     low = float(alpha[: int(np.argmax(left)) if left.any() else len(alpha)].max())
     if alpha.max() <= low + flat:
         return np.inf

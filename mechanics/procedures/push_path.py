@@ -407,8 +407,8 @@ class PushPath:
     def _flow(self, point: int) -> PushPoint | None:
         """Return a point if its flow is that of limit analysis in its state, else the point with that flow.
 
-        None if that lifts what slides, or joints that crush have none. Where there is a lesser multiplier, slides left
-        forces open, that may balance what nothing leads to. Strength raises no multiplier: that without is the bound.
+        None if that lifts what slides, or joints that crush have none. A slide leaves forces open: the path may balance
+        more than any flow of its state. Joints that crush bear no more than joints that do not.
         """
         own, closed = self.points[point], LIMIT.closed * self.model.size
         if own.least or (self.model.crushes and own.step.penetration > closed):
@@ -444,11 +444,12 @@ class PushPath:
         """
         while self.take_least_flow():
             pass
-        alpha, unled = self.multiplier, np.array([point.jumped or point.least for point in self.points])
+        alpha = self.multiplier
+        discontinuous = np.array([point.jumped or point.least for point in self.points])
         flat, zero = self.tolerances.flat * float(alpha.max()), self.tolerances.zero * float(alpha.max())
         behaviour: Behaviour = "rigid" if self.system.rigid else "elastic"
         held = borne(
-            alpha, unled, flat, self.model, self.push.direction, behaviour, self.system.sliding,
+            alpha, discontinuous, flat, self.model, self.push.direction, behaviour, self.system.sliding,
             self.points[0].step.state,
         )  # fmt: skip
         peak = int(np.argmax(alpha >= held)) if held < np.inf else peak_of(alpha)
