@@ -21,8 +21,7 @@ from assessment.app.worker import Worker
 from assessment.project.project import SOURCES, project_file, spelt, survey_project
 from assessment.runtime.errors import ProjectError, error_text
 from assessment.runtime.files import write_atomically
-from assessment.runtime.progress import NAME as JOURNAL
-from assessment.runtime.progress import RunRecord, holder, progress_of, read_journal
+from assessment.runtime.progress import holder, progress_of, read_journal
 
 SAID = 2000  # letters of what a command that failed has said
 
@@ -36,7 +35,6 @@ class Runs:
     def __init__(self, folder: Path, log: Path) -> None:
         self.folder, self.output, self.log = folder, folder / "output", log
         self.process: subprocess.Popen[Any] | None = None
-        self.seen: tuple[tuple[int, int] | None, RunRecord] = (None, RunRecord())
 
     def start(self, command: str, *options: str) -> None:
         """Start `assesto COMMAND` on the project. Raises ProjectError where one is at work, OSError where none can."""
@@ -68,23 +66,13 @@ class Runs:
     def state(self) -> dict[str, Any]:
         """Return where the run is: what `assesto status --json` prints, and what a command of the page has said."""
         code = self.process.poll() if self.process else None
-        recorded = self._recorded()
+        recorded = read_journal(self.output)
         found = progress_of(recorded, holder(self.output))
         own = self.process is not None and code is None
         said = "" if code in (None, 0) else self.log.read_text(encoding="utf-8", errors="replace")[-SAID:]
         if found["exit_code"] is None and not own and not recorded.stages:  # else: of another run, cut short
             found["exit_code"] = code  # of a command that has left no journal
         return found | {"running": found["running"] or own, "own": own, "said": said.strip()}
-
-    def _recorded(self) -> RunRecord:
-        try:
-            status = (self.output / JOURNAL).stat()
-        except OSError:
-            return RunRecord()
-        key = (status.st_mtime_ns, status.st_size)
-        if self.seen[0] != key:
-            self.seen = (key, read_journal(self.output))
-        return self.seen[1]
 
 
 PLACES = {  # of a dropped file: suffixes, and the folder that it is put into

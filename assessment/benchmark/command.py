@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from assessment.benchmark import motions, statics, whole
+from assessment.benchmark import motions, statics
 from assessment.benchmark.measure import Row, as_csv, load, machine, table
 from assessment.runtime.console import say
 from assessment.runtime.errors import nearest
@@ -43,13 +43,12 @@ BENCHMARKS = {
     "walls": Benchmark("limit analysis of running-bond walls; the ratio is to one PIQP solve.", statics.walls),
     "chain": Benchmark(
         "static analyses one by one, together, on all processors; whole commands.",
-        whole.chain, "case steps seconds ratio elapsed_s failed",
+        statics.chain, "case steps seconds ratio elapsed_s failed",
     ),
     "sliding": Benchmark(
         "where rigid curves end, by both laws, by variants that may not matter, then by multiples of the increment.",
         statics.sliding,
     ),
-    "skips": Benchmark("what is not computed, and how far the answer is from that without the skip.", whole.skips),
 }  # fmt: skip
 
 

@@ -1,20 +1,26 @@
-"""Statics: run time against error of increments, beds and solvers; where curves that slide end; ever larger walls."""
+"""Statics: run time against error of increments, beds and solvers; curves that slide; whole chains; large walls."""
 
 import json
 import math
+import os
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import cache, partial
+from itertools import product
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from assessment.analyses.governing import ENSEMBLE, shaken_corners
+from assessment.analyses.states import PAST_PEAK
 from assessment.benchmark import measure as runner
 from assessment.benchmark import structures
 from mechanics import Assembly, Pushdown, Pushover, limit_analysis, pushover
 from mechanics.model.assembly import Behaviour, Direction
+from mechanics.procedures.mirror import Mirror
 from mechanics.solvers import lp_highs, qp_piqp
 from mechanics.steps.static_system import Sliding
 
@@ -174,6 +180,70 @@ def ends(
         return row | {"failed": "no variant is solved"}
     row |= {"least_end_m": min(found), "median_end_m": float(np.median(found)), "most_end_m": max(found)}
     return row | {"seconds": float(np.median(seconds))}
+
+
+WAYS: tuple[Direction, ...] = ("+x", "-x")
+CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
+
+
+def chain(quick: bool) -> Iterator[runner.Row]:
+    """Pushdown, rigid and elastic pushover of both states and directions, one by one and together; whole commands."""
+    for name in ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch"):
+        yield from analyses(name)
+        with TemporaryDirectory() as out:
+            arguments = ("run", str(structures.template(name).folder), "--out", out)
+            statics = (*arguments, "--only", "pushdown,pushover", "--no-report", "--fresh")
+            yield command(f"assesto run, {name.replace('-', ' ')}, statics", *statics)
+            if not quick:
+                yield command(f"assesto run, {name.replace('-', ' ')}, to the PDF", *arguments)
+                yield command("assesto run again, nothing changed", *arguments)
+    yield command("assesto --help", "--help")
+
+
+def analyses(name: str) -> Iterator[runner.Row]:
+    """Every analysis of a template on one processor; last, of all together."""
+    rows: list[runner.Row] = []
+    for contacts in CONTACTS:
+        mirror, paths = Mirror.of(structures.assembly(name), contacts), dict[str, Any]()
+        for title, way in [("pushdown", None), *product(("original", "settled"), WAYS)]:
+            if title == "settled" and "pushdown" not in paths:
+                continue
+            work = partial(_path, name, title, way, contacts, paths, mirror)
+            full = f"{title}, pushover {way}" if way else title
+            with suppress(*runner.FAILURES):
+                paths[full] = work(1.0)
+            rows += runner.rows_of(runner.Case(f"{name.replace('-', ' ')}, {full}, {contacts}", work))
+            yield rows[-1]
+    solved = [row for row in rows if row.get("failed") is None]
+    total: runner.Row = {field: sum(row.get(field, 0) for row in rows) for field in ("steps", "seconds")}
+    total["ratio"] = total["seconds"] / sum(row["seconds"] / row["ratio"] for row in solved)
+    lost = len(rows) - len(solved)
+    failed = f"{lost} of {len(rows)}, and what depends on them" if lost else None
+    yield {"case": f"{name.replace('-', ' ')}, static chain", "whole": True, "failed": failed} | total
+
+
+def _path(
+    name: str, title: str, way: Direction | None, contacts: Behaviour, paths: dict[str, Any], mirror: Mirror | None,
+    _: float,
+) -> Any:  # fmt: skip
+    """The movement of a template, or its curve as drawn or settled; as drawn towards −x by reflection if exact."""
+    if way is None:
+        return structures.settled(name, contacts)
+    other = paths.get("original, pushover +x") if way == "-x" and title == "original" else None
+    if mirror and other and (image := mirror.pushover(other)):
+        return image
+    state = paths["pushdown"].final if title == "settled" else None
+    return structures.pushed(
+        name, way, contacts, 1.0, state, None, PAST_PEAK if contacts == "elastic" else 0.0
+    )
+
+
+def command(case: str, *arguments: str) -> runner.Row:
+    """Processor time and time elapsed of a whole command."""
+    before = os.times()
+    subprocess.run([sys.executable, "-m", "assessment.cli", *arguments], check=True, capture_output=True)
+    _, _, user, system, elapsed = (now - then for now, then in zip(os.times(), before, strict=True))
+    return {"case": case, "whole": True, "seconds": user + system, "elapsed_s": elapsed}
 
 
 WALLS = {100: (10, 10), 300: (17, 17), 1000: (31, 31), 3000: (55, 54), 10000: (100, 100)}  # by blocks

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from _typeshed import SupportsWrite
 
-BENCHMARKS = ("statics", "dynamics", "ensembles", "steps", "walls", "chain", "sliding", "skips")
+BENCHMARKS = ("statics", "dynamics", "ensembles", "steps", "walls", "chain", "sliding")
 EXAMPLES = ("assesto new arch --template buttressed-arch", "assesto run arch")
 Argument = tuple[str, dict[str, Any]]
 

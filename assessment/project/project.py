@@ -153,10 +153,8 @@ def project_file(folder: Path | str) -> Path:
     if not path.is_dir():
         raise ProjectError(f"{path}: project: no such folder; give the folder that holds {SOURCES[0]}")
     found = [path / name for name in SOURCES if (path / name).is_file()]
-    if len(found) > 1:  # one of them where a conversion was killed
-        found = [file for file in found if not is_converted(file)]
-        if len(found) != 1:
-            raise ProjectError(f"{path}: project: holds {' and '.join(SOURCES)}; keep one of them")
+    if len(found) > 1:
+        raise ProjectError(f"{path}: project: holds {' and '.join(SOURCES)}; keep one of them")
     if not found:
         raise ProjectError(f"{path}: project: holds no {' or '.join(SOURCES)}; write one (assesto new)")
     return found[0]
@@ -171,16 +169,8 @@ def convert(old: Path, content: Mapping[str, Any]) -> tuple[Path, Path]:
     """Write the `old` project file in the other form; return that, and where `old` is kept. Raises ProjectError."""
     new = old.with_name(XLSX if old.name == TOML else TOML)
     kept = old.with_name(f"{old.name}.old")
-    if kept.exists() and not is_converted(old):
+    if kept.exists() and kept.read_bytes() != old.read_bytes():
         raise ProjectError(f"{kept}: file: exists, and {old.name} would take its place; move it away")
-    write_atomically(kept, old.read_bytes())
-    # from here on `old` is_converted: a kill leaves nothing to be mended
     write_atomically(new, source_bytes(new.name, content))
-    old.unlink()
+    old.replace(kept)
     return new, kept
-
-
-def is_converted(file: Path) -> bool:
-    """Return whether a project file has been turned into its other form: what is kept of it is the file itself."""
-    kept = file.with_name(f"{file.name}.old")
-    return kept.is_file() and file_digest(kept) == file_digest(file)

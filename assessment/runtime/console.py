@@ -1,7 +1,6 @@
 """The process of a command: what it prints never ends it, Ctrl-C does within a second, garbage is collected rarely."""
 
 import atexit
-import codecs
 import errno
 import gc
 import os
@@ -10,7 +9,6 @@ import socket
 import sys
 import threading
 import time
-import unicodedata
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import NoReturn, TextIO
@@ -18,11 +16,10 @@ from typing import NoReturn, TextIO
 from mechanics.messages import visible
 
 OUTPUT = "standard output"  # as a message names it
-SPELT = dict.fromkeys("−–—·", "-") | dict.fromkeys("“”", '"') | {"…": "...", "×": "x", "’": "'", "→": "->"}
 
 
 def prepare() -> None:
-    """Have both streams open, and letters that their encoding lacks spelt out.
+    """Have both streams open: files and pipes get UTF-8, a terminal a question mark for each letter that it lacks.
 
     Of a closed one the number would fall to the next file that is opened, and what libraries print would go there.
     """
@@ -32,9 +29,9 @@ def prepare() -> None:
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
     atexit.register(_finish)
-    codecs.register_error("spelt", _spell)
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="spelt")  # type: ignore[union-attr]
+        encoding = stream.encoding if stream.isatty() else "utf-8"
+        stream.reconfigure(encoding=encoding, errors="replace")  # type: ignore[union-attr]
 
 
 def say(text: str = "", end: str = "\n") -> None:
@@ -77,21 +74,6 @@ def _finish() -> None:
 
 def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123 - for as long as the process lives
-
-
-def _spell(error: UnicodeError) -> tuple[str, int]:
-    """Return what to write for letters that an encoding lacks: α is alpha, é is e, ? where there is nothing like it."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(map(_spelt, error.object[error.start : error.end])), error.end
-
-
-def _spelt(letter: str) -> str:
-    base = unicodedata.normalize("NFKD", letter)
-    name = unicodedata.name(base[0], "").split()
-    if name[:1] == ["GREEK"]:
-        return name[-1].lower() if "SMALL" in name else name[-1].capitalize()
-    return SPELT.get(letter) or base.encode("ascii", "ignore").decode() or "?"
 
 
 GRACE = 0.4  # s that the run has for ending in good order

@@ -10,7 +10,6 @@ import time
 import warnings
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 
 SCRATCH = ".assesto-"  # prefix of the folders where files are made before they are put in place
 LAST = "results.json"  # of a run: if it is there, all files are
-LONGEST = 600.0  # s between two writes to one file: older temporary files are of processes that were killed
 WRITTEN = 1.0  # s, of the only file that is written in a locked folder beside a run: model.svg
 MOST_BYTES = 250_000_000  # of a file whose content is digested: more than of any input that is not refused
 
@@ -41,7 +39,6 @@ def write_atomically(path: Path, content: bytes) -> None:
     try:
         with naming(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            _clear_once(path.parent)
             temporary.write_bytes(content)
             temporary.replace(path)
     finally:
@@ -54,29 +51,15 @@ def temporary_of(path: Path) -> Path:
     return path.with_name(f".{path.name}.{os.getpid()}.tmp")
 
 
-def left_over(folder: Path, name: str = "*", age: float = LONGEST) -> list[Path]:
-    """Return temporary files and folders that nobody has written to for an `age` (s): of the file `name`, or of all."""
-    written = time.time() - age
-    found = (path for path in folder.glob(f".{name}.*.tmp") if re.fullmatch(r".+\.\d+\.tmp", path.name))
-    return [path for path in found if path.stat().st_mtime <= written]
-
-
-def clear_left_over(folder: Path, age: float = LONGEST) -> None:
-    """Remove the temporary files of killed processes from a folder."""
-    with suppress(OSError):
-        for path in left_over(folder, age=age):
-            with suppress(OSError):
-                path.unlink()
-
-
-_clear_once = cache(clear_left_over)  # in a process: thousands of files may be written to a folder
-
-
 def clear(folder: Path) -> None:
     """Remove unfinished files of runs that were killed; the folder has to be locked."""
-    clear_left_over(folder, WRITTEN)
     for left in folder.glob(f"{SCRATCH}*"):
         shutil.rmtree(left, ignore_errors=True)
+    written = time.time() - WRITTEN
+    for left in folder.glob(".*.tmp"):
+        with suppress(OSError):  # its process may be at work
+            if re.fullmatch(r".+\.\d+\.tmp", left.name) and left.stat().st_mtime <= written:
+                left.unlink()
 
 
 def put_in_place(new: Path, folder: Path, made: Collection[str], gone: Collection[str]) -> None:

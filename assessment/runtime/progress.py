@@ -11,13 +11,14 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
 from assessment.runtime.errors import WRONG_INPUT, ProjectError
+from assessment.runtime.files import write_atomically
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -88,21 +89,18 @@ class Stage:
         return unknown if left is None else LATE if left < -OVER else clock(left)
 
 
-def heard(stages: list[Stage], now: float, event: str, /, **fields: Any) -> Stage:
-    """Add an event to the last of the stages and return that. One that is no event raises and changes nothing."""
-    work = float(fields["work"]) if event in {"begin", "reached", "done"} else 0.0
-    if not math.isfinite(now) or not math.isfinite(work) or event not in get_args(Event):
-        raise ValueError(f"{event}: time: {now}, work: {work}")
+def heard(stages: list[Stage], now: float, event: Event, fields: Mapping[str, Any]) -> Stage:
+    """Add an event to the last of the stages, of which `begin` makes a new one, and return that."""
     if event == "begin":
-        stages.append(Stage(str(fields["stage"]), int(fields["total"]), int(fields["taken"]), work, now))
+        stages.append(Stage(fields["stage"], fields["total"], fields["taken"], fields["work"], now))
     stage = stages[-1]
-    if event in {"reached", "done"}:
-        stage.reached, stage.latest = work, now
+    if event in ("reached", "done"):
+        stage.reached, stage.latest = fields["work"], now
         stage.done += event == "done"
     elif event == "under_way":
-        stage.under_way, stage.since = str(fields["title"]), now
+        stage.under_way, stage.since = fields["title"], now
     elif event == "fault":
-        stage.faults.append((str(fields["title"]), [str(reason) for reason in fields["reasons"]]))
+        stage.faults.append((fields["title"], [*map(str, fields["reasons"])]))
     elif event == "end":
         stage.ended, stage.under_way = True, None
     return stage
@@ -143,7 +141,7 @@ class Bars(Show):
 
     def tell(self, event: Event, **fields: Any) -> None:
         """Draw an event."""
-        stage, lines = heard(self.stages, time.perf_counter(), event, **fields), list[str]()
+        stage, lines = heard(self.stages, time.perf_counter(), event, fields), list[str]()
         count = f"{stage.taken + stage.done}/{stage.total}"
         if event == "begin":
             left = _Now(lambda: stage.time_left(time.perf_counter(), "-:--:--"))
@@ -246,83 +244,61 @@ def _read(path: Path) -> Holder:
     return Holder("a process which has just begun", None)
 
 
-MOST_BYTES = 100_000_000  # that are read: half a million analyses
-SELDOM = 0.01  # of the time of a stage: how often it is written what is reached, 1 s at least
+MOST_BYTES = 100_000_000  # that are read
 NOTHING = "nothing has been run in"
 NAME = ".assesto.journal"  # in the output folder: of the last run that computed or wrote something there
 
 
-def record_exit(folder: Path, code: int) -> None:
-    """Append the exit code of a run to the journal of its folder, where that does not end with it already."""
-    if folder.is_dir() and read_journal(folder).exit_code != code:
-        _append(folder / NAME, event="result", code=code)
-
-
-class Journal(Show):
-    """Writes events as lines of JSON, titles once a second and work reached at SELDOM, and passes them to `show`.
-
-    It takes the place of the journal of an earlier run in the folder.
-    """
-
-    def __init__(self, folder: Path, show: Show) -> None:
-        self.path, self.show = folder / NAME, show
-        self.began = self.latest = self.named = 0.0  # times of the stage, the last line, the last title
-        self.title: str | None = None  # of the analysis under way, not written yet
-        self.path.unlink(missing_ok=True)
-
-    def tell(self, event: Event, **fields: Any) -> None:
-        """Write an event, and pass it on."""
-        now = time.time()
-        if event == "begin":
-            self.began, self.named, self.title = now, 0.0, None
-        elif event == "under_way":
-            self.title = fields["title"]
-        if event not in {"under_way", "reached"}:
-            self.latest = _append(self.path, event=event, **fields)
-        elif self.title is not None and now - self.named >= 1.0:
-            self.latest = self.named = _append(self.path, event="under_way", title=self.title)
-            self.title = None
-        if event == "reached" and now - self.latest >= max(1.0, SELDOM * (now - self.began)):
-            self.latest = _append(self.path, event=event, **fields)
-        self.show.tell(event, **fields)
-
-
-def _append(path: Path, **event: Any) -> float:
-    """Append a line and return its time; if it cannot be written, the run goes on without it."""
-    now = time.time()
-    with suppress(OSError):
-        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
-        try:
-            os.write(descriptor, (json.dumps({"time": now} | event) + "\n").encode())
-        finally:
-            os.close(descriptor)
-    return now
-
-
 @dataclass
 class RunRecord:
-    """What a journal holds: the stages of the last run that began any, and the exit code of the last that ended."""
+    """The stages of the last run that began any, and the exit code of the last that ended."""
 
     stages: list[Stage] = field(default_factory=list)
     exit_code: int | None = None
 
 
+class Journal(Show):
+    """Writes the record of a run into its folder where a stage begins or ends, and `every` so many s; tells `show`.
+
+    It takes the place of the journal of an earlier run in the folder.
+    """
+
+    def __init__(self, folder: Path, show: Show, every: float = 1.0) -> None:
+        self.folder, self.show, self.every = folder, show, every
+        self.record, self.latest = RunRecord(), 0.0
+        (folder / NAME).unlink(missing_ok=True)
+
+    def tell(self, event: Event, **fields: Any) -> None:
+        """Add an event to the record, and pass it on."""
+        heard(self.record.stages, now := time.time(), event, fields)
+        if event in ("begin", "end") or now - self.latest >= self.every:
+            self.latest = now
+            _write(self.folder, self.record)
+        self.show.tell(event, **fields)
+
+
+def _write(folder: Path, record: RunRecord) -> None:
+    with suppress(OSError):  # the run goes on without it
+        write_atomically(folder / NAME, json.dumps(asdict(record)).encode())
+
+
+def record_exit(folder: Path, code: int) -> None:
+    """Put the exit code of a run into the journal of its folder."""
+    if folder.is_dir() and (record := read_journal(folder)).exit_code != code:
+        record.exit_code = code
+        _write(folder, record)
+
+
 def read_journal(folder: Path) -> RunRecord:
-    """Return what the journal in a folder holds; a line that a kill cut short, or that is no event, is left out."""
-    recorded = RunRecord()
+    """Return what the journal in a folder holds; nothing where there is none, or none that a run wrote."""
+    from pydantic import ConfigDict, TypeAdapter, ValidationError  # late: as above
+
     try:
+        reader = TypeAdapter(list[RunRecord], config=ConfigDict(allow_inf_nan=False))
         with (folder / NAME).open("rb") as file:
-            lines = file.read(MOST_BYTES).decode(errors="replace").splitlines()
-    except OSError:
-        return recorded
-    for line in lines:
-        with suppress(ValueError, TypeError, KeyError, IndexError, OverflowError, RecursionError):
-            event = json.loads(line)
-            if event["event"] == "result":
-                recorded.exit_code = int(event["code"])
-            else:
-                heard(recorded.stages, float(event["time"]), event["event"], **event)
-    return recorded
+            return reader.validate_json(b"[" + file.read(MOST_BYTES) + b"]")[0]
+    except (OSError, ValidationError):
+        return RunRecord()
 
 
 def status(folder: Path) -> str:

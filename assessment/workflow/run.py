@@ -217,7 +217,6 @@ def carry_out(
     last = None if fresh else recall(folder)
     if last and last.stands(folder, key, report):
         return last.outcome(folder), last.warnings
-    disk.clear_left_over(project.folder)
     with locked(folder):
         disk.clear(folder)
         show = Journal(folder, show)

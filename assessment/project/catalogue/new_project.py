@@ -13,7 +13,7 @@ from assessment.project.catalogue import ARCHES, WALLS, arches, walls
 from assessment.project.catalogue.geometry import DRAWING, Layout, Made
 from assessment.project.project import CONTROL, TOML, convert, load_project, source_bytes
 from assessment.runtime.errors import ProjectError, nearest
-from assessment.runtime.files import left_over, naming, temporary_of
+from assessment.runtime.files import naming, temporary_of
 from mechanics.messages import visible
 
 NUMBER = ""  # unit of a dimension that counts, a whole number
@@ -115,8 +115,6 @@ def new_folder(folder: Path, files: Mapping[str, bytes]) -> Iterator[Path]:
     try:
         with naming(folder):
             folder.parent.mkdir(parents=True, exist_ok=True)
-            for killed in left_over(folder.parent, folder.name):
-                shutil.rmtree(killed, ignore_errors=True)
             temporary.mkdir()
         for name, data in files.items():
             with naming(folder / name):

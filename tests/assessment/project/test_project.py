@@ -11,7 +11,6 @@ import pytest
 
 from assessment.analyses.demand import demand_return_periods
 from assessment.cli.main import main
-from assessment.project import project as project_file
 from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from assessment.project.model import build_model
 from assessment.project.problems import matches
@@ -246,29 +245,3 @@ def test_conversion_either_way(tmp_path, capsys):
     assert {file.name for file in folder.iterdir()} == {
         "geometry.dxf", "records", "project.toml", "project.toml.old", "project.xlsx.old",
     }  # fmt: skip
-
-
-@pytest.mark.parametrize("moment", [1, 3])
-def test_a_conversion_that_is_killed_at_any_moment_leaves_a_project(tmp_path, monkeypatch, moment):
-    """It left both files, which every later command refused."""
-    folder = made(tmp_path / "p")
-    before, steps = load_project(folder).content(), iter(range(1, 10))
-
-    def killed_before(step):
-        def stepped(*arguments, **options):
-            if next(steps) == moment:
-                raise KeyboardInterrupt
-            return step(*arguments, **options)
-
-        return stepped
-
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(project_file, "write_atomically", killed_before(project_file.write_atomically))
-        patch.setattr(Path, "unlink", killed_before(Path.unlink))
-        patch.setattr(Path, "replace", killed_before(Path.replace))
-        project_file.convert(folder / "project.toml", load_project(folder).content(defaults=False))
-    monkeypatch.undo()
-    assert load_project(folder).content() == before
-    assert main(["convert", str(folder)]) == 0
-    assert main(["check", str(folder)]) == 0
-    assert load_project(folder).content() == before

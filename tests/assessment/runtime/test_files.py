@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from assessment.runtime.errors import ProjectError
-from assessment.runtime.files import LONGEST, SCRATCH, clear, clear_left_over, put_in_place
+from assessment.runtime.files import SCRATCH, WRITTEN, clear, put_in_place
 
 OLD = ("figures/a.svg", "figures/b.svg", "report.pdf", "results.json", "tables/t.csv")
 NEW = ("figures/b.svg", "figures/c.svg", "report.pdf", "results.json", "tables/t.csv")
@@ -91,15 +91,11 @@ def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, m
     assert texts(folder) == BEFORE
 
 
-def age(path, seconds):
-    written = path.stat().st_mtime - seconds
-    os.utime(path, (written, written))
-
-
 def test_what_a_killed_process_left_goes(tmp_path):
     others = [".a.tmp", "a.1.tmp", ".a.b.tmp", ".a.svg.3.tmp"]
     for name in (".a.svg.2.tmp", ".project.xlsx.2.tmp", *others):
         (tmp_path / name).touch()
-        age(tmp_path / name, 2.0 * LONGEST if name != others[-1] else 0.5 * LONGEST)
-    clear_left_over(tmp_path)
+        written = (tmp_path / name).stat().st_mtime - (0.0 if name == others[-1] else 2.0 * WRITTEN)
+        os.utime(tmp_path / name, (written, written))
+    clear(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {*others}

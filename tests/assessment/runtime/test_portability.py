@@ -68,9 +68,9 @@ def test_a_run_gives_what_it_gives_on_linux_and_every_module_is_imported(tmp_pat
         f"    sys.argv = ['assesto', 'run', {str(folder)!r}, '--no-report', '--jobs', '2']\n"
         "    print('ran:', main(), flush=True)\n"
     )
-    done = command(code=code, env=elsewhere, encoding="cp1252")
+    done = command(code=code, env=elsewhere, encoding="utf-8")
     assert (done.returncode, done.stderr) == (0, "")
-    assert "load unknown at the start" in done.stdout and "alpha_0" in done.stdout
+    assert "load unknown at the start" in done.stdout and "α_0" in done.stdout
     assert done.stdout.splitlines()[-1] == "ran: 0"
     assert (folder / "output" / "model.svg").is_file()
     assert run(folder, "--jobs", "1", "--out", str(tmp_path / "here")) == 0

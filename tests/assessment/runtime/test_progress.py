@@ -92,14 +92,6 @@ def shown(bars):
     return drawn
 
 
-@pytest.mark.parametrize("event", ["finished", "advance"])
-def test_an_event_of_another_name_is_refused(bars, event):
-    """Nobody heard it: a bar stood still and no test saw it."""
-    bars.tell("begin", stage="pushover", total=1, taken=0, work=1.0)
-    with pytest.raises(ValueError, match=event):
-        bars.tell(event)
-
-
 def test_the_time_left_is_known_before_an_analysis_is_finished(clock, bars, shown):
     """Two of four were taken over. A third of one takes 30 s, as do the other five thirds: 150 s are left."""
     bars.tell("begin", stage="pushover", total=4, taken=2, work=2.0)
