@@ -47,11 +47,6 @@ def names(formula: str) -> list[str]:
     return list(dict.fromkeys(_NAME.findall(formula)))
 
 
-def renamed(formula: str, other: Mapping[str, str]) -> str:
-    """Return the formula with other names in the place of some of its own."""
-    return _NAME.sub(lambda match: other.get(match[0], match[0]), formula)
-
-
 def farthest(limit_states: Container[str]) -> str | None:
     """Return the farthest of some limit states, of which capacities are quoted; None of none."""
     return next((limit for limit in QUOTED if limit in limit_states), None)

@@ -19,10 +19,6 @@ SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptab
 RISK = "IS_V IS_V_class PAM PAM_class risk_class"
 HEADLINES = ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
 INTERVENTIONS = ("improvement", "improvement_school", "retrofit_use", "retrofit")
-OTHER_SCALING = "other_scaling"  # SLV by the way of scaling that the checks did not take
-NOMINAL = "nominal"  # the check without confidence factor that is compared with a dynamic capacity
-VERTICAL = "vertical"  # the linear check with the vertical component
-BESIDE = (VERTICAL, OTHER_SCALING, NOMINAL)
 
 
 @curves("capacity", "state direction d_star_m a_star_g")
@@ -186,33 +182,41 @@ def scalings(results: Results) -> Found:
             yield where | {"scaling": scaling, "counts": check.used}, check
 
 
-def traces(found: Capacity | GivenMechanism) -> Iterator[tuple[str, list[Line]]]:
-    """Yield the traces of a direction or of a chosen mechanism: "capacity" for what its checks share, then theirs."""
-    steps = [("capacity", found.trace), *((limit, check.trace) for limit, check in found.checks.items())]
-    if not isinstance(found, GivenMechanism):
-        steps += [(VERTICAL, found.vertical.trace)] if found.vertical else []
-        steps += [(OTHER_SCALING, scaling.trace) for scaling in (found.scalings or {}).values()]
-        steps += [(NOMINAL, found.nominal.trace)] if found.nominal else []
-    yield from ((part, own) for part, own in steps if own)
+def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
+    """Yield state, direction and part of every calculation with its steps; of a mechanism "name: part".
+
+    "capacity" is what the checks of a direction share.
+    """
+    for limit, demand in (results.spectra or {}).items():
+        yield "", "", f"spectrum {limit}", demand.trace or []
+    found: list[tuple[str, str, str, Capacity | GivenMechanism]] = []
+    found += [(name, direction, "", capacity) for name, direction, capacity in capacities(results)]
+    found += [
+        (given.state, given.direction or "", f"{given.name}: ", given) for given in results.mechanisms or []
+    ]
+    for state, direction, prefix, of in found:
+        steps = {"capacity": of.trace} | {limit: check.trace for limit, check in of.checks.items()}
+        if isinstance(of, Capacity):
+            other = next((each for each in (of.scalings or {}).values() if not each.used), None)
+            beside = {"vertical": of.vertical, "other_scaling": other, "nominal": of.nominal}
+            steps |= {part: each.trace for part, each in beside.items() if each}
+        for part, own in steps.items():
+            if own:
+                yield state, direction, f"{prefix}{part}", own
+    for name, state in results.states.items():
+        if state.indices:
+            yield name, "", "indices", state.indices.trace
+    if results.knowledge:
+        yield "", "", "knowledge", results.knowledge.trace
 
 
 @table("trace", "state direction part symbol formula inputs result unit paragraph")
 def trace(results: Results) -> Found:
     """List every step of every calculation: formula, numbers put in, result and paragraph."""
-    demands = (results.spectra or {}).items()
-    found = [("", "", f"spectrum {limit}", each.trace or []) for limit, each in demands]
-    for name, direction, capacity in capacities(results):
-        found += [(name, direction, *each) for each in traces(capacity)]
-    judged = {name: state.indices for name, state in results.states.items() if state.indices}
-    found += [(name, "", "indices", each.trace) for name, each in judged.items()]
-    found += [("", "", "knowledge", results.knowledge.trace)] if results.knowledge else []
-    for given in results.mechanisms or []:
-        where = given.state, given.direction or ""
-        found += [(*where, f"{given.name}: {part}", own) for part, own in traces(given)]
-    for state, way, part, steps in found:
+    for state, direction, part, steps in calculations(results):
         for step in steps:
             inputs = "; ".join(f"{symbol}={value!r}" for symbol, value in step.inputs.items())
-            yield {"state": state, "direction": way, "part": part, "inputs": inputs}, step
+            yield {"state": state, "direction": direction, "part": part, "inputs": inputs}, step
 
 
 def directions(results: Results) -> list[Direction]:

@@ -188,7 +188,7 @@ class Line(Part):
 
     symbol: str = key("name of the result", "Simbolo|Symbol")
     formula: str = key("plain arithmetic in the names of the inputs; empty: a datum", "Formula")
-    inputs: dict[str, float] = key("the numbers put in", "Dati|Data")
-    result: float = key("the result", "Risultato|Result", unit="that of `unit`")
+    inputs: dict[str, float] = key("the numbers put in", "Dati|Data", words=True)
+    result: float = key("the result, in `unit`", "Risultato|Result", unit="")
     unit: str = key("unit of the result")
     paragraph: Sentence = key("paragraph of the standard, or source of a datum", "Riferimento|Reference")
